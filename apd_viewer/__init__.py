@@ -14,8 +14,8 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-# Where HOME is missing, and the user in no list, as in a container: a home in which nothing can be written,
-# so that nobody who asks for it has to think of that. Modules ask as they are imported.
+# expanduser fails without HOME and without an entry in the user database, as in containers. A home that
+# cannot be written to keeps every later lookup working; modules look it up when imported.
 if not os.path.isabs(os.path.expanduser("~")):  # noqa: PTH111, PTH117, which raise
     os.environ["HOME"] = os.devnull
 
@@ -58,7 +58,7 @@ def __getattr__(name: str) -> Any:
     """Import public names on first use, so that a window appears sooner."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    # Imported here: the api loads numba and scipy, and a window opens without them.
+    # Imported here: the api module loads numba and scipy, not needed to open a window.
     from apd_viewer import api
 
     return getattr(api, name)
@@ -90,7 +90,7 @@ def view(mesh: Any = None) -> None:
 
 
 def show_window(mesh: Any, shows_errors: bool = False) -> None:
-    """Open the window, which with ``shows_errors`` reports files it cannot use."""
+    """Open the window; ``shows_errors`` makes it report unusable files itself."""
     try:
         # Imported here: only a window needs Qt and VTK, and one of their system libraries may be missing.
         from apd_viewer import log

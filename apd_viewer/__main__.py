@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         print_error(tr("error: {sentence}").format(sentence=" ".join(str(error).split())))
         return 2
-    except BrokenPipeError:  # the reader, such as head, has seen enough
+    except BrokenPipeError:  # the reading process, such as head, has exited
         discard_output()
     except OSError as error:
         discard_output()
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(words: list[str]) -> None:
     try:
         options = parse_arguments(words)
-        # Here, because --version and --help, which end before, take twice as long with it.
+        # Imported here: this import would double the time of --version and --help, which exit earlier.
         from apd_viewer import log
 
         with log.recording_log(options.log_level):
@@ -81,7 +81,7 @@ def parse_arguments(words: list[str]) -> argparse.Namespace:
     """Options of the command line."""
     if not words or words[0] not in COMMANDS:
         parser = _view_parser()
-        name = words[0] if len(words) > 1 else ""  # words that follow are those of a command
+        name = words[0] if len(words) > 1 else ""  # only commands take arguments
         if name and not name.startswith("-") and not Path(name).suffix and not Path(name).exists():
             parser.error(tr("“{name}” is neither a file nor a command").format(name=name))
         return parser.parse_args(words)
@@ -114,11 +114,11 @@ def _view_parser() -> Parser:
 
 def _command_parser(command: str) -> Parser:
     if command in _OF_DESKTOP:
-        # Here, and alone: a file manager waits for a thumbnail, and not for what deforms.
+        # Imported here, without the other parsers: a file manager is waiting for the thumbnail.
         from apd_viewer.commands.desktop.desktop_parsers import DESKTOP_PARSERS as OF_DESKTOP
 
         return OF_DESKTOP[command]()
-    # Here, because a window is on the screen before all that has been imported.
+    # Imported here: these imports are slow, and opening a window does not need them.
     from apd_viewer.commands.parsers import PARSERS
 
     return PARSERS[command]()

@@ -1,4 +1,4 @@
-"""The error for unusable input."""
+"""Exception for unusable input."""
 
 
 class InputError(ValueError):

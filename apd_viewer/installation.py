@@ -1,4 +1,4 @@
-"""Kind of installation: by pip, or a program of its own."""
+"""Kind of installation: by pip, or as a self-contained program."""
 
 import hashlib
 import os
@@ -9,12 +9,12 @@ import platformdirs
 
 
 def is_packaged() -> bool:
-    """True in the self-contained program of an installer, with neither Python nor pip."""
+    """True in the self-contained program from the installer, without Python or pip."""
     return getattr(sys, "frozen", False)
 
 
 def kernel_folders(modules: Path) -> list[Path]:
-    """Folders for the compiled kernels of the modules in a folder, best first.
+    """Folders for a package's compiled kernels, in order of preference.
 
     One in NUMBA_CACHE_DIR, where that is named; else that beside the modules, where a wheel brings them, and
     then the user's. The packaged program brings its own.
@@ -32,5 +32,5 @@ def kernel_folders(modules: Path) -> list[Path]:
 
 
 def cache_name(modules: Path) -> str:
-    """Name of a folder's own folder in one that holds kernels of all."""
+    """Name of a package's subfolder in a kernel cache shared by all packages."""
     return f"{modules.name}_{hashlib.sha1(str(modules).encode()).hexdigest()}"

@@ -1,4 +1,4 @@
-"""Translations of the visible text, and the notation of its numbers.
+"""Translations of the visible text, and the number notation.
 
 The language is fixed when the program starts: where English words are defined they can be looked up at once.
 Numbers have the signs of the language in the window, and in the commands that it runs. On the command line
@@ -20,7 +20,7 @@ from apd_viewer.notation import Notation, TranslatedText, use_notation
 
 GETTEXT_DOMAIN = "apd_viewer"
 
-_NAMES = "APD_VIEWER_LANGUAGE", "LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"  # the first that is set
+_NAMES = "APD_VIEWER_LANGUAGE", "LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"  # the first one set is used
 _MAC = Path("~/Library/Preferences/.GlobalPreferences.plist")
 _NO_LANGUAGE = "C", "POSIX"
 
@@ -34,7 +34,7 @@ def language_file() -> Path:
 
 
 def choose_language(name: str) -> None:
-    """Use a language from the next start on; that of the system if empty.
+    """Store the language for the next start; empty for the system language.
 
     Raises
     ------
@@ -50,16 +50,16 @@ def choose_language(name: str) -> None:
 
 
 def chosen_language() -> str:
-    """Language chosen by the user; empty for that of the system."""
+    """Language chosen by the user; empty for the system language."""
     try:
         path = language_file()
-        return path.read_text(encoding="ascii").strip() if path.is_file() else ""  # a pipe would wait
-    except (OSError, ValueError):  # none was chosen, or the file has been edited
+        return path.read_text(encoding="ascii").strip() if path.is_file() else ""  # a pipe would block
+    except (OSError, ValueError):  # the file is unreadable or contains non-ASCII text
         return ""
 
 
 def preferred_languages(environment: Mapping[str, str], chosen: str = "") -> list[str]:
-    """Preferred languages, best first, as in ``de_DE``; none from English on.
+    """Preferred languages such as ``de_DE``, best first, up to but excluding English.
 
     Parameters
     ----------
@@ -76,27 +76,27 @@ def preferred_languages(environment: Mapping[str, str], chosen: str = "") -> lis
         plain = name.partition(".")[0].replace("-", "_")
         language, *rest = plain.split("_")
         if language in _NO_LANGUAGE or language.lower() == "en":
-            break  # the words are English as they are
+            break  # the untranslated texts are English
         names += _spellings(plain, language, rest)
     return names
 
 
 def _spellings(plain: str, language: str, rest: list[str]) -> list[str]:
-    """Possible names for the catalogue of a language."""
+    """Candidate names for the catalogue of a language."""
     names = [plain]
-    if len(rest) > 1:  # macOS names a script too, which the names of catalogues seldom do
+    if len(rest) > 1:  # macOS adds a script, as in zh_Hans_CN; catalogue names seldom do
         names.append(f"{language}_{rest[-1]}")
-    # Simplified Chinese is read in more places than the one that its catalogue is named for.
+    # The zh_CN catalogue also serves Singapore and languages tagged with the simplified script.
     if language == "zh" and (rest in ([], ["SG"]) or "Hans" in rest) and "zh_CN" not in names:
         names.append("zh_CN")
     return names
 
 
 def _of_the_system() -> list[str]:
-    """Languages set in Windows or macOS, without environment variables."""
+    """Languages set in Windows or macOS; empty on other systems."""
     try:
         if sys.platform == "win32":
-            # Imported here: only Windows needs them, and each is loaded before the first words.
+            # Imported here: only Windows needs them, and they would delay every start.
             import ctypes
             import locale
 
@@ -108,21 +108,21 @@ def _of_the_system() -> list[str]:
 
             with _MAC.expanduser().open("rb") as stream:
                 return [str(name) for name in plistlib.load(stream).get("AppleLanguages", ())]
-    except Exception:  # whatever is wrong with what the system says, English words are better than none
+    except Exception:  # an unreadable system setting must not prevent a start: fall back to English
         return []
     return []
 
 
 def catalogue(folder: Path, names: list[str]) -> tuple[str, gettext.NullTranslations]:
-    """First language in ``folder``, and its catalogue; "en" and an empty one if none."""
+    """First available language and its catalogue; "en" and an empty one if none."""
     for name in names:
-        # An empty list would be a reason for gettext to look into the environment by itself.
+        # Looked up one at a time: given an empty list, gettext would read the environment instead.
         path = gettext.find(GETTEXT_DOMAIN, str(folder), [name])
         if path is not None:
             try:
                 with Path(path).open("rb") as stream:
                     return Path(path).parents[1].name, gettext.GNUTranslations(stream)
-            except Exception:  # a file that is cut short raises whatever comes to gettext's mind
+            except Exception:  # gettext raises many kinds of exceptions for a truncated file
                 print(f"{path} cannot be read; compile it again.", file=sys.stderr)  # noqa: T201
     return "en", gettext.NullTranslations()
 
@@ -140,7 +140,7 @@ def languages() -> list[str]:
 
 
 def translations(text: str) -> set[str]:
-    """An English text in all languages."""
+    """Translations of an English text into all available languages."""
     return {each.gettext(text) for each in _catalogues()}
 
 
@@ -149,7 +149,7 @@ def _catalogues() -> list[gettext.NullTranslations]:
     return [catalogue(CATALOGUE_FOLDER, [name])[1] for name in languages()]
 
 
-_SHOWS_NUMBERS = "APD_VIEWER_NUMBERS"  # for the processes of the window
+_SHOWS_NUMBERS = "APD_VIEWER_NUMBERS"  # inherited by the window's child processes
 
 
 def tr(text: str) -> str:
@@ -165,27 +165,27 @@ def trn(one: str, many: str, n: int) -> str:
 
     The number goes into it as values do: ``trn("{n:,} face", "{n:,} faces", n).format(n=n)``.
     """
-    # A translation that is still to be written is an empty text, not a missing one.
+    # gettext returns an empty text for a plural form that is not translated yet.
     return TranslatedText(CATALOGUE.ngettext(one, many, n) or (one if n == 1 else many))
 
 
 def trc(context: str, text: str) -> str:
-    """Translate a ``text`` with a context: ``trc("view", "Back")`` is not a button."""
+    """Translate ``text`` in a context, such as "Back" as a view or as a button."""
     return TranslatedText(CATALOGUE.pgettext(context, text))
 
 
 def in_quotes(text: str) -> str:
-    """A name between the quotation marks of the language."""
+    """Text in the quotation marks of the language."""
     return trc("quotation marks", "“{text}”").format(text=text)
 
 
 def comma_separated(texts: Iterable[str]) -> str:
-    """Texts in a row, with the comma of the language between them."""
+    """Texts joined by the list separator of the language."""
     return trc("between two of several", ", ").join(texts)
 
 
 def localize_numbers(localized: bool = True) -> None:
-    """Write numbers as the language does, or as programs read them.
+    """Use the number notation of the language, or the one for machine reading.
 
     Processes that are started from now on do so too.
     """
@@ -195,7 +195,7 @@ def localize_numbers(localized: bool = True) -> None:
 
 def _notation(localized: bool) -> Notation:
     own = Notation.from_example(trc("the number 1234.5", "1,234.5"))
-    # With a decimal point, its comma between groups would be read as the decimal sign.
+    # Readers used to a decimal comma would take commas between groups of digits for decimal signs.
     return own if localized or own.point == "." else Notation(".", "")
 
 

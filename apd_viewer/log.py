@@ -1,4 +1,4 @@
-"""The program's log: a rotating file in the user's folder for logs.
+"""The program's log: a rotating file in the user's log folder.
 
 It belongs to the program, that is to the window and the command line: importing the package writes nothing.
 Each process writes a file of its own, since no two processes can rotate the same one; the oldest files are
@@ -29,8 +29,8 @@ from apd_viewer.errors import InputError
 
 _LOGGER = logging.getLogger("apd_viewer")
 _FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
-MOST_BYTES = 1 << 20  # of a file, before it is rotated
-_MOST_FILES = 20  # of all runs together
+MOST_BYTES = 1 << 20  # maximum size of a log file before it is rotated
+_MOST_FILES = 20  # maximum number of log files of all runs together
 _LIBRARIES = (
     "apd-viewer",
     "PySide6_Essentials",
@@ -46,7 +46,7 @@ _LIBRARIES = (
 
 @contextmanager
 def recording_log(level: str | None = None) -> Iterator[None]:
-    """Write the log while the block runs; within another such block, change nothing.
+    """Record the log during the block; no effect inside another such block.
 
     Uncaught exceptions of all threads, Python's warnings and crashes are recorded too. A folder that cannot
     be written is no reason to stop: then nothing is.
@@ -67,7 +67,7 @@ def recording_log(level: str | None = None) -> Iterator[None]:
         _add_hooks(undo)
         try:
             yield
-        except InputError:  # for the user to read, not for us
+        except InputError:  # reported to the user; not a failure of the program
             raise
         except Exception:
             _LOGGER.critical("Uncaught exception", exc_info=True)
@@ -75,17 +75,17 @@ def recording_log(level: str | None = None) -> Iterator[None]:
 
 
 def log_folder() -> Path:
-    """Folder of the logs; APD_VIEWER_LOGS in the environment names another."""
+    """Log folder; the environment variable APD_VIEWER_LOGS overrides it."""
     return Path(os.environ.get("APD_VIEWER_LOGS") or platformdirs.user_log_dir("apd-viewer", appauthor=False))
 
 
 def current_file() -> Path | None:
-    """File of this process's log, created with its first record, or None."""
+    """Log file of this process, created with its first record; None without a log."""
     return next((Path(each.baseFilename) for each in _LOGGER.handlers if isinstance(each, LogFile)), None)
 
 
 def version_lines() -> list[str]:
-    """Versions of the program, its libraries and the system, a line each."""
+    """Versions of the program, its libraries and the system, one per line."""
     lines = [f"Python {platform.python_version()}", platform.platform()]
     for name in _LIBRARIES:
         with suppress(PackageNotFoundError):
@@ -94,15 +94,15 @@ def version_lines() -> list[str]:
 
 
 class _Redacting(logging.Formatter):
-    """Formatter without names of the user's folders."""
+    """Log formatter removing the names of the user's folders."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Format the record, exception included."""
+        """Format the record with its traceback, and redact the paths in it."""
         return redacted_text(super().format(record))
 
 
 class LogFile(RotatingFileHandler):
-    """Rotating file, created by its first record and headed by the versions."""
+    """Rotating log file, created by its first record and headed by the versions."""
 
     def _open(self) -> Any:
         stream = super()._open()
@@ -111,11 +111,11 @@ class LogFile(RotatingFileHandler):
         return stream
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """Go on without the record: the disk is full, or the folder cannot be written."""
+        """Drop the record: the disk is full, or the folder is not writable."""
 
 
 def _make_room() -> Path:
-    """Remove old files; return the path of this run's files, without its suffix."""
+    """Remove old log files; return the path of this run's files without suffix."""
     run = log_folder() / f"apd-viewer-{datetime.now():%Y%m%d-%H%M%S}-{os.getpid()}"
     with suppress(OSError):
         run.parent.mkdir(parents=True, exist_ok=True)
@@ -125,7 +125,7 @@ def _make_room() -> Path:
 
 
 def _age(path: Path) -> float:
-    """Negative time of the last change; others remove files too."""
+    """Negative modification time; 0 if another process has removed the file."""
     try:
         return -path.stat().st_mtime
     except OSError:
@@ -185,7 +185,7 @@ def _add_hooks(undo: ExitStack) -> None:
 
 
 def _hook(undo: ExitStack, owner: object, name: str, listener: Callable[..., None]) -> None:
-    """Call the listener before the owner's own hook."""
+    """Install a listener called before the owner's original hook."""
     before = getattr(owner, name)
 
     def both(*arguments: Any) -> None:
@@ -196,7 +196,7 @@ def _hook(undo: ExitStack, owner: object, name: str, listener: Callable[..., Non
     undo.callback(setattr, owner, name, before)
 
 
-# Absolute paths, also below the user's home folder: quoted as Python quotes them, or without spaces.
+# Absolute paths, also those starting with ~: either quoted as in Python messages, or free of spaces.
 _PATH = re.compile(
     r"""(?P<quote>["'])(?P<quoted>(?:[A-Za-z]:|~)?[\\/][^"'\n]*)(?P=quote)"""
     r"""|(?<![\w.:/\\])(?P<bare>(?:[A-Za-z]:[\\/]|~[\\/]|[\\/](?=[^\s\\/"']+[\\/]))[^\s"']*)"""

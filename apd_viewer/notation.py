@@ -1,4 +1,4 @@
-"""Notation of shown numbers, in translated texts too."""
+"""Notation of displayed numbers, also in translated texts."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ class Notation(NamedTuple):
 
     @classmethod
     def from_example(cls, example: str) -> Notation:
-        """Notation of the number 1234.5 as written in a language."""
+        """Notation derived from a language's spelling of the number 1234.5."""
         signs = re.fullmatch(r"1(\D?)234(\D)5", example)
         return cls(signs[2], signs[1]) if signs else cls()
 
     def localized(self, number: str) -> str:
-        """A number in these signs; ``number`` is as Python formats it."""
+        """Number in this notation; ``number`` is as formatted by Python."""
         return number.translate({ord(","): self.group, ord("."): self.point})
 
     def editable(self, number: str) -> str:
-        """A number without groups in these signs, to be read in one way."""
+        """Ungrouped number in this notation, unambiguous when read back."""
         text = self.localized(number)
         return text + "0" if self.point == "," and _LIKE_THOUSANDS.fullmatch(text) else text
 
 
 class _NumberFormatter(string.Formatter):
-    """Formats numbers in the notation in use."""
+    """Formatter of numbers in the notation in use."""
 
     def format_field(self, value: Any, spec: str) -> str:
         text: str = super().format_field(value, spec)
@@ -47,12 +47,12 @@ class _NumberFormatter(string.Formatter):
 
 
 class TranslatedText(str):
-    """A translated text with numbers in the notation in use."""
+    """Translated text; numbers inserted into it follow the notation in use."""
 
     __slots__ = ()
 
     def format(self, *values: object, **named: object) -> str:
-        """Put values into it, as :meth:`str.format` does."""
+        """Insert values as :meth:`str.format` does, numbers in the notation in use."""
         return _FORMATTER.vformat(self, values, named)
 
 
@@ -61,7 +61,7 @@ _in_use = Notation()
 
 
 def use_notation(chosen: Notation) -> None:
-    """Write numbers in a notation from now on."""
+    """Set the notation of all numbers displayed from now on."""
     global _in_use
     _in_use = chosen
 
@@ -72,10 +72,10 @@ def notation() -> Notation:
 
 
 def editable_number(number: str) -> str:
-    """A number without groups for a field, in the notation in use."""
+    """Ungrouped number for an input field, in the notation in use."""
     return _in_use.editable(number)
 
 
 def localized_number(number: str) -> str:
-    """A number, as Python formats it, in the notation in use."""
+    """Number formatted by Python, converted to the notation in use."""
     return _in_use.localized(number)

@@ -212,7 +212,7 @@ def test_installer_program_says_what_it_cannot_do(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "frozen", True, raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match="This program has no Dask"):
-        cluster.connected_cluster("tcp://127.0.0.1:9", None)
+        cluster.connect_cluster("tcp://127.0.0.1:9", None)
 
     def none():
         raise RuntimeError

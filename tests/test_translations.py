@@ -121,10 +121,10 @@ def test_translations_have_their_catalogue_compiled(path):
     write_mo(wanted, read(path), use_fuzzy=True)
     wanted.seek(0)
     with path.with_suffix(".mo").open("rb") as compiled:
-        assert texts_of(read_mo(compiled)) == texts_of(read_mo(wanted))
+        assert title_and_tip(read_mo(compiled)) == title_and_tip(read_mo(wanted))
 
 
-def texts_of(catalogue):
+def title_and_tip(catalogue):
     """Translation of each text of a catalogue, by context and text."""
     return {
         (message.context, forms(message.id)): forms(message.string) for message in catalogue if message.id

@@ -1,1 +1,1 @@
-"""Painted documents along motions in steps: one alone, or many by a plan."""
+"""Deformation cases: painted documents moved in steps, singly or by a study plan."""

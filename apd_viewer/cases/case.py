@@ -1,4 +1,4 @@
-"""Cases: a painted document along a motion in steps.
+"""Cases: a painted document moved along its motion in steps.
 
 Which folds press against each other depends on the way there. Through shapes at rest it leads to others than
 the walk of a single deformation does, and to others again by the number of the steps. So from the first shape
@@ -41,18 +41,18 @@ from apd_viewer.session.posing.motion_path import (
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 
 MOST_STEPS = 1000
-# For each step: "local" creeps on for thousands of iterations without visible effect on the curve.
+# Limit per step; "local" creeps for thousands of iterations without visible effect on the curves.
 DEFAULT_ITERATIONS = 500
-# With obstacles, whose loads mean nothing before the shape has settled.
+# Limit per step with obstacles: their loads are meaningless until the shape has converged.
 SETTLING_ITERATIONS = 10_000
-# Of the rest shape's diagonal: a shorter path is none.
+# Fraction of the rest shape's diagonal: a shorter displacement counts as none.
 _NO_WAY = 1e-9
 
 CasePath: TypeAlias = HandlePath | MotionPath
 
 
 class CaseStep(NamedTuple):
-    """Shape of a case at a step, and its readings.
+    """Shape of a case at one step, with its readings.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class CaseStep(NamedTuple):
 
     @property
     def volume_error(self) -> float | None:
-        """Relative change of the volume, openings capped; None if none is enclosed."""
+        """Relative change of the volume, openings capped; None without a volume."""
         now, rest = self.frame.volume, self.volume_rest
         if now is None:
             now, rest = self.frame.volume_capped, self.volume_capped_rest
@@ -97,7 +97,7 @@ class CaseStep(NamedTuple):
 
     @property
     def readings(self) -> dict[str, float | None]:
-        """Numbers by the names of columns; turns are of the handle with the largest loss."""
+        """Readings by column name; turns of the handle with the largest lost rotation."""
         frame = self.frame
         return {
             "part": self.share,
@@ -120,7 +120,7 @@ class CaseStep(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A painted document along a motion in steps.
+    """Painted document with a motion divided into steps.
 
     Attributes
     ----------
@@ -141,28 +141,28 @@ class Case:
 
     @property
     def method(self) -> str:
-        """Name of the method of deformation."""
+        """Name of the deformation method."""
         return self.document.settings.method
 
     @property
     def leading_handle(self) -> int:
-        """The first moving handle; the first of all where obstacles alone move."""
+        """Index of the first moving handle; 0 if only obstacles move."""
         return next((k for k, path in enumerate(self.paths) if path.has_motion), 0)
 
     @property
     def obstacles(self) -> tuple[NamedObstacle, ...]:
-        """Obstacles whose loads are measured."""
+        """Obstacles with measured loads; none without contact."""
         return self.document.obstacles if self.document.settings.contact else ()
 
     @property
     def load_excess_percent(self) -> float | None:
-        """Expected excess of the loads; None without stiffness or loads."""
+        """Expected excess of the loads, percent; None without stiffness or loads."""
         excess = load_excess_of(self.document) if self.document.has_active_obstacles else None
         return None if excess is None else 100.0 * excess
 
     @property
     def abscissa(self) -> str:
-        """Name of the reading along the abscissa: "degrees", "way" of a shift, or "part"."""
+        """Abscissa of curves: "degrees", "way" (displacement) or "part" (fraction)."""
         path = self.paths[self.leading_handle]
         if not path.has_motion or any(each.shift.any() for each in self.obstacles):
             return "part"
@@ -177,13 +177,13 @@ class Case:
         return "part" if np.linalg.norm(path.along) > shortest else "degrees"
 
     @property
-    def is_gentle(self) -> bool:
+    def has_small_turns(self) -> bool:
         """True if each step turns the handles by less than half a turn."""
         step = max(np.diff(self.shares, prepend=0.0))
         return bool(step * max(total_turn(path) for path in self.paths) < np.pi)
 
-    def warnings_of(self, step: CaseStep) -> tuple[str, ...]:
-        """Sentences on what a step does not reach, and on passing through itself."""
+    def step_warnings(self, step: CaseStep) -> tuple[str, ...]:
+        """Warnings about unreached targets and self-penetration at a step."""
         may_touch, frame = method_named(step.method).may_use_contact, step.frame
         touch = self.document.settings.contact and may_touch, may_touch
         names = [each.name for each in self.document.handles]
@@ -196,12 +196,12 @@ class Case:
         return passing
 
     def document_at(self, share: float) -> Document:
-        """The document with its handles at a part of their motion."""
+        """Document with its handles at a fraction of their motion."""
         return document_at(self.document, self.paths, share)
 
     @property
     def end_document(self) -> Document:
-        """The document at the last step, turns of any size kept."""
+        """Document at the last step, including rotations of more than half a turn."""
         return document_along(self.document_at(self.shares[-1]), self.paths, self.shares[-1])
 
 
@@ -212,7 +212,7 @@ def case_of(
     iterations: int | None = None,
     motion: Sequence[MotionStep] = (),
 ) -> Case:
-    """Case of the ways of a document's handles and obstacles, or of a given motion.
+    """Case for the paths of a document's handles and obstacles, or a given motion.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def case_of(
 
 
 def cases_by_method(case: Case, methods: Sequence[str] = COMPARED_METHODS) -> list[Case]:
-    """The case by each of several methods; raises InputError if one cannot be used."""
+    """The case for each of several methods; raises InputError for an unsuitable one."""
     document = case.document
     for method in methods:
         if (
@@ -272,7 +272,7 @@ def cases_by_method(case: Case, methods: Sequence[str] = COMPARED_METHODS) -> li
 
 
 def run(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterator[CaseStep]:
-    """Shapes of a case, step by step.
+    """Yield the shapes of a case, step by step.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ def run(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterato
     """
 
     def tell(number: int, k: int) -> None:
-        # Most progress is in the first iterations, and few steps need all of them.
+        # Most progress comes in the first iterations, and few steps use the full limit.
         tick((number + k / (k + 0.1 * case.iterations)) / len(case.shares))
 
     tick(0.0)
@@ -312,7 +312,7 @@ def _step(case: Case, solver: Deformation, number: int, frame: Frame) -> CaseSte
 
 
 def document_turns(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:
-    """Turns of the handles from rest, asked and held by the shape ``U`` (n, 3)."""
+    """Requested and actual turns of the handles from rest, at the shape ``U`` (n, 3)."""
     document = document.relative_to_rest
     return held_turns(
         document.grip, U, document.mesh.joined_F, document.labels, handle_pose_sequences(document)
@@ -320,14 +320,14 @@ def document_turns(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:
 
 
 def _frames(case: Case, solver: Deformation, tick: Callable[[int, int], object]) -> Iterator[Frame]:
-    """Frame of each step, continued from the one before or beside a walk."""
+    """Frame of each step, started from the previous one or from the contact path."""
     documents = [case.document_at(share) for share in case.shares]
-    # With obstacles each step is solved until it settles, since the loads matter.
+    # With obstacles, each step starts from the previous one and is solved until its loads have converged.
     may_touch = solver.contact is not None and not case.document.has_active_obstacles
     if may_touch:
         documents[-1] = case.end_document
     begun = 0
-    for number, document in enumerate(documents if case.is_gentle or not may_touch else ()):
+    for number, document in enumerate(documents if case.has_small_turns or not may_touch else ()):
         start = None if number else document.grip
         step = document_iteration(solver, document, start, along_paths=False)
         frame = step.settle(case.iterations, partial(tick, number))
@@ -346,7 +346,7 @@ def _frames_beside_path(
     tick: Callable[[int, int], object],
     begun: int,
 ) -> Iterator[Frame]:
-    """Frames from step ``begun`` on, each beside a walk from rest to the last."""
+    """Frames from step ``begun`` on, each started from a shape of the contact path."""
     *others, last = documents
     U = last.grip
     walk = document_iteration(deformation_of(last, last.constraints(), solver.rest), last, U)
@@ -357,7 +357,7 @@ def _frames_beside_path(
                 break
             U = frame.U
             walk.iterate()
-            tick(number, 0)  # the iterations at the step itself are counted
+            tick(number, 0)  # only iterations at the steps count as progress
         beside = document_iteration(solver, document, U, along_paths=False)
         yield beside.settle(case.iterations, partial(tick, number))
     yield walk.settle(case.iterations, partial(tick, len(others)))

@@ -1,4 +1,4 @@
-"""Files of finished cases: readings, curves and the shape, whole or not at all."""
+"""Files of finished cases: readings, curves and shape, written atomically."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ CASE_SUFFIX = ".case"
 DONE, FAILED = "done", "failed"
 _MAGIC = b"apd-case\x01"
 _LARGEST = sys.float_info.max
-_HEAD = struct.Struct("<IQQ")  # CRC-32 of what follows, lengths of text and array
+_HEAD = struct.Struct("<IQQ")  # CRC-32 of text and array, and their lengths in bytes
 
 
 @dataclass(frozen=True, eq=False)
 class CaseResult:
-    """Result of a case.
+    """Result of a study case: status, readings, curves and last shape.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class CaseResult:
 
 
 def case_to_bytes(result: CaseResult) -> bytes:
-    """A result as bytes; the same one gives the same bytes."""
+    """Serialised result; equal results give equal bytes."""
     said = {each.name: getattr(result, each.name) for each in fields(result) if each.name != "U"}
     text = json.dumps(said).encode()
     array = b"" if result.U is None else npy_content(result.U)
@@ -73,7 +73,7 @@ def case_to_bytes(result: CaseResult) -> bytes:
 
 
 def case_from_bytes(content: bytes, with_shape: bool = True) -> CaseResult:
-    """A result from its bytes, with or without its shape.
+    """Result parsed from its bytes, with or without its shape.
 
     Raises
     ------
@@ -90,12 +90,12 @@ def case_from_bytes(content: bytes, with_shape: bool = True) -> CaseResult:
     try:
         said = json.loads(bytes(body[:text]))
         return _checked(CaseResult(**said, U=_shape(body[text:]) if with_shape and array else None))
-    except (ValueError, TypeError, RecursionError) as error:  # not written by this program
+    except (ValueError, TypeError, RecursionError) as error:  # file not written by this program
         raise ValueError(tr("it is damaged")) from error
 
 
 def _shape(content: memoryview) -> np.ndarray:
-    """A shape as it was packed; raises ValueError for anything else."""
+    """Shape from the bytes of a .npy array; raises ValueError for any other content."""
     start = 10 + int.from_bytes(content[8:10], "little")
     U = np.frombuffer(content, "<f8", offset=start).reshape(-1, 3).astype(np.float64)
     if npy_content(U) != content:
@@ -104,7 +104,7 @@ def _shape(content: memoryview) -> np.ndarray:
 
 
 def _checked(result: CaseResult) -> CaseResult:
-    """A result of the right types; raises TypeError or ValueError."""
+    """Result with validated field types; raises TypeError or ValueError."""
     texts, parts = (result.key, result.status, result.sentence), (result.case, result.frame)
     if not all(isinstance(each, str) for each in texts) or not all(isinstance(each, dict) for each in parts):
         raise TypeError
@@ -120,9 +120,9 @@ def is_reading(value: object) -> bool:
 
 
 def write_case(path: Path, content: bytes) -> None:
-    """Write the bytes of a result; raises InputError."""
+    """Write the bytes of a result to its file; raises InputError."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.is_symlink():  # a stranger's, to be written through
+    if path.is_symlink():  # a link could lead to a file outside the study
         path.unlink()
     with replacing_file(path) as scratch:
         scratch.write_bytes(content)
@@ -130,12 +130,12 @@ def write_case(path: Path, content: bytes) -> None:
 
 def case_path(folder: Path, key: str) -> Path:
     """File of a finished case in the folder of its study."""
-    # In folders of their own, as all writing of files looks through the folder for what was left behind.
+    # Spread over subfolders: writing a file scans its folder for leftover scratch files.
     return folder / "cases" / key[:2] / f"{key}{CASE_SUFFIX}"
 
 
 def read_case(folder: Path, key: str, with_shape: bool = False) -> CaseResult:
-    """Read a finished case; raises InputError if it is not there or damaged."""
+    """Read a finished case; raises InputError if it is missing or damaged."""
     try:
         return case_from_bytes(read_bytes(case_path(folder, key)), with_shape)
     except OSError as error:
@@ -145,13 +145,13 @@ def read_case(folder: Path, key: str, with_shape: bool = False) -> CaseResult:
 
 
 def damaged_case_error(folder: Path, key: str) -> InputError:
-    """Sentence on a damaged file."""
+    """Error for a damaged result file."""
     name = case_path(folder, key).name
     return InputError(tr("{name} is damaged; run the study again.").format(name=name))
 
 
 def case_sizes(folder: Path) -> dict[str, int]:
-    """Size in bytes of each file of a finished case, by its key."""
+    """File size in bytes of each finished case, by case key."""
     sizes: dict[str, int] = {}
     if not (folder / "cases").is_dir():
         return sizes

@@ -1,4 +1,4 @@
-"""Run the cases of a study, each once, whatever becomes of its process.
+"""Runs each case of a study once, retrying after the death of a worker process.
 
 An engine starts cases and says when they end. It is one of processes on this machine, or of workers
 elsewhere; the runner does not know which.
@@ -22,13 +22,13 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
 
-# Others may end a process, who are short of memory, say: a case is tried again before it is blamed.
+# The system may kill a process, for example to free memory: a case is retried before it is blamed.
 MOST_DEATHS = 3
-_TICK = 0.5  # s between two looks at what runs
+_TICK = 0.5  # seconds between two checks of the running cases
 
 
 class Engine(Protocol):
-    """Workers for cases.
+    """Interface of the worker pools for cases.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Engine(Protocol):
     overdue: set[Future[CaseAnswer]]
 
     def free_slots(self) -> int:
-        """Number of cases to be started now."""
+        """Number of cases the engine can accept now."""
 
     def running_count(self) -> int:
         """Number of running cases."""
@@ -51,14 +51,14 @@ class Engine(Protocol):
         """Start a case."""
 
     def check_workers(self) -> None:
-        """End overdue cases; raises InputError if the engine is gone."""
+        """Stop overdue cases; raises InputError if the workers are lost."""
 
     def close(self, at_once: bool) -> None:
-        """End the workers, or leave them to others."""
+        """End local worker processes, or release shared workers."""
 
 
 class CaseRunner:
-    """Runs cases by an engine, until all are finished or it is stopped.
+    """Runs cases on an engine until all are finished or a stop is requested.
 
     Parameters
     ----------
@@ -86,18 +86,18 @@ class CaseRunner:
         self._waiting = deque(cases)
         self._suspects: deque[str] = deque()
         self._deaths: dict[str, int] = {}
-        # Cases whose worker does not see their files.
+        # Keys of cases on workers without access to the input files: these are sent with the task.
         self._sent: set[str] = set()
         self._running: dict[Future[CaseAnswer], str] = {}
         self._ended: queue.SimpleQueue[Future[CaseAnswer]] = queue.SimpleQueue()
         self._stopping = False
 
     def stop(self) -> None:
-        """Start no more cases, and finish the running ones; safe in a signal handler."""
+        """Start no more cases, but finish the running ones; safe in a signal handler."""
         self._stopping = True
 
     def run(self) -> None:
-        """Run the cases; raises InputError if the engine is gone."""
+        """Run the cases; raises InputError if the workers are lost."""
         looked = time.monotonic()
         while True:
             self._fill()
@@ -106,7 +106,7 @@ class CaseRunner:
             with contextlib.suppress(queue.Empty):
                 future = self._ended.get(timeout=_TICK)
                 key = self._running.pop(future)
-                self._fill()  # a worker need not wait until its result is written
+                self._fill()  # keeps the worker busy while the result is written
                 self._end(key, future)
             self._tick(self._engine.running_count())
             if time.monotonic() - looked > _TICK:
@@ -114,7 +114,7 @@ class CaseRunner:
                 looked = time.monotonic()
 
     def _fill(self) -> None:
-        """Start as many as there is room for, unless stopping; suspects alone."""
+        """Start waiting cases on free workers unless stopping; suspect cases run alone."""
         if self._stopping:
             return
         while self._waiting and self._engine.free_slots() > 0:
@@ -157,7 +157,7 @@ class CaseRunner:
                 self._finished(answer.content)
 
     def _died(self, key: str) -> None:
-        """The process of a case, or of one beside it, has died."""
+        """Requeue or fail a case after the death of its worker process."""
         self._deaths[key] = deaths = self._deaths.get(key, 0) + 1
         if self._engine.can_blame_case and deaths < MOST_DEATHS:
             self._waiting.append(key)

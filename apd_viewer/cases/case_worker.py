@@ -1,4 +1,4 @@
-"""The task of a worker: one case, by one core, with its set-up in the task itself.
+"""Task of a worker: one case on one core, including the set-up of the process.
 
 So a worker needs no environment of its own, whoever started it.
 
@@ -35,18 +35,18 @@ from apd_viewer.files.storage.lock import acquire_lock
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.analysis.self_intersections import use_one_core_for_search
 from apd_viewer.geometry.linalg.threads import use_one_core
-from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
+from apd_viewer.session.processes.freed_memory import keep_freed_memory, release_freed_memory
 
-# A process runs one case at a time: memory is measured by it, and kernels run one at a time anyway.
+# One case at a time: memory is measured per process, and kernels run one at a time anyway.
 _ONE_CASE = threading.Lock()
-# Cases after which freed memory is given back: kept in pieces, it grows for hundreds of cases.
+# Number of cases between releases of freed memory; fragments of it would grow over hundreds of cases.
 _TRIMMED = 5
 _ended = count(1)
 _sent: dict[str, bytes] = {}
 
 
 class CaseTask(NamedTuple):
-    """A case for a worker.
+    """One case for a worker, with its time limit and inputs.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class CaseTask(NamedTuple):
 
 
 class CaseAnswer(NamedTuple):
-    """Reply of a worker.
+    """Reply of a worker: a result, or the digests of missing inputs.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ def run_task(task: CaseTask) -> CaseAnswer:
         finally:
             _sent.clear()
             if next(_ended) % _TRIMMED == 0:
-                give_back_freed_memory()
+                release_freed_memory()
 
 
 @cache
@@ -119,14 +119,14 @@ def _content(source: InputFile) -> bytes:
 
 
 _PACKAGE = Path(__file__).parents[1]
-_LONGEST = 600.0  # s; compiling takes about two minutes
-_PAUSE = 0.2  # s
+_LONGEST = 600.0  # longest wait in seconds; compiling takes about two minutes
+_PAUSE = 0.2  # seconds between attempts to get the lock
 _PROGRAM = "from apd_viewer.geometry.warmup import warm_up; warm_up()"
 
 
 def compile_kernels_once() -> None:
-    """Return when the kernels are in this machine's cache, or cannot be."""
-    # Whatever is in the way of it: the first case then compiles for itself.
+    """Compile the kernels into this machine's cache, once for all its workers."""
+    # A failure is harmless: the first case then compiles the kernels itself.
     with contextlib.suppress(Exception):
         mark = _mark()
         mark.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -148,7 +148,7 @@ def compile_kernels_once() -> None:
 
 def _compile() -> None:
     environment = {**os.environ, "NUMBA_NUM_THREADS": "1"}
-    # Where it fails the first case compiles what is missing.
+    # If this process fails, the first case compiles the missing kernels.
     subprocess.run(
         [sys.executable, "-c", _PROGRAM],
         env={**environment, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
@@ -161,18 +161,18 @@ def _compile() -> None:
 
 
 def _is_own(folder: Path) -> bool:
-    """True if nobody else can write to a folder.
+    """True if no other user can write to a folder.
 
     Anybody may have made it in a place for all.
     """
     there = folder.lstat()
-    if sys.platform == "win32":  # whose temporary folders are the user's
+    if sys.platform == "win32":  # temporary folders are private to the user on Windows
         return True
     return stat.S_ISDIR(there.st_mode) and there.st_uid == os.getuid() and not there.st_mode & 0o022
 
 
 def _mark() -> Path:
-    """File left on a machine with compiled kernels."""
+    """Path of the marker file for compiled kernels on this machine."""
     told = hashlib.sha256()
     for path in sorted(_PACKAGE.rglob("*.py")):
         there = path.stat()

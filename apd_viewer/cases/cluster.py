@@ -1,4 +1,4 @@
-"""Engine of Dask workers behind a scheduler already running.
+"""Engine of Dask workers behind a running scheduler.
 
 Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
 """
@@ -18,14 +18,14 @@ from apd_viewer.errors import InputError
 from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
 
-ANSWER_SECONDS = 20  # s that a scheduler may take to answer
-_GONE = 30.0  # s without a scheduler, after which it does not come back
-_LOOK = 2.0  # s between two looks at the workers
+ANSWER_SECONDS = 20  # seconds the scheduler may take to answer
+_GONE = 30.0  # seconds without a scheduler before it counts as lost
+_LOOK = 2.0  # seconds between two counts of the workers
 _PROFILE_CALLBACKS = ("profile", "profile-cycle")
 
 
 class Cluster:
-    """Workers of Dask.
+    """Dask workers as an engine for cases.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Cluster:
         What they do with a task.
     """
 
-    # A worker has the next cases at hand already, and Dask blames them too.
+    # Workers prefetch cases, and Dask blames those too when a worker dies.
     can_blame_case = False
 
     def __init__(self, client: Any, work: TaskRunner = work_on_case) -> None:
@@ -46,7 +46,7 @@ class Cluster:
         self._gone_since: float | None = None
 
     def free_slots(self) -> int:
-        """Number of cases to submit now, keeping one queued per running case."""
+        """Number of cases to submit now, with one queued per running case."""
         now = time.monotonic()
         if now - self._looked > _LOOK:
             self._looked = now
@@ -54,7 +54,7 @@ class Cluster:
         return 2 * self._threads - len(self._futures)
 
     def _count(self) -> int:
-        """Threads of all workers; 0 without a scheduler."""
+        """Total number of worker threads; 0 without a scheduler."""
         try:
             return sum(self._client.nthreads().values()) if self._alive else 0
         except OSError:
@@ -69,15 +69,15 @@ class Cluster:
         return min(self._threads, len(self._futures))
 
     def start(self, task: CaseTask) -> Future[CaseAnswer]:
-        """Hand a case to the scheduler."""
+        """Submit a case to the scheduler."""
         future: Future[CaseAnswer] = self._executor.submit(_undisturbed, self._work, task)
         self._futures.add(future)
-        # Results are dropped as soon as they are here: a worker that dies would lose them for others.
+        # Results are released on arrival: Dask would recompute retained ones after the death of a worker.
         future.add_done_callback(self._futures.discard)
         return future
 
     def check_workers(self) -> None:
-        """Raise InputError once the scheduler is gone."""
+        """Raise InputError once the scheduler has been unreachable for too long."""
         now = time.monotonic()
         self._gone_since = None if self._alive else self._gone_since or now
         if self._gone_since is not None and now - self._gone_since > _GONE:
@@ -86,39 +86,39 @@ class Cluster:
             )
 
     def close(self, at_once: bool) -> None:
-        """Take back cases not begun."""
+        """Withdraw the cases not yet started, and disconnect from the scheduler."""
         if self._alive:
             self._executor.shutdown(wait=False)
-        # Dask says that it has not ended in time by an OSError; it ends with this process.
+        # Dask raises OSError if closing takes too long; its threads then end with this process.
         with suppress(OSError):
             self._client.close(timeout=1 if at_once else ANSWER_SECONDS)
 
 
 def _undisturbed(work: TaskRunner, task: CaseTask) -> CaseAnswer:
-    """Do a task in a worker, which may have been started without any setting."""
+    """Run a task in a worker without Dask's profiler."""
     _end_profile()
     return work(task)
 
 
 @cache
 def _end_profile() -> None:
-    """End Dask's profile of this process.
+    """Stop Dask's profiler in this process.
 
     Every 10 ms it takes time from the case, and it grows by a quarter of a mebibyte a second.
     """
     try:
         worker = _distributed().get_worker()
-    except ValueError:  # no worker, as in a test
+    except ValueError:  # not in a worker, for example in a test
         return
     for name in _PROFILE_CALLBACKS:
         if callback := worker.periodic_callbacks.get(name):
             worker.loop.add_callback(callback.stop)
 
 
-def connected_cluster(
+def connect_cluster(
     address: str | None, scheduler_file: Path | None, work: TaskRunner = work_on_case
 ) -> Cluster:
-    """Dask workers behind a scheduler.
+    """Connect to the Dask workers of a scheduler.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def connected_cluster(
 
 def _distributed() -> Any:
     try:
-        # Imported here: it takes half a second, and is there only where the user has installed it.
+        # Imported here: Dask is an optional dependency and takes half a second to load.
         import distributed
     except ImportError as error:
         if is_packaged():

@@ -1,4 +1,4 @@
-"""Comparison of methods: the same document solved by one after another.
+"""Comparison of methods: one document solved by each in turn.
 
 All methods begin at the rest shape, as :func:`apd_viewer.deform` does: what was done before plays no part.
 They share one process, which ends with the last of them: there may be no room for two large ones at once.
@@ -19,7 +19,7 @@ from apd_viewer.session.processes.solver_worker import SolverWorker
 
 @dataclass(frozen=True, eq=False)
 class MethodOutcome:
-    """Progress of a method.
+    """Progress and result of one method.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Comparison:
         self._generation = 0
 
     def set_methods(self, methods: Sequence[str]) -> None:
-        """Solve these methods in this order, and no others; finished ones stay."""
+        """Solve exactly these methods in this order; keep finished results."""
         self._wanted = tuple(methods)
         if self.current_method is not None and self.current_method not in self._wanted:
             del self.outcomes[self.current_method]
@@ -80,11 +80,11 @@ class Comparison:
 
     @property
     def queued_methods(self) -> tuple[str, ...]:
-        """Queued methods."""
+        """Names of the methods not yet started."""
         return tuple(method for method in self._wanted if method not in self.outcomes)
 
     def receive(self) -> bool:
-        """Receive results; True if there were any."""
+        """Process the next solver reply; return True if there was one."""
         reply = self._worker.take_reply() if self._worker is not None else None
         if reply is None:
             return False
@@ -101,7 +101,7 @@ class Comparison:
             self._go_on()
 
     def _go_on(self) -> None:
-        """Begin the next method; after the last one, end the process."""
+        """Start the next method, or end the process after the last one."""
         if self.current_method is not None:
             return
         if not self.queued_methods:
@@ -118,7 +118,7 @@ class Comparison:
         )
 
     def stop(self) -> None:
-        """End the process; unfinished methods keep their last shape."""
+        """End the solver process; unfinished methods keep their latest shape."""
         self._wanted = tuple(method for method in self._wanted if method in self.outcomes)
         self.current_method = None
         self._end()

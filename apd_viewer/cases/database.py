@@ -1,4 +1,4 @@
-"""The database of a study: its plan, and the readings of its cases.
+"""Database of a study: its plan and the readings of its cases.
 
 It is made anew from the files of the cases wherever it is damaged; so nothing in it is believed unseen.
 """
@@ -21,8 +21,8 @@ from apd_viewer.files.storage.regular_files import NotRegularError, check_regula
 from apd_viewer.language import tr
 
 DATABASE_NAME = "study.sqlite"
-_BESIDE = "-journal", "-wal", "-shm"  # what SQLite opens with a database
-_PATIENCE = 60.0  # s that a reader or the writer waits for the other
+_BESIDE = "-journal", "-wal", "-shm"  # suffixes of SQLite's side files
+_PATIENCE = 60.0  # seconds that readers and the writer wait for each other
 _TABLES = """
 begin;
 create table if not exists facts (name text primary key, value text not null);
@@ -36,15 +36,15 @@ create table if not exists cases (
 );
 commit;
 """
-# What SQLite says of a damaged database may quote bytes of it that are no text.
+# SQLite's message about a damaged database may quote bytes that are not valid text.
 DATABASE_ERRORS = sqlite3.DatabaseError, UnicodeDecodeError
-# Errors of a sound database.
+# Messages of errors that do not indicate damage.
 _FOR_NOW = "locked", "is full", "unable to open", "disk I/O"
 T = TypeVar("T")
 
 
-def opened_database(folder: Path) -> sqlite3.Connection:
-    """The database for its one writer; raises InputError.
+def open_database(folder: Path) -> sqlite3.Connection:
+    """Open the database for its single writer; raises InputError.
 
     A damaged one is put aside, and a new one takes its place.
     """
@@ -64,7 +64,7 @@ def opened_database(folder: Path) -> sqlite3.Connection:
 
 
 def _check_beside(path: Path) -> None:
-    """Raise InputError where SQLite would open no regular file beside the database."""
+    """Raise InputError if a side file of the database is not a regular file."""
     for ending in _BESIDE:
         part = path.with_name(f"{path.name}{ending}")
         try:
@@ -73,7 +73,7 @@ def _check_beside(path: Path) -> None:
             raise InputError(
                 tr("{path} is a folder, a pipe or a device; remove it.").format(path=part)
             ) from error
-        except OSError:  # there is none, or SQLite says what is wrong
+        except OSError:  # the file is missing, or SQLite will report the error
             continue
 
 
@@ -81,7 +81,7 @@ def _connected(path: Path) -> sqlite3.Connection:
     base = sqlite3.connect(path, timeout=_PATIENCE)
     base.text_factory = _decoded
     try:
-        # Not the write-ahead log: it does not work over a network, where others read.
+        # No write-ahead log: it fails on network file systems, where other machines may read.
         base.executescript(f"pragma journal_mode = delete; pragma synchronous = normal; {_TABLES}")
         _check_tables(base)
         if base.execute("pragma integrity_check(1)").fetchone() != ("ok",):
@@ -97,7 +97,7 @@ def _decoded(text: bytes) -> str:
 
 
 def _check_tables(connection: sqlite3.Connection) -> None:
-    """Raise sqlite3.DatabaseError for other tables, and for views and triggers."""
+    """Raise sqlite3.DatabaseError unless the schema is exactly the expected one."""
     with closing(sqlite3.connect(":memory:")) as new:
         new.executescript(_TABLES)
         said = "select type, name, sql from sqlite_master order by name"
@@ -106,9 +106,9 @@ def _check_tables(connection: sqlite3.Connection) -> None:
 
 
 def is_damage(error: Exception, folder: Path) -> bool:
-    """True unless the database is in use, the disk is full or the like."""
+    """True if an error means damage, not a locked database, a full disk or the like."""
     said = str(error)
-    if "readonly" in said:  # SQLite also says so of a database moved away
+    if "readonly" in said:  # also reported for a database that was moved away
         return os.access(folder, os.W_OK) and (
             not (folder / DATABASE_NAME).exists() or os.access(folder / DATABASE_NAME, os.W_OK)
         )
@@ -116,7 +116,7 @@ def is_damage(error: Exception, folder: Path) -> bool:
 
 
 def rename_damaged(folder: Path) -> None:
-    """Give the damaged database of a study another name, for a look at it."""
+    """Rename the damaged database of a study, keeping it for inspection."""
     path = folder / DATABASE_NAME
     for each in (path, path.with_name(f"{path.name}-journal")):
         with suppress(OSError):
@@ -124,7 +124,7 @@ def rename_damaged(folder: Path) -> None:
 
 
 def write_error(folder: Path, error: Exception) -> InputError:
-    """Sentence on the database and the error of writing it."""
+    """Error for a failed write to the database."""
     return InputError(
         tr("{path} cannot be opened now ({reason}); try again.").format(
             path=folder / DATABASE_NAME, reason=error
@@ -133,7 +133,7 @@ def write_error(folder: Path, error: Exception) -> InputError:
 
 
 def read_error(folder: Path, error: Exception) -> InputError:
-    """Sentence on results and the error of reading them."""
+    """Error for a failed read of the results."""
     if is_damage(error, folder):
         return InputError(
             tr("The results in {folder} are damaged; run the study again.").format(folder=folder)
@@ -147,7 +147,7 @@ def read_error(folder: Path, error: Exception) -> InputError:
 
 @contextmanager
 def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
-    """The database of a study, for reading only, also while it runs.
+    """Open the database of a study read-only, even during a run.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
     if not path.is_file():
         raise InputError(tr("{folder} holds no study; choose the folder of one.").format(folder=folder))
     _check_beside(path)
-    # As a path alone: SQLite refuses the URI of a file on another computer.
+    # A URI without a host: SQLite rejects the URI of a file on another computer.
     place = quote(path.absolute().as_posix())
     place = place if place.startswith("/") else f"/{place}"
     try:
@@ -171,7 +171,7 @@ def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
 
 
 class CaseRow(NamedTuple):
-    """A finished case, as the database knows it.
+    """Database record of a finished case.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ class CaseRow(NamedTuple):
 
 
 def write_plan(connection: sqlite3.Connection, plan: Plan) -> None:
-    """Write a plan in place of the one before."""
+    """Store a plan in the database, replacing the previous one."""
     rows = (
         (k, row.line, row.case and row.case.key, row.mistake, row.same_as, json.dumps(row.cells))
         for k, row in enumerate(plan.rows)
@@ -199,7 +199,7 @@ def write_plan(connection: sqlite3.Connection, plan: Plan) -> None:
 
 
 def write_result(connection: sqlite3.Connection, result: CaseResult, size: int) -> None:
-    """Write the result of a case, and the size of its file, unless they are there."""
+    """Record the result of a case and its file size, if changed."""
     readings = result.readings
     row = result.key, size, result.status, result.sentence, readings.get("seconds"), json.dumps(readings)
     known = connection.execute("select * from cases where key = ?", (result.key,)).fetchone()
@@ -208,7 +208,7 @@ def write_result(connection: sqlite3.Connection, result: CaseResult, size: int) 
 
 
 def case_rows(connection: sqlite3.Connection) -> dict[str, CaseRow]:
-    """Finished cases by their keys; raises sqlite3.DatabaseError if a row is damaged."""
+    """Records of finished cases by key; raises sqlite3.DatabaseError if damaged."""
     rows = connection.execute("select key, size, status, sentence, readings from cases")
     return {
         checked_value(key, str): CaseRow(
@@ -222,7 +222,7 @@ def case_rows(connection: sqlite3.Connection) -> dict[str, CaseRow]:
 
 
 def readings_from_json(text: object) -> dict[str, float | None]:
-    """Readings of a case from a row; raises sqlite3.DatabaseError."""
+    """Readings of a case from JSON text; raises sqlite3.DatabaseError."""
     found: dict[str, float | None] = value_from_json(text, dict)
     if not all(map(is_reading, found.values())):
         raise sqlite3.DatabaseError(DATABASE_NAME)
@@ -230,7 +230,7 @@ def readings_from_json(text: object) -> dict[str, float | None]:
 
 
 def value_from_json(text: object, kind: type[T]) -> T:
-    """Value of a text in JSON, of this kind; raises sqlite3.DatabaseError."""
+    """Value of type ``kind`` from JSON text; raises sqlite3.DatabaseError."""
     try:
         said: Any = json.loads(checked_value(text, str))
     except (ValueError, RecursionError) as error:
@@ -239,7 +239,7 @@ def value_from_json(text: object, kind: type[T]) -> T:
 
 
 def checked_value(value: object, kind: type[T]) -> T:
-    """A value of this kind; raises sqlite3.DatabaseError if it is of another."""
+    """The value if it has type ``kind``; raises sqlite3.DatabaseError otherwise."""
     if not isinstance(value, kind):
         raise sqlite3.DatabaseError(DATABASE_NAME)
     return value

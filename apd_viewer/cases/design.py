@@ -1,4 +1,4 @@
-"""Designs of studies: samples of ranges and choices, as the rows of a plan."""
+"""Study designs: samples of ranges and choices as the rows of a plan."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _RANGE = re.compile(
     rf"\s*(?P<low>{_NUMBER})\s*\.\.\s*(?P<high>{_NUMBER})\s*(?P<unit>[a-zA-Z%]*)\s*(?::\s*(?P<scale>log))?\s*"
 )
 _AMOUNT = re.compile(rf"{_NUMBER}\s*(?P<unit>[a-zA-Z%]*)")
-_DIGITS = 6  # significant ones of a sampled number
+_DIGITS = 6  # significant digits of a sampled number
 _ONE_NUMBER = tuple(word for word, kind in MOTION_KINDS.items() if kind.is_one_amount)
 
 
@@ -60,11 +60,11 @@ class DesignVariable:
 
     @property
     def ends(self) -> tuple[str, ...]:
-        """All choices, or both ends of the range."""
+        """All choices, or both ends of the range as texts."""
         return self.choices or (self.text_at(0.0), self.text_at(1.0))
 
     def text_at(self, share: float) -> str:
-        """Text at a share of the range or among the choices, 0 to 1."""
+        """Text at a fraction, 0 to 1, of the range or of the list of choices."""
         if self.choices:
             return self.choices[min(int(share * len(self.choices)), len(self.choices) - 1)]
         if self.is_logarithmic:
@@ -76,11 +76,11 @@ class DesignVariable:
         return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}{self.unit}"
 
     def without_unit(self, text: str) -> str:
-        """Such a text without its unit."""
+        """Text of a value without its unit."""
         return text.removesuffix(self.unit).rstrip()
 
     def levels(self, count: int) -> list[str]:
-        """All choices, or so many numbers of the range; fewer if they are counts."""
+        """All choices, or ``count`` evenly spaced values; fewer if rounding merges some."""
         if self.choices:
             return list(self.choices)
         shares = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
@@ -88,7 +88,7 @@ class DesignVariable:
 
 
 def parse_variable(text: str) -> DesignVariable:
-    """Quantity from ``NAME=LOW..HIGH``, ``NAME=LOW..HIGH:log`` or ``NAME=A,B,C``.
+    """Parse ``NAME=LOW..HIGH``, ``NAME=LOW..HIGH:log`` or ``NAME=A,B,C``.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def parse_variable(text: str) -> DesignVariable:
 
 
 def _unit(choices: Sequence[str]) -> str:
-    """The common unit of all choices; empty without one."""
+    """Unit common to all choices; empty without one."""
     found = [_AMOUNT.fullmatch(each) for each in choices]
     units = {each["unit"] if each else "" for each in found}
     return units.pop() if len(units) == 1 else ""
@@ -167,7 +167,7 @@ def design_table(
 
 
 def _motion(template: str, said: dict[str, str]) -> str:
-    """The motion with numbers for the names in braces, and those of motions behind."""
+    """Motion with its placeholders filled in and the sampled motions appended."""
     words = [name for name in said if name in _ONE_NUMBER and f"{{{name}}}" not in template]
     behind = [f"{name} {said[name]}" for name in words]
     for name, text in said.items():
@@ -176,7 +176,7 @@ def _motion(template: str, said: dict[str, str]) -> str:
 
 
 def _check(constants: dict[str, str], variables: Sequence[DesignVariable]) -> None:
-    """Raise InputError for names without meaning and impossible cells."""
+    """Raise InputError for unknown or repeated names and invalid cells."""
     names, motion = [each.name for each in variables], constants.get("motion", "")
     if not names:
         raise InputError(tr("Nothing varies; give --vary, such as --vary twist=0..180deg."))
@@ -218,12 +218,12 @@ def _combinations(
 
 
 def _shares(count: int, design: str, samples: int, seed: int) -> np.ndarray:
-    """Points in the unit cube, (samples, count)."""
-    # Imported here: it is slow to import, and few plans are designed.
+    """Sample points in the unit cube, (samples, count)."""
+    # Imported here: scipy.stats is slow to import, and few plans are designed.
     from scipy.stats import qmc
 
     if design == SOBOL:
-        # Sobol sequences are balanced only at powers of 2: draw that many, and keep the first.
+        # Sobol sequences are balanced only at powers of 2: draw the next one, and keep the first points.
         points = qmc.Sobol(count, rng=seed).random_base2(math.ceil(math.log2(samples)))[:samples]
     else:
         points = qmc.LatinHypercube(count, rng=seed).random(samples)

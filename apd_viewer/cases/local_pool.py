@@ -1,4 +1,4 @@
-"""Engine of processes on this machine.
+"""Engine of worker processes on this machine.
 
 Each process has an executor of its own. So it is known which case a process died of, a case that takes far
 too long can be ended, and a process is replaced after so many cases without waiting for the others.
@@ -20,14 +20,14 @@ from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, TaskRunner
 from apd_viewer.cases.case_worker import run_task as work_on_case
 from apd_viewer.session.processes.child_boot import set_up_process
 
-# Cases of a process before another one takes its place.
+# Number of cases before a process is replaced.
 RECYCLE_AFTER = 300
-# Times its limit, and seconds: a case that native code holds so long is ended with its process.
+# Factor of the time limit, plus seconds, after which a case stuck in native code is killed.
 _FAR_TOO_LONG = 1.5, 30.0
 
 
 def _begin(owner: int) -> None:
-    """Set a process up, to end with its owner."""
+    """Initialise a worker process to exit with its owner."""
     set_up_process(owner)
     Thread(target=_follow_owner, daemon=True).start()
 
@@ -40,7 +40,7 @@ def _follow_owner() -> None:
 
 
 class _Lane:
-    """One process, and its case."""
+    """One worker process and its current case."""
 
     def __init__(self) -> None:
         self.executor: ProcessPoolExecutor | None = None
@@ -50,11 +50,11 @@ class _Lane:
 
     @property
     def free(self) -> bool:
-        """True if it runs no case."""
+        """True if no case is running in the process."""
         return self.future is None or self.future.done()
 
     def start(self, work: TaskRunner, task: CaseTask, recycle: int) -> Future[CaseAnswer]:
-        """Start a case, in a new process if due."""
+        """Start a case, in a new process if the old one is due for replacement."""
         if self.executor is not None and self.cases >= recycle:
             self.end()
         factor, more = _FAR_TOO_LONG
@@ -63,7 +63,7 @@ class _Lane:
         )
         try:
             self.future = self._submitted(work, task)
-        except BrokenExecutor:  # the process died of the last case, or idle
+        except BrokenExecutor:  # the process died during its last case or while idle
             self.end()
             self.future = self._submitted(work, task)
         self.cases += 1
@@ -74,11 +74,11 @@ class _Lane:
             return self.executor.submit(work, task)
         self.executor = ProcessPoolExecutor(1, get_context("spawn"), _begin, (os.getpid(),))
         self.cases = 0
-        with starting_workers():  # the first case starts the process
+        with worker_start_context():  # the process starts with its first task
             return self.executor.submit(work, task)
 
     def end(self, at_once: bool = False) -> None:
-        """End the process after its case, or with it."""
+        """End the process, after its case or at once."""
         if self.executor is not None:
             if at_once:
                 self.kill()
@@ -86,19 +86,19 @@ class _Lane:
             self.executor = None
 
     def kill(self) -> None:
-        """Kill the process; its case is told of it."""
+        """Kill the process, so that its case fails."""
         for process in list((getattr(self.executor, "_processes", None) or {}).values()):
             process.kill()
 
 
 def core_count() -> int:
-    """Number of cores that this program may use."""
+    """Number of cores available to this program."""
     allowed = getattr(os, "sched_getaffinity", None)
     return len(allowed(0)) if allowed else os.cpu_count() or 1
 
 
 class LocalPool:
-    """Spawned processes on this machine.
+    """Pool of spawned worker processes on this machine.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class LocalPool:
         self.overdue: set[Future[CaseAnswer]] = set()
 
     def free_slots(self) -> int:
-        """Number of cases to be started now."""
+        """Number of idle processes."""
         return sum(lane.free for lane in self._lanes)
 
     def running_count(self) -> int:
@@ -138,7 +138,7 @@ class LocalPool:
                 lane.kill()
 
     def close(self, at_once: bool) -> None:
-        """End the processes, with their cases if at once."""
+        """End the processes, after their cases or at once."""
         for lane in self._lanes:
             lane.end(at_once)
 
@@ -149,8 +149,8 @@ _ONE_CORE = dict.fromkeys(
 
 
 @contextlib.contextmanager
-def starting_workers() -> Iterator[None]:
-    """Have processes started within use one core, and ignore Ctrl+C."""
+def worker_start_context() -> Iterator[None]:
+    """Start processes in this context with one core each and Ctrl+C ignored."""
     before = {name: os.environ.get(name) for name in _ONE_CORE}
     main = threading.current_thread() is threading.main_thread()
     handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None

@@ -1,4 +1,4 @@
-"""Plans of studies: tables with a case a row, checked cell by cell."""
+"""Study plans: tables with one case per row, validated cell by cell."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ _READERS: dict[str, Callable[[str], CaseSetting]] = {
     "steps": parse_steps,
     **{name: column.parse for name, column in SETTING_COLUMNS.items()},
 }
-# Of a mesh: who writes down what is usual asks for the same as who does not. Whether walls are kept apart is
-# always written down, since new work and plans without that column differ.
+# Default settings of a mesh are left out, so that plans with and without them give equal keys. Contact is
+# always stored: plans without the column and new documents have different defaults.
 _USUAL = asdict(DEFAULT_SETTINGS)
 _OLD = {"contact": False}
-# Stand-in for the unit of a session, which is read later; no cell is accepted or refused because of it.
+# Placeholder for the unit of a session, which is read later; it does not affect which cells are valid.
 _SOME = Unit.MILLIMETRE
 MOST_ROWS = 1_000_000
 _SEPARATORS = ",;\t"
 
 
 def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> StudyCase:
-    """Case of a row; raises InputError.
+    """Case of a plan row; raises InputError.
 
     Parameters
     ----------
@@ -90,13 +90,13 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
         own = {name: value for name, value in settings.items() if name in _OLD or value != _USUAL.get(name)}
         settings = _OLD | own
     elif settings.get("contact") == MOST_VERTICES_IN_CONTACT:
-        del settings["contact"]  # the session says it
+        del settings["contact"]  # the session has its own contact setting
     selection = None if whole else sources.selection(folder / cells["selection"])
     return StudyCase(mesh, selection, motion, unit, steps, tuple(settings.items()))
 
 
 def parse_cell(name: str, text: str) -> CaseSetting:
-    """Value of a cell on its own; raises InputError."""
+    """Value of a single cell; raises InputError."""
     return _in_column(name, _READERS.get(name, str), text)
 
 
@@ -129,7 +129,7 @@ def _length(text: str, unit: Unit) -> float:
 
 
 def _in_column(name: str, read: Callable[[str], T], text: str) -> T:
-    """Value of a cell; raises InputError with the column's name."""
+    """Parsed value of a cell; raises InputError naming its column."""
     try:
         return read(text)
     except NoUnitError as error:
@@ -144,7 +144,7 @@ def _in_column(name: str, read: Callable[[str], T], text: str) -> T:
 
 @dataclass(frozen=True)
 class PlanRow:
-    """A row of a plan.
+    """A row of a study plan: a case, or an error message.
 
     Attributes
     ----------
@@ -182,7 +182,7 @@ class Plan:
 
     @property
     def cases(self) -> dict[str, StudyCase]:
-        """Different cases by their keys, in the order of their first rows."""
+        """Distinct cases by key, in the order of their first rows."""
         found: dict[str, StudyCase] = {}
         for row in self.rows:
             if row.case is not None and row.same_as is None:
@@ -231,7 +231,7 @@ def read_plan(path: Path, sources: InputFiles) -> Plan:
 
 
 def _lines(text: str, path: Path) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Line number and cells of each row, without empty ones."""
+    """Line number and cells of each non-empty row."""
     head = text.partition("\n")[0]
     separator = max(_SEPARATORS, key=head.count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
@@ -284,7 +284,7 @@ def _columns(cells: Sequence[str], path: Path) -> tuple[str, ...]:
 def _checked(
     line: int, cells: tuple[str, ...], columns: tuple[str, ...], folder: Path, sources: InputFiles
 ) -> PlanRow:
-    """A row with its case, or with its mistake."""
+    """Row with its case, or with an error message."""
     whole = (*cells, *[""] * (len(columns) - len(cells)))[: len(columns)]
     try:
         if any(cells[len(columns) :]):

@@ -1,4 +1,4 @@
-"""Columns of a plan, and their values."""
+"""Columns of a plan and the parsers of their values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from apd_viewer.session.quantities.units import SYMBOLS
 NOTE_PREFIX = "#"
 AUTO = "auto"
 _YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")
-_FACTORS_OF_MOTION = 2.0  # a part of a motion below can be a factor; from 2 on percents are usual
+_FACTORS_OF_MOTION = 2.0  # smaller numbers without % could be meant as factors
 _SHOWN = 40  # characters quoted from invalid input
 
 
@@ -86,7 +86,7 @@ def _switch(text: str) -> bool:
 
 
 def _contact(text: str) -> bool | int:
-    """Yes, no, or the number of vertices up to which contact is on."""
+    """Contact setting: yes, no, or the largest number of vertices with contact."""
     if text.lower() == AUTO:
         return MOST_VERTICES_IN_CONTACT
     if text.lower() not in (*_YES, *_NO):
@@ -100,7 +100,7 @@ def _method(text: str) -> str:
 
 
 def parse_unit(text: str) -> str:
-    """Symbol of a unit of length; raises InputError."""
+    """Validated symbol of a unit of length; raises InputError."""
     if text not in SYMBOLS:
         raise InputError(
             tr("“{text}” is no unit of length; use {units}.").format(
@@ -125,7 +125,7 @@ def _parser(setting: Setting) -> Callable[[str], CaseSetting]:
 
 
 def _with_default(name: str, setting: Setting) -> str:
-    """Description of a setting; with its default, unless methods differ in it."""
+    """Description of a setting, with its default unless that depends on the method."""
     default = getattr(DEFAULT_SETTINGS, name)
     if default is None or setting.kind is SettingKind.PERCENTAGE:
         return setting.help
@@ -136,7 +136,7 @@ def _with_default(name: str, setting: Setting) -> str:
     return tr("{what}; default: {default}").format(what=setting.help, default=default)
 
 
-# What belongs together in a case: files, motion, and the number of its steps.
+# Columns of the input files, the motion and its number of steps.
 CASE_COLUMNS = {
     "mesh": tr("mesh file, or a session (.apd)"),
     "session": tr("session (.apd) with its paint, instead of mesh and selection"),
@@ -163,9 +163,9 @@ SETTING_COLUMNS = {
 }
 COLUMNS = (*CASE_COLUMNS, *SETTING_COLUMNS)
 LENGTH_COLUMNS = {name for name, setting in SETTINGS.items() if setting.kind is SettingKind.LENGTH}
-COUNT_COLUMNS = ("steps", "iterations")  # whole numbers
+COUNT_COLUMNS = ("steps", "iterations")  # columns of integers
 
 
 def parse_steps(text: str) -> int:
-    """Number of steps; raises InputError."""
+    """Validated number of steps; raises InputError."""
     return _count(MOST_STEPS)(text)

@@ -1,4 +1,4 @@
-"""Results of a study as a table: read while it runs, written as CSV and Parquet."""
+"""Results of a study as a table, readable during a run; CSV and Parquet output."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from apd_viewer.language import tr
 
 WAITING, WRONG, DUPLICATE = "waiting", "wrong", "duplicate"
 _STATES = DONE, FAILED, WAITING, WRONG, DUPLICATE
-# Behind the plan's columns; others may rely on these and their order.
+# Columns after those of the plan; external scripts may rely on their names and order.
 PROMISED_READINGS = ("area_error", "volume", "volume_capped", "energy", "crossings", "seconds")
 READINGS = (*PROMISED_READINGS, *FINAL_READINGS)
 STATUS_COLUMNS = ("status", "sentence")
@@ -32,7 +32,7 @@ KEY_COLUMNS = ("line", "key")
 
 
 def status_text(status: str) -> str:
-    """The state of a row in a word."""
+    """Displayed word for the status of a row."""
     words = {
         DONE: tr("done"),
         FAILED: tr("failed"),
@@ -45,7 +45,7 @@ def status_text(status: str) -> str:
 
 @dataclass(frozen=True)
 class ResultRow:
-    """A row of a plan with its result.
+    """A plan row with its result.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class ResultRow:
 
 @dataclass(frozen=True)
 class ResultTable:
-    """All rows of a study, in the order of its plan.
+    """All rows of a study with their results, in the order of its plan.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ def read_results(folder: Path) -> ResultTable:
     """Read the results so far; raises InputError without a study."""
     with reading_database(folder) as base:
         found = _found(base)
-    # Once the database is closed: as long as rows are read its writer has to wait.
+    # The table is built after the database is closed, because open reads block its writer.
     try:
         return _table(*found)
     except sqlite3.DatabaseError as error:
@@ -97,7 +97,7 @@ def read_results(folder: Path) -> ResultTable:
 
 
 def read_result_table(connection: sqlite3.Connection) -> ResultTable:
-    """The results in an open database; raises one of DATABASE_ERRORS."""
+    """Results in an open database; raises one of DATABASE_ERRORS."""
     return _table(*_found(connection))
 
 
@@ -130,7 +130,7 @@ def _row(
 ) -> ResultRow:
     if key is None:
         status, sentence = WRONG, mistake
-    elif not checked_value(key, str).isalnum():  # it names a file
+    elif not checked_value(key, str).isalnum():  # the key names a file
         raise sqlite3.DatabaseError(DATABASE_NAME)
     elif same_as is not None:
         status, sentence = DUPLICATE, mistake
@@ -157,7 +157,7 @@ def write_results(folder: Path, table: ResultTable) -> None:
 
 
 def write_curves(folder: Path, table: ResultTable, known: Mapping[str, Curves]) -> None:
-    """Write ``curves.csv``, a row a step of every case with known curves.
+    """Write ``curves.csv``, one row per step of each case with known curves.
 
     Raises InputError where it cannot be written.
     """
@@ -179,7 +179,7 @@ def _cells(row: ResultRow) -> list[Cell]:
 
 def _write_parquet(folder: Path, columns: list[str], rows: list[list[Cell]], plan: int) -> None:
     try:
-        # Imported here: it is slow to import, and there only where the user has installed it.
+        # Imported here: pyarrow is an optional dependency and slow to import.
         import pyarrow
         from pyarrow import parquet
     except ImportError:
@@ -192,7 +192,7 @@ def _write_parquet(folder: Path, columns: list[str], rows: list[list[Cell]], pla
         )
         for k in range(len(columns))
     ]
-    # No name may be there twice: what was asked for gives way to what was found.
+    # Column names must be unique: a plan column is renamed if a result has its name.
     asked = [f"plan_{name}" if name in columns[plan:] else name for name in columns[:plan]]
     with replacing_file(folder / "results.parquet") as scratch:
         parquet.write_table(pyarrow.table(arrays, [*asked, *columns[plan:]]), scratch)

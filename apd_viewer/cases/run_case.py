@@ -1,4 +1,4 @@
-"""A case of a study: its document, its computation, and its finished state."""
+"""Study case: its document, its computation, and its result."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.storage.session_json import frame_from_json, frame_to_json
 
 T = TypeVar("T")
-# Opened meshes that a worker keeps, the last used ones, have at most so many vertices together.
+# A worker caches the meshes used last, up to this total number of vertices.
 _MOST_VERTICES = 1_000_000
 
 Content = Callable[["InputFile"], bytes]
 INPUTS_FOLDER = "inputs"
-# Readings of a case beside those of its curves, in the order of the tables.
+# Final readings of a case besides those of its curves, in table order.
 FINAL_READINGS = (
     "area",
     "area_rest",
@@ -60,15 +60,15 @@ FINAL_READINGS = (
     "turned",
     "turned_held",
 )
-_OF_ITERATIONS = "iterations", "settled"  # readings of a step that are no curves
+_OF_ITERATIONS = "iterations", "settled"  # readings of a step that have no curve
 
 
 class MissingInputError(Exception):
-    """A source is not to be seen from this machine."""
+    """Input file not readable from this machine."""
 
 
 class CaseDocuments:
-    """Meshes and sessions at rest, opened once each and kept for the next case.
+    """Cache of the undeformed meshes and sessions opened for cases.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class CaseDocuments:
         self._kept: OrderedDict[tuple[str, str], tuple[State, View]] = OrderedDict()
 
     def painted_state(self, case: StudyCase) -> tuple[State, View]:
-        """The state of a case before its settings and its motion; raises InputError."""
+        """State of a case before its settings and motion apply; raises InputError."""
         key = case.mesh.digest, "" if case.selection is None else case.selection.digest
         if key not in self._kept:
             self._kept[key] = self._opened(case)
@@ -100,16 +100,16 @@ class CaseDocuments:
             return _in_a_file(case.mesh, content, open_session)
         mesh = read_mesh(case.mesh.path, content)
         state, selection = initial_state(mesh), case.selection
-        assert selection is not None  # plans have one for each mesh
+        assert selection is not None  # plans require a selection for a mesh
         read = _in_a_file(selection, self._content(selection), lambda path: read_selection_file(path, mesh))
         document = with_selection(state.document, read)
-        # Cases that do not say it are from a time when walls passed through each other by default.
+        # Cases without a contact setting date from when contact was off by default.
         document = document.with_settings(contact=False)
         return replace(state, document=document), View(unit=case.unit or mesh.unit)
 
 
 def _in_a_file(source: InputFile, content: bytes, read: Callable[[Path], T]) -> T:
-    """Read a file of this content, wherever the original is."""
+    """Read ``content`` through a temporary file with the source's name."""
     with tempfile.TemporaryDirectory(prefix="apd-viewer-") as folder:
         path = Path(folder) / source.path.name
         path.write_bytes(content)
@@ -117,7 +117,7 @@ def _in_a_file(source: InputFile, content: bytes, read: Callable[[Path], T]) -> 
 
 
 def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, tuple[MotionStep, ...]]:
-    """State of a case with its settings, the view, and its typed motion.
+    """State of a case with its settings applied, its view, and its parsed motion.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
     """
     state, view = documents.painted_state(case)
     said, unit = dict(case.settings), Unit(view.unit)
-    for name in ("iterations", "to"):  # of the walk, not of the document
+    for name in ("iterations", "to"):  # settings of the iteration, not of the document
         said.pop(name, None)
     if case.contact_by_default:
         said["contact"] = len(state.document.mesh.V) <= int(said["contact"])
@@ -144,7 +144,7 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
 
 
 def case_to_run(case: StudyCase, document: Document, motion: tuple[MotionStep, ...]) -> Case:
-    """The computation of a study's case; raises InputError if nothing moves."""
+    """Case for the inputs of a study case; raises InputError if nothing moves."""
     iterations = dict(case.settings).get("iterations")
     most = None if iterations is None else int(iterations)
     return case_of(document, case.steps, _last_share(case), most, motion)
@@ -155,7 +155,7 @@ def _last_share(case: StudyCase) -> float:
 
 
 def case_session(folder: Path, key: str) -> tuple[State, View]:
-    """State of a finished case, its shape bit for bit, and the view.
+    """State of a finished case with its exact computed shape, and its view.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
             raise ValueError
     except InputError:
         raise
-    except (ValueError, TypeError, KeyError, AttributeError) as error:  # made by somebody else
+    except (ValueError, TypeError, KeyError, AttributeError) as error:  # file not written by this program
         raise damaged_case_error(folder, key) from error
     except OSError as error:
         raise InputError(
@@ -194,11 +194,11 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
 
 
 class _OutOfTimeError(Exception):
-    """The case took longer than it may."""
+    """Time limit of a case exceeded."""
 
 
 def run_case(case: StudyCase, documents: CaseDocuments, limit: float | None = None) -> CaseResult:
-    """Walk a case; whatever is wrong with it is a sentence of its result.
+    """Compute a case; any failure becomes a sentence in its result.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def run_case(case: StudyCase, documents: CaseDocuments, limit: float | None = No
     try:
         state, _, motion = case_state(case, documents)
         computed = case_to_run(case, state.document, motion)
-        # A divergence is found in what it has done to the shape, and said in a sentence.
+        # Divergence is detected from the resulting shape and reported in a sentence.
         with np.errstate(all="ignore"):
             return _result(case, computed, list(_checked_steps(computed, tick)), started)
     except _OutOfTimeError:
@@ -233,7 +233,7 @@ def run_case(case: StudyCase, documents: CaseDocuments, limit: float | None = No
     except MemoryError:
         return failed_result(case, tr("It does not fit into memory."))
     except Exception as error:
-        # One case must not end a study: a defect of the program is named, and the others go on.
+        # A program error fails this case only; the study continues with the others.
         return failed_result(case, tr("The program failed: {error!r}.").format(error=error)[:500])
 
 
@@ -246,7 +246,7 @@ def _checked_steps(case: Case, tick: Callable[..., object]) -> Iterator[CaseStep
     for step in run(case, tick):
         if not np.isfinite(step.frame.U).all():
             raise InputError(tr("It diverged in step {number}.").format(number=step.number))
-        # Shapes on the way need not be kept in memory.
+        # Only the last shape is kept, to save memory.
         last = step.number == len(case.shares) - 1
         yield step if last else step._replace(frame=replace(step.frame, U=case.document.mesh.V[:0]))
 
@@ -278,16 +278,16 @@ def _result(case: StudyCase, computed: Case, steps: list[CaseStep], started: flo
 
 
 def _number(value: Any) -> float | None:
-    """Number for JSON, a whole one as an integer; None if it is not finite."""
+    """Number for JSON, keeping integers; None if it is not finite."""
     if value is None or not np.isfinite(value):
         return None
     return value if isinstance(value, int) else float(value)
 
 
 def _sentence(case: StudyCase, computed: Case, steps: list[CaseStep]) -> str:
-    """Sentence for the user; empty without anything to say."""
+    """Warnings about a computed case; empty if there are none."""
     last = steps[-1]
-    said = list(computed.warnings_of(last))
+    said = list(computed.step_warnings(last))
     unsettled = sum(not step.frame.settled for step in steps)
     if unsettled and not last.frame.unreached and last.frame.share_reached == 1.0:
         said.append(

@@ -32,7 +32,7 @@ from apd_viewer.cases.database import (
     DATABASE_ERRORS,
     case_rows,
     is_damage,
-    opened_database,
+    open_database,
     rename_damaged,
     write_error,
     write_plan,
@@ -49,9 +49,9 @@ from apd_viewer.files.storage.lock import FileLock, acquire_lock
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.language import tr
 
-# Seconds between two tables written on the way, and how many times longer than writing took that is at least.
+# Least seconds between tables written during a run, and least multiple of the time that writing takes.
 _TABLE, _TIMES = 20.0, 50.0
-# All that is written there, but for the files of cases, which take the place of links.
+# Paths written in the folder, except the files of cases, which replace links instead of following them.
 _WRITTEN = (
     ".lock",
     "study.sqlite*",
@@ -64,7 +64,7 @@ _WRITTEN = (
     "inputs/*/*",
 )
 T = TypeVar("T")
-# Seconds between two commits: what is lost with the program is read from the files again.
+# Seconds between commits; results lost in a crash are recovered from the files of the cases.
 _COMMIT = 1.0
 
 
@@ -102,12 +102,12 @@ class Study:
 
     @property
     def damaged_count(self) -> int:
-        """Number of damaged results; their cases are left, or were run again."""
+        """Number of damaged results found; their cases were rerun or are unfinished."""
         return self._store.damaged_count
 
     @property
     def unfinished_cases(self) -> dict[str, StudyCase]:
-        """Unfinished cases by their keys."""
+        """Unfinished cases by key."""
         return {key: case for key, case in self._cases.items() if key not in self._done}
 
     def _failed(self, table: ResultTable) -> int:
@@ -136,7 +136,7 @@ class Study:
             If the engine is gone or the folder cannot be written; what is done is kept.
         """
         table = self._round(engine, limit, on_progress)
-        if self.unfinished_cases and not self._stopping:  # files that were found damaged at the end
+        if self.unfinished_cases and not self._stopping:  # cases whose files were found damaged at the end
             table = self._round(engine, limit, on_progress)
         return table
 
@@ -174,13 +174,13 @@ class Study:
         return table
 
     def stop(self) -> None:
-        """Start no more cases, and finish the running ones; safe in a signal handler."""
+        """Start no more cases, but finish the running ones; safe in a signal handler."""
         self._stopping = True
         if self._runner is not None:
             self._runner.stop()
 
     def write_table(self) -> ResultTable:
-        """Write the table of the results as they are, and return it."""
+        """Write and return the table of the results so far."""
         started = time.monotonic()
         self._store.commit()
         table = self._store.results()
@@ -194,12 +194,12 @@ class Study:
             self.write_table()
 
     def close(self) -> None:
-        """Let others write into the folder."""
+        """Release the folder for other programs."""
         self._store.close()
 
 
 def check_links(folder: Path) -> None:
-    """Raise InputError for a link out of the folder."""
+    """Raise InputError for a link leading out of the folder."""
     inside = os.path.realpath(folder)
     for path in (path for pattern in _WRITTEN for path in folder.glob(pattern)):
         if path.is_symlink() and not Path(os.path.realpath(path)).is_relative_to(inside):
@@ -207,7 +207,7 @@ def check_links(folder: Path) -> None:
 
 
 class StudyStore:
-    """Results of a study, written by one program at a time.
+    """Results of a study on disk, locked for one writing program.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ class StudyStore:
         except OSError as error:
             raise folder_write_error(folder, error) from error
         try:
-            self._base = opened_database(folder)
+            self._base = open_database(folder)
         except BaseException:
             self._lock.remove()
             raise
@@ -251,14 +251,14 @@ class StudyStore:
         return lock
 
     def close(self) -> None:
-        """Write the rest, and let others write."""
-        with suppress(*DATABASE_ERRORS):  # the files have it all
+        """Commit the results and release the folder for other programs."""
+        with suppress(*DATABASE_ERRORS):  # the files of the cases hold all results
             self._base.commit()
         self._base.close()
         self._lock.remove()
 
     def _safely(self, act: Callable[[], T]) -> T:
-        """Act on the database, and again on a new one if damaged; raises InputError."""
+        """Run a database operation, rebuilding a damaged database; raises InputError."""
         try:
             return act()
         except DATABASE_ERRORS as error:
@@ -271,10 +271,10 @@ class StudyStore:
             raise write_error(self.folder, error) from error
 
     def _make_anew(self) -> None:
-        """Make another database, from the files of the cases."""
+        """Rebuild the database from the files of the cases."""
         self._base.close()
         rename_damaged(self.folder)
-        self._base = opened_database(self.folder)
+        self._base = open_database(self.folder)
         if self._plan is not None:
             self._begun(self._plan)
 
@@ -282,7 +282,7 @@ class StudyStore:
         return case_path(self.folder, key)
 
     def begin_plan(self, plan: Plan, retry_failed: bool = False) -> set[str]:
-        """Write down a plan; return the keys of finished cases.
+        """Store a plan; return the keys of its finished cases.
 
         Parameters
         ----------
@@ -292,26 +292,26 @@ class StudyStore:
         """
         self._plan = plan
         done = self._safely(lambda: self._begun(plan))
-        if retry_failed:  # they stay until there is another result
+        if retry_failed:  # results of failed cases stay until replaced
             known = self._safely(lambda: case_rows(self._base))
             done -= {key for key in done if known[key].status == FAILED}
         return done
 
     def _begun(self, plan: Plan) -> set[str]:
-        """Keys of finished cases, all in the database then, with the plan."""
+        """Store a plan and its finished cases in the database; return their keys."""
         write_plan(self._base, plan)
         wanted = set(plan.cases)
         sizes = case_sizes(self.folder)
         known = {key: case.size for key, case in case_rows(self._base).items()}
         done = {key for key in wanted if sizes.get(key) == known.get(key, -1)}
-        # Written just before the program was killed, or damaged.
+        # Files written just before the program was killed, or damaged ones.
         done |= {key for key in (wanted & sizes.keys()) - done if self._read_again(key) is not None}
         self._forget(wanted & known.keys() - done)
         self._base.commit()
         return done
 
     def _read_again(self, key: str) -> CaseResult | None:
-        """Take the result of a file as the right one; remove a damaged one.
+        """Record the result of a case's file in the database; delete a damaged file.
 
         Raises InputError if it is there and cannot be read now.
         """
@@ -329,7 +329,7 @@ class StudyStore:
         return result
 
     def curves(self, keys: Iterable[str]) -> dict[str, Curves]:
-        """Curves of finished cases; their files are compared with the database.
+        """Curves of finished cases, read from their files to update the database.
 
         A case whose file is damaged is not among them, and no longer finished.
         """
@@ -338,7 +338,7 @@ class StudyStore:
         return {key: result.curves for key, result in found.items() if result is not None}
 
     def results(self) -> ResultTable:
-        """The results so far."""
+        """Table of the results so far."""
         return self._safely(lambda: read_result_table(self._base))
 
     def _forget(self, keys: Iterable[str]) -> None:

@@ -1,4 +1,4 @@
-"""Case of a study: its inputs with their copies, and the key of its result."""
+"""Study case: its inputs with their copies, and the key of its result."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.storage.session_file import open_session, save_session
 
-# Of what is computed and how it is stored: raised when results of earlier versions no longer count.
+# Version of the computation and its stored results; incremented to invalidate earlier results.
 RESULTS_VERSION = 2
-_FOLDER = 16  # characters of a digest that name a folder
+_FOLDER = 16  # characters of the digest in the folder name
 
 CaseSetting = float | int | bool | str
-# The buffers of such a mesh may be in files beside it, which do not travel along.
+# The buffers of a .gltf file may be in separate files, which would not be copied with it.
 _IN_PARTS = ".gltf"
 
 
 @dataclass(frozen=True)
 class InputFile:
-    """File needed by a case, known by its content.
+    """Input file of a case, identified by its content.
 
     Attributes
     ----------
@@ -49,12 +49,12 @@ class InputFile:
 
     @property
     def to_json(self) -> dict[str, str]:
-        """Its digest and its name, for JSON."""
+        """Digest and file name for JSON."""
         return {"digest": self.digest, "name": self.path.name}
 
     @classmethod
     def from_json(cls, fields: dict[str, str], inputs: Path) -> InputFile:
-        """The source again, with its copy in a folder of inputs.
+        """Input file from its JSON fields, with its copy in the folder ``inputs``.
 
         Raises ValueError if that would be elsewhere.
         """
@@ -93,7 +93,7 @@ class StudyCase:
 
     @cached_property
     def key(self) -> str:
-        """Name of its result: a digest of all its inputs and of the program's version."""
+        """Key of the result: a digest of all inputs and of the program version."""
         said = {
             "results": RESULTS_VERSION,
             "program": _program(),
@@ -113,12 +113,12 @@ class StudyCase:
 
     @property
     def input_files(self) -> tuple[InputFile, ...]:
-        """Files needed by it."""
+        """Input files of the case."""
         return (self.mesh,) if self.selection is None else (self.mesh, self.selection)
 
     @property
     def to_json(self) -> dict[str, Any]:
-        """All of it for JSON."""
+        """All inputs for JSON."""
         return {
             "mesh": self.mesh.to_json,
             "selection": self.selection and self.selection.to_json,
@@ -130,7 +130,7 @@ class StudyCase:
 
     @classmethod
     def from_json(cls, fields: dict[str, Any], inputs: Path) -> StudyCase:
-        """The case again, with its files in a folder of inputs.
+        """Case from its JSON fields, with its files in the folder ``inputs``.
 
         Raises
         ------
@@ -143,7 +143,7 @@ class StudyCase:
 
 
 def input_path(inputs: Path, digest: str, name: str) -> Path:
-    """Path of the copy of a file in a folder of inputs."""
+    """Path of an input file's copy in the folder ``inputs``."""
     return inputs / digest[:_FOLDER] / name
 
 
@@ -156,7 +156,7 @@ def _program() -> str:
 
 
 class InputFiles:
-    """Copies of meshes, selections and sessions, each made once, and again if damaged.
+    """Copies of meshes, selections and sessions, each made once, renewed if damaged.
 
     A study goes on with what it began with where a file is changed meanwhile, and can be taken elsewhere.
 
@@ -173,11 +173,11 @@ class InputFiles:
         self._known: dict[tuple[str, Path], InputFile | str] = {}
 
     def mesh(self, path: Path) -> InputFile:
-        """A mesh or a session; raises InputError."""
+        """Copy of a mesh or session file; raises InputError."""
         return self._once("mesh", path, self._read_mesh)
 
     def selection(self, path: Path) -> InputFile:
-        """Read a selection file once; raises InputError."""
+        """Copy of a selection file; raises InputError."""
         return self._once("selection", path, lambda there: self._kept(read_content(there), there))
 
     def _once(self, kind: str, path: Path, read: Callable[[Path], InputFile]) -> InputFile:
@@ -204,7 +204,7 @@ class InputFiles:
             return self._kept(content, path)
         source = self._source(content, path)
         if not _opens(source.path):
-            # With its mesh in it, which may be elsewhere.
+            # Saved with its mesh embedded, as the session may refer to a file elsewhere.
             state, view = open_session(path)
             if self._keep:
                 make_folder(source.path.parent)
@@ -225,7 +225,7 @@ class InputFiles:
 
 
 def _opens(path: Path) -> bool:
-    """True if a session is there and whole."""
+    """True if a session file exists and can be opened."""
     try:
         return bool(open_session(path))
     except InputError:

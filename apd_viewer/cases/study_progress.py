@@ -1,4 +1,4 @@
-"""Progress of a study: cases done, rate, time left; and the work left of a plan."""
+"""Progress of a study: finished cases, rate, time left; remaining work of a plan."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from apd_viewer.cases.study_case import StudyCase
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import folder_write_error
 
-_WINDOW = 600.0  # s over which the rate is measured
-_LEAST = 2  # cases, of which one may have had to compile
+_WINDOW = 600.0  # seconds over which the rate is measured
+_LEAST = 2  # cases needed for a rate; the first may include compilation
 
 
 class CaseCounts(NamedTuple):
-    """State of a running study, as the lines of its command tell it.
+    """Case counts of a running study, with its rate and time left.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class CaseCounts(NamedTuple):
 
     @property
     def share(self) -> float:
-        """Part of the cases that is finished."""
+        """Finished fraction of the cases."""
         return self.finished / max(1, self.cases)
 
 
@@ -65,7 +65,7 @@ class ProgressMeter:
         self._new = 0
 
     def count_case(self, failed: bool) -> None:
-        """Count one more."""
+        """Count one more finished case."""
         now = time.monotonic()
         self._done, self._new, self._failed = self._done + 1, self._new + 1, self._failed + failed
         self._times.append(now)
@@ -73,7 +73,7 @@ class ProgressMeter:
             self._times.popleft()
 
     def counts(self, running: int) -> CaseCounts:
-        """The state now."""
+        """Current counts, rate and time left."""
         rate = self._rate()
         left = None if not rate else (self._cases - self._done) / rate
         return CaseCounts(self._cases, self._done, running, self._failed, rate, left)
@@ -108,7 +108,7 @@ class StudyForecast(NamedTuple):
 
 
 def study_forecast(plan: Plan, folder: Path, retry_failed: bool = False) -> StudyForecast:
-    """Work left of a plan, and its time; the folder of its results need not be there.
+    """Remaining work of a plan and its time; the results folder may be missing.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def study_forecast(plan: Plan, folder: Path, retry_failed: bool = False) -> Stud
 
 
 def _known(folder: Path) -> dict[str, CaseRow]:
-    """Finished cases in the database, by their keys; none if it cannot be read."""
+    """Database records of finished cases by key; empty if unreadable."""
     try:
         with reading_database(folder) as base:
             return case_rows(base)
@@ -149,7 +149,7 @@ def _sound(folder: Path, key: str, size: int, known: dict[str, CaseRow]) -> bool
 
 
 def _seconds(left: list[StudyCase], timed: list[tuple[StudyCase, float | None]]) -> float | None:
-    """Seconds of the rest, from those of a step on the same mesh, or on any."""
+    """Time of the remaining cases, seconds, from mean step times per mesh and method."""
     if not left:
         return 0.0
     measured: dict[object, list[float]] = defaultdict(list)

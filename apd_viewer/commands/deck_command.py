@@ -19,7 +19,7 @@ from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, wall_mat
 
 
 def deck_parser() -> Parser:
-    """Parser of the command."""
+    """Parser of the command deck."""
     parser = Parser(
         prog="apd-viewer deck",
         description=tr(

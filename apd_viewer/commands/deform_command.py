@@ -56,9 +56,9 @@ from apd_viewer.session.model.state import initial_document
 from apd_viewer.session.posing.motion_path import document_along, motion_paths
 from apd_viewer.session.storage.part_json import read_obstacles
 
-# "local" keeps the total area where a target is given, and contact is by default on or off by the mesh.
+# Left out: hold_area, implied by an area target, and contact, whose default depends on the mesh size.
 _SETTINGS = [name for name in SETTINGS if name not in ("hold_area", "contact")]
-_PICTURE = (1600, 1000)  # pixels
+_PICTURE = (1600, 1000)  # size of the picture in pixels
 
 
 def deform_parser() -> Parser:
@@ -125,7 +125,7 @@ def deform_parser() -> Parser:
 
 
 def _region(words: Sequence[str], vertices: int) -> Region:
-    """A region from the words after ``--region``."""
+    """Region from the words after the option ``--region``."""
     if len(words) not in (2, 3):
         raise InputError(tr("--region takes a name, a file and an optional target area in percent."))
     name, path, *percent = words
@@ -170,7 +170,7 @@ def _deform(options: argparse.Namespace) -> None:
         progress=show_progress_line(*last) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
-    with ExitStack() as beside:  # files beside the mesh replace old ones only after the mesh has
+    with ExitStack() as beside:  # output files are replaced together, the mesh before the files beside it
         if picture:
             beside.enter_context(replacing_file(options.picture)).write_bytes(picture)
         painted = selection.labels, _member(regions, len(mesh.V))
@@ -182,7 +182,7 @@ def _deform(options: argparse.Namespace) -> None:
 
 
 def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection) -> list[list[np.ndarray]]:
-    """Poses (4, 4) of the handles at each way point."""
+    """Poses (4, 4) of the handles at each waypoint."""
     if not options.motion:
         return [[read_transform(path) for path in options.transform]]
     if options.transform:
@@ -197,7 +197,7 @@ def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection)
 
 
 def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
-    """The painted parts; only where obstacles push they need not be given."""
+    """Painted selection from the options; optional only if obstacles push the mesh."""
     if options.selection and (options.transform or options.motion or options.obstacles):
         return read_selection_file(options.selection, mesh)
     if not options.obstacles:
@@ -209,7 +209,7 @@ def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
 
 
 def _member(regions: Sequence[Region], vertices: int) -> np.ndarray:
-    """Number of the region of each vertex, from 1; of several the last."""
+    """Region number of each vertex, from 1, or 0; the last where regions overlap."""
     member = np.zeros(vertices, dtype=np.uint8)
     for k, region in enumerate(regions, start=1):
         member[region.vertices] = k

@@ -17,8 +17,8 @@ from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.model.status_text import caps_phrase, crossing_findings, exempt_zone_findings
 from apd_viewer.session.quantities.units import Unit
 
-_MOST_VERTICES = 100  # of a finding in a report
-# Keys of a report whose names are older than those of the fields.
+_MOST_VERTICES = 100  # vertices listed per finding in a report
+# Report keys kept under older names than those of the fields.
 _KEYS = {"components": "pieces", "missing_volume_reason": "why_no_volume"}
 
 

@@ -1,4 +1,4 @@
-"""Command-line options for motions: paint, matrices, motions in words."""
+"""Command-line options for motions: paint, pose matrices, and motions in words."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from apd_viewer.session.storage.session_file import open_session
 
 
 def add_input_options(parser: argparse.ArgumentParser) -> None:
-    """Add the session, or mesh with its paint, and what moves the handles."""
+    """Add options for a session, or a mesh with its paint, and for the motion."""
     parser.add_argument(
         "file",
         metavar="SESSION",
@@ -42,7 +42,7 @@ def add_input_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_motion_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a motion; their order is that of its steps."""
+    """Add the motion options; their order is the order of the steps."""
     group = parser.add_argument_group(
         tr("motion of the handles"),
         tr("All amounts grow together; a step follows the one before it. Negative amounts need “=”."),
@@ -63,7 +63,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
 def read_input(
     options: argparse.Namespace, weld: bool = False
 ) -> tuple[Document, View, tuple[MotionStep, ...]]:
-    """Painted document, view and motion given by the options; the motion may be empty.
+    """Painted document, view and motion from the options; the motion may be empty.
 
     With ``weld`` the seams of the mesh are welded.
 
@@ -95,7 +95,7 @@ def read_input(
 
 
 def _posed(document: Document, transforms: Sequence[str]) -> Document:
-    """The document with its handles at the matrices of files."""
+    """Document with its handles posed by matrices from files."""
     if transforms and len(transforms) != len(document.handles):
         raise InputError(
             tr("There are {handles} handles but {motions} motions; give one for each handle.").format(
@@ -111,7 +111,7 @@ def _posed(document: Document, transforms: Sequence[str]) -> Document:
 def motion_from(
     options: argparse.Namespace, document: Document, unit_symbol: str = ""
 ) -> tuple[MotionStep, ...]:
-    """Motion of the options on a mesh; none without any.
+    """Motion of a mesh from the options; empty without motion options.
 
     Parameters
     ----------

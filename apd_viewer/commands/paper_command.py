@@ -24,11 +24,11 @@ from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.state import initial_document
 
-# Size in pixels, and direction of view.
+# Picture size in pixels and view direction of each sample mesh.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
-_TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated shares of the work; the rest is drawing
+_TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated fractions of the work; the rest is drawing
 TOLERANCE = 1e-3
-_METHODS = "arap", "paper"  # in the order of the columns
+_METHODS = "arap", "paper"  # in column order
 TABLE_TITLES = {
     "bottle": tr("Table 1: twisting a bottle"),
     "duck": tr("Table 2: bending a duck"),
@@ -47,7 +47,7 @@ _HEADINGS = (
 
 
 def paper_parser() -> Parser:
-    """Parser of the command."""
+    """Parser of the command paper."""
     parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
     add_option(parser, "-o, --output DIR", tr("folder for tables, curves and figures"), type=Path)
     add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
@@ -116,7 +116,7 @@ def _draw_shapes(table: Sequence[PaperTableRow], folder: Path, progress: Progres
 
 
 def _amount(row: PaperTableRow) -> str:
-    """Shortest name of the motion."""
+    """Amount of the row's motion, from its title."""
     return row.case.title.rpartition(" by ")[2]
 
 
@@ -129,7 +129,7 @@ def _readings(result: Result) -> list[str]:
 
 
 class PaperCase(NamedTuple):
-    """Motion of a table, and the areas given by the paper.
+    """Motion of a table row, with the areas published in the paper.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ PAPER_CASES = {
 
 
 class PaperTableRow(NamedTuple):
-    """Results of one motion by ARAP alone and by the paper's method."""
+    """Results of one motion with ARAP alone and with the paper's method."""
 
     name: str
     case: PaperCase
@@ -165,11 +165,11 @@ class PaperTableRow(NamedTuple):
 
     @property
     def is_within_tolerance(self) -> bool:
-        """True if the area is within the tolerance."""
+        """True if the area error of the paper's method is within the tolerance."""
         return abs(self.paper.area_error) <= TOLERANCE
 
     def lines(self) -> list[tuple[str, ...]]:
-        """Cells of the row: our results, and the paper's below."""
+        """Cells of two table lines: our results, and the paper's below."""
         arap, paper, case = self.arap, self.paper, self.case
         return [
             (
@@ -198,7 +198,7 @@ class PaperTableRow(NamedTuple):
 
 
 def table_rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[PaperTableRow]:
-    """Run the motions in turn; ``tick`` gets the progress after every iteration."""
+    """Run the motions in turn; ``tick`` receives the progress after each iteration."""
     for number, (name, case) in enumerate(PAPER_CASES.items()):
         mesh, labels = open_sample(case.sample)
         held = constraints(labels, mesh.V, [read_transform(resource_path(f"{name}.def"))])
@@ -214,7 +214,7 @@ def table_rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterat
                 held.targets,
                 method,
                 handle=held.handles,
-                contact=False,  # of which the paper knows nothing
+                contact=False,  # the paper's methods have no contact
                 progress=hear,
             )
             for method in _METHODS
@@ -244,7 +244,7 @@ def format_markdown(rows: Sequence[PaperTableRow]) -> str:
 
 
 def tolerance_verdict(rows: Sequence[PaperTableRow]) -> str:
-    """Sentence on the motions within the tolerance."""
+    """Sentence on the number of motions within the tolerance."""
     failed = [row.case.title for row in rows if not row.is_within_tolerance]
     if not failed:
         return tr("Pass: APD keeps the area within 0.1 % in all {count} motions.").format(count=len(rows))
@@ -252,7 +252,7 @@ def tolerance_verdict(rows: Sequence[PaperTableRow]) -> str:
 
 
 def write_csv(rows: Iterable[PaperTableRow], path: Path) -> None:
-    """Write all digits; raises InputError if the file cannot be written."""
+    """Write all digits of the rows as CSV; raises InputError if that fails."""
     measured = "area_rest", "area", "area_error", "handle_drift", "iterations"
     said = "move", "said_area_rest", "said_area", "said_area_error", "within_tolerance"
     lines = [

@@ -1,4 +1,4 @@
-"""The command ``apd-viewer press``: a mesh between two plates that close."""
+"""The command ``apd-viewer press``: press a mesh between two closing plates."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _SETTINGS = "method", "stiffness", "area_stiffness", "shear_stiffness", "area", 
 
 
 def press_parser() -> Parser:
-    """Parser of the command."""
+    """Parser of the command press."""
     parser = Parser(
         prog="apd-viewer press",
         description=tr(
@@ -201,7 +201,7 @@ def _press(options: argparse.Namespace) -> None:
 
 @naming_unit_option()
 def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
-    """Wall of a command line, for a mesh in a unit; raises InputError."""
+    """Wall properties from the options, for a mesh in ``unit``; raises InputError."""
     material = wall_material(options.material or "")
     if unit is Unit.NONE and (material or options.young):
         raise InputError(tr("A material needs the unit of the mesh; add --unit mm, cm, m, in or ft."))
@@ -212,12 +212,12 @@ def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
         raise InputError(tr("Newtons need the thickness of the wall as well; add --thickness."))
     if options.young and not options.stiffness:
         raise InputError(tr("Newtons need walls that resist bending; add --stiffness 0.001."))
-    # Walls without bending stiffness keep no creases, of whatever they are made.
+    # Walls without bending stiffness keep no creases, whatever their material.
     return wall if options.yield_radius or options.stiffness else replace(wall, yield_radius=None)
 
 
 def _gas(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> float | None:
-    """Pressure times volume of the gas, in areas, from a text; raises InputError."""
+    """Pressure times volume of the gas, in areas, from its text; raises InputError."""
     if text is None:
         return None
     pascals = parse_pressure(text)
@@ -231,7 +231,7 @@ def _gas(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> 
 
 
 def _opened(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:
-    """Mesh at rest, the other shape (n, 3) that a session begins from, and the unit."""
+    """Undeformed mesh, a session's deformed shape (n, 3) or None, and the unit."""
     if Path(path).suffix.lower() != SESSION_SUFFIX:
         mesh = open_input_mesh(path, weld)
         return mesh, None, mesh.unit

@@ -1,4 +1,4 @@
-"""Output of a press: table, report and summary."""
+"""Output of the command press: table, report and summary."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from apd_viewer.session.quantities.wall_material import GPA
 def press_row(
     step: PressStep, is_opening: bool, pressed: Pressed, newtons: NewtonConversion | None = None
 ) -> dict[str, Cell]:
-    """Row of the table by column name, with newtons where they are known."""
+    """Table row of a step by column name, with newtons if known."""
     row: dict[str, Cell] = {
         "distance": step.distance,
         "load_low": step.load_low,
@@ -48,7 +48,7 @@ def press_row(
 
 
 def press_rows(pressed: Pressed, newtons: NewtonConversion | None = None) -> list[dict[str, Cell]]:
-    """Rows of the table: as the plates close, then as they open."""
+    """Table rows of the closing, then of the opening plates."""
     closing = [press_row(step, False, pressed, newtons) for step in pressed.steps]
     return closing + [press_row(step, True, pressed, newtons) for step in pressed.released]
 
@@ -61,7 +61,7 @@ def press_report(
     wall: Wall,
     newtons: NewtonConversion | None,
 ) -> dict[str, object]:
-    """Fields of the report."""
+    """Fields of the JSON report on a press."""
     room: dict[str, object] = {}
     for U, suffix in ((mesh.V, "_rest"), (pressed.U, "")):
         readings = shape_check_fields(check_shape(U, mesh.joined_F))
@@ -84,7 +84,7 @@ def press_report(
 
 
 def _wall_fields(wall: Wall, area: float) -> dict[str, object]:
-    """Fields of what is known of the wall."""
+    """Report fields of the known wall properties."""
     material = wall.material
     fields = {
         "unit": wall.unit.symbol or None,
@@ -101,7 +101,7 @@ def _wall_fields(wall: Wall, area: float) -> dict[str, object]:
 
 
 def _newton_fields(found: Pressed, newtons: NewtonConversion) -> dict[str, object]:
-    """Readings of the curve in newtons, joules and N/mm."""
+    """Report fields of the load curve in newtons, joules and N/mm."""
     curve = found.curve
     factors = {
         "yield_load_newton": (curve.yield_load, newtons.newtons_per_load),
@@ -120,7 +120,7 @@ def press_summary(
     newtons: NewtonConversion | None,
     extent: float,
 ) -> str:
-    """Lines on a press of a mesh of ``extent`` between the plates, for the terminal."""
+    """Terminal lines on pressing a mesh of height ``extent`` between the plates."""
     last, first = pressed.steps[-1], pressed.steps[0]
     lines = [
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(
@@ -218,7 +218,7 @@ def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversi
 
 
 def _wall_text(wall: Wall) -> str:
-    """Words on all that is known of a wall."""
+    """Description of the known wall properties."""
     said = [wall.material and wall.material.title]
     if wall.thickness is not None:
         said.append(wall.unit.format_length(format_short(wall.thickness)))
@@ -234,7 +234,7 @@ def _wall_text(wall: Wall) -> str:
 
 
 def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, remains: str) -> list[str]:
-    """Line on the volume of a step; none where nothing is enclosed."""
+    """Line on the volume at a step; no line if none is enclosed."""
     now, at_rest = (step.volume_capped, rest.volume_capped) if capped else (step.volume, rest.volume)
     if now is None or not at_rest:
         return []

@@ -1,4 +1,4 @@
-"""The command replay: re-run a saved session."""
+"""The command replay: solve a saved session again."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.storage.session_file import open_session
 
-# Shapes of an animation: ten seconds of them.
+# Largest number of shapes in an animation, for a length of ten seconds.
 _MOST = 240
 _FIELDS = {0: "angle", 1: "length", 2: "area"}
 
@@ -126,7 +126,7 @@ def _check_animations(paths: Sequence[Path]) -> None:
 def _write_animations(
     paths: Sequence[Path], document: Document, shapes: ShapeRecorder, stack: ExitStack
 ) -> None:
-    """Write the shapes of the replay, by their iterations."""
+    """Write the shapes of the replay, timed by their iterations, as animations."""
     if not shapes.files:
         raise InputError(
             tr("The saved shape has converged, so there is nothing to animate; add --from-rest.")
@@ -138,7 +138,7 @@ def _write_animations(
 
 
 def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dict[str, Any]]]:
-    """Field of a report with the measurements at rest and at ``U`` (n, 3), if any.
+    """Report field with the measurements at rest and at ``U`` (n, 3), if any.
 
     Lengths are in mesh units, angles in degrees; what cannot be measured is None.
     """
@@ -180,7 +180,7 @@ def replay_session(
     progress: Callable[[Frame], None] | None = None,
     on_shape: Callable[[np.ndarray], None] | None = None,
 ) -> tuple[Document, Result]:
-    """Bring the shape of a saved session to rest.
+    """Solve a saved session until its shape has converged.
 
     A saved shape that has settled is the answer already: it is measured anew, and stays as it is.
 
@@ -231,7 +231,7 @@ def replay_session(
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
-    """True if the shape is settled: held vertices in place, targets met."""
+    """True if the saved shape has converged, with held vertices in place, targets met."""
     frame, document = state.frame, state.document
     if not frame.settled or (frame.converged and state.has_unmet_target):
         return False
@@ -243,13 +243,13 @@ def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
 
 
 def _obstacle_shifts(state: State) -> np.ndarray | None:
-    """Motion of the obstacles so far; None where that is not known."""
+    """Displacements of the obstacles in the saved shape; None if unknown."""
     come = state.frame.shifts
     return come if len(come) == len(obstacle_shifts(state.document)) else None
 
 
 def _drift(held: Constraints, U: np.ndarray) -> float:
-    """Distance of a handle's centre from its target; the largest of all handles."""
+    """Largest distance of a handle's centre from its target."""
     places = [np.searchsorted(held.fixed, ids) for ids in held.handles]
     away = U[held.fixed] - held.targets
     return max((float(np.linalg.norm(away[rows].mean(axis=0))) for rows in places), default=0.0)

@@ -30,7 +30,7 @@ from apd_viewer.language import comma_separated, in_quotes, tr
 from apd_viewer.presentation.progress_line import frame_line
 from apd_viewer.session.model.status_text import caps_phrase, crossing_findings
 
-_ROUNDED = 1e-6  # relative change of the area by the file's rounding worth a warning
+_ROUNDED = 1e-6  # relative area change by rounding in the file above which a warning is shown
 
 
 def write_result(
@@ -42,7 +42,7 @@ def write_result(
     target: TargetShape | None = None,
     more_fields: Mapping[str, object] = MappingProxyType({}),
 ) -> WrittenMesh:
-    """Write the mesh, and a report with ``more_fields`` if requested."""
+    """Write the mesh and, if requested, a report with ``more_fields``."""
     if report:
         write_report(stack.enter_context(replacing_file(report)), mesh, result, target, more_fields)
     return save_mesh(mesh, result.U, output)
@@ -51,7 +51,7 @@ def write_result(
 def show_progress_line(
     iterations: int | None, most_iterations: int = DEFAULT_CONVERGENCE.most_iterations
 ) -> Callable[[Frame], None]:
-    """Show the progress of the iterations, or of the most of them, on one line."""
+    """Callback to show the progress of the iterations on one terminal line."""
 
     def show(frame: Frame) -> None:
         last = frame.iteration == (iterations or most_iterations) or (frame.settled and not iterations)
@@ -68,7 +68,7 @@ def show_progress_line(
 
 
 def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMesh) -> str:
-    """Lines on a finished deformation, for the terminal."""
+    """Terminal lines on a finished deformation."""
     effort = tr("{n:,} iterations in {seconds:.1f} s").format(n=result.iterations, seconds=result.seconds)
     state = tr("{output}: {method}, converged after {effort}")
     if not result.converged:
@@ -95,12 +95,12 @@ def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMes
 
 
 def mesh_remarks(mesh: Mesh) -> list[str]:
-    """Sentences on open seams of a mesh, and on what is strange about its file."""
+    """Sentences on open seams of a mesh and on peculiarities of its file."""
     return [found.sentence for found in (*seam_findings(mesh), *file_findings(mesh))]
 
 
 def result_lines(result: Result) -> list[str]:
-    """Area and volume against rest, a line each; another one says what is capped."""
+    """Lines on the area and volume against rest, and on capped openings."""
     lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
     if result.volume is not None and result.volume_rest:
         lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))
@@ -112,12 +112,12 @@ def result_lines(result: Result) -> list[str]:
 
 
 def _reading(value: float, rest: float) -> str:
-    change = round(100 * (value / rest - 1), 3) + 0.0 if rest else 0.0  # without a minus before zero
+    change = round(100 * (value / rest - 1), 3) + 0.0 if rest else 0.0  # adding 0.0 avoids a negative zero
     return tr("{value:.6g} of {rest:.6g} ({change:+.3f} %)").format(value=value, rest=rest, change=change)
 
 
 def add_scalar_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options for scalars."""
+    """Add the options for scalar files of vertices and triangles."""
     add_option(
         parser,
         "--scalars S.ply",
@@ -133,7 +133,7 @@ def add_scalar_options(parser: argparse.ArgumentParser) -> None:
 
 
 def scalar_files(options: argparse.Namespace) -> tuple[Path | None, Path | None]:
-    """Files of the values of vertices and of triangles; None if not asked for."""
+    """Requested files of vertex and of triangle scalars; None if not requested."""
     return options.scalars, options.triangle_scalars
 
 
@@ -155,7 +155,7 @@ def write_scalar_files(
     member: np.ndarray,
     target: TargetShape | None = None,
 ) -> None:
-    """Write the files asked for; they replace old ones when ``stack`` is closed."""
+    """Write the requested scalar files; they replace old ones as ``stack`` closes."""
     asked = (options.scalars, ScalarRows.VERTICES), (options.triangle_scalars, ScalarRows.TRIANGLES)
     if not any(path for path, _ in asked):
         return

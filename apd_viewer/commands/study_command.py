@@ -1,4 +1,4 @@
-"""The commands ``study`` and ``study design``: cases of a plan, and a plan."""
+"""The commands ``study`` and ``study design``: run or write a plan of cases."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any
 
 from apd_viewer.cases.case_file import FAILED
 from apd_viewer.cases.case_runner import Engine
-from apd_viewer.cases.cluster import connected_cluster
+from apd_viewer.cases.cluster import connect_cluster
 from apd_viewer.cases.design import DESIGNS, LATIN, DesignVariable, design_table, parse_variable
 from apd_viewer.cases.local_pool import LocalPool, core_count
 from apd_viewer.cases.plan import Plan, read_plan
@@ -35,14 +35,14 @@ from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.session.model.view import SESSION_SUFFIX
 
 _INTERRUPTED = 130
-_LOG = 30.0  # s between two lines of a log
-_MOST_SAID = 20  # sentences; the table has all of them
+_LOG = 30.0  # seconds between two lines of a log
+_MOST_SAID = 20  # largest number of sentences printed; the results table has all of them
 _FILES = ("mesh", "session", "selection")
-_CONTACT = "contact"  # written in every new plan, since plans without it are from a time when there was none
+_CONTACT = "contact"  # a column of every new plan; plans without it predate this setting
 
 
 def study_parser() -> Parser:
-    """Parser of the command."""
+    """Parser of the command study."""
     parser = Parser(
         prog="apd-viewer study",
         description=tr(
@@ -76,7 +76,7 @@ def _columns() -> str:
 
 
 def _study(options: argparse.Namespace) -> None:
-    localize_numbers(False)  # its sentences stand in files, which are the same however it is run
+    localize_numbers(False)  # sentences are stored in result files and must not depend on the number format
     if options.limit is not None and not options.limit > 0.0:
         raise InputError(tr("--limit must be greater than 0 seconds."))
     if options.processes is not None and not 1 <= options.processes <= 1000:
@@ -126,12 +126,12 @@ def _run(study: Study, options: argparse.Namespace) -> None:
 
 def _engine(options: argparse.Namespace) -> Engine:
     if options.scheduler or options.scheduler_file:
-        return connected_cluster(options.scheduler, options.scheduler_file)
+        return connect_cluster(options.scheduler, options.scheduler_file)
     return LocalPool(_processes(options))
 
 
 def _processes(options: argparse.Namespace) -> int:
-    """Number of cases at a time; 1 for workers of others."""
+    """Number of parallel processes; 1 with a Dask scheduler."""
     if options.scheduler or options.scheduler_file:
         return 1
     return int(options.processes or core_count())
@@ -139,7 +139,7 @@ def _processes(options: argparse.Namespace) -> int:
 
 @contextmanager
 def _interruptible(study: Study) -> Iterator[None]:
-    """Finish running cases at the first Ctrl+C, and end at once at the second."""
+    """Finish running cases at the first Ctrl+C in this context, quit at the second."""
 
     def first(*_: Any) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -154,7 +154,7 @@ def _interruptible(study: Study) -> Iterator[None]:
 
 
 def counts_text(counts: CaseCounts) -> str:
-    """The state of a study in a few words."""
+    """Short text on the progress of a study."""
     words = [tr("{done:,} of {cases:,}").format(done=counts.finished, cases=counts.cases)]
     words.append(tr("{running} running").format(running=counts.running))
     if counts.failed:
@@ -166,13 +166,13 @@ def counts_text(counts: CaseCounts) -> str:
 
 
 def mistake_lines(plan: Plan) -> str:
-    """A line for each wrong or repeated row."""
+    """One line for each invalid or repeated row of a plan."""
     lines = [_on_line(row.line, row.mistake) for row in plan.rows if row.mistake]
     return "".join(f"{line}\n" for line in _first(lines))
 
 
 def work_left_lines(work_left: StudyForecast, processes: int) -> str:
-    """Lines on the work left."""
+    """Terminal lines on the remaining work of a study."""
     lines = [
         trn(
             "{cases:,} case, {done:,} done, {left:,} to do",
@@ -203,7 +203,7 @@ def work_left_lines(work_left: StudyForecast, processes: int) -> str:
 
 
 def study_summary(table: ResultTable, folder: Path) -> str:
-    """Lines on the results."""
+    """Terminal lines on the results of a study."""
     count = Counter(row.status for row in table.rows)
     words = comma_separated(
         f"{format_grouped(number, 0)} {status_text(status)}" for status, number in count.items()
@@ -214,7 +214,7 @@ def study_summary(table: ResultTable, folder: Path) -> str:
 
 
 def damaged_results_line(count: int) -> str:
-    """A line on damaged results; empty without any."""
+    """Line on the number of damaged results; empty if there are none."""
     said = trn(
         "{count:,} damaged result is computed again", "{count:,} damaged results are computed again", count
     )
@@ -226,13 +226,13 @@ def _on_line(line: int, sentence: str) -> str:
 
 
 def _first(lines: list[str]) -> list[str]:
-    """The first lines, and how many more there are."""
+    """The first lines, and the number of the omitted ones."""
     more = len(lines) - _MOST_SAID
     return lines if more <= 0 else [*lines[:_MOST_SAID], tr("... and {more:,} more").format(more=more)]
 
 
 def design_parser() -> Parser:
-    """Parser of the command."""
+    """Parser of the command study."""
     parser = Parser(
         prog="apd-viewer study design",
         description=tr(
@@ -299,7 +299,7 @@ def _design(options: argparse.Namespace) -> None:
 
 
 def _given(options: argparse.Namespace) -> dict[str, str]:
-    """Cells common to all rows; raises InputError."""
+    """Constant cells of all rows from the options; raises InputError."""
     given = {"mesh": options.mesh[0]} if len(options.mesh) == 1 else {}
     given |= {name: getattr(options, name) for name in ("selection", "motion") if getattr(options, name)}
     for text in options.given:
@@ -329,5 +329,5 @@ def _found(name: str, folder: Path) -> str:
     """Path of a file relative to the folder of the plan."""
     try:
         return Path(os.path.relpath(name, folder)).as_posix()
-    except ValueError:  # on another drive
+    except ValueError:  # the file is on another drive
         return str(Path(name).absolute())

@@ -38,12 +38,12 @@ from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.model.view import SESSION_SUFFIX, CameraPose
 
-SWEPT_SHARE = 0.9  # of the work; the rest is drawing
-_FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
+SWEPT_SHARE = 0.9  # fraction of the work; the rest is drawing
+_FILM_HEIGHT, _FILM_WIDTH = 560, 300  # picture height, and width of each shape, in pixels
 
 
 def sweep_parser() -> Parser:
-    """Parser of the command."""
+    """Parser of the command sweep."""
     parser = Parser(
         prog="apd-viewer sweep",
         description=tr(
@@ -111,7 +111,7 @@ def _sweep(options: argparse.Namespace) -> None:
 
 
 def _warnings(options: argparse.Namespace, cases: Sequence[Case]) -> set[str]:
-    """Sentences on missing contact, of a mesh without the option."""
+    """Warnings about passing walls, for a mesh without the option ``--contact``."""
     if options.contact is not None or Path(options.file).suffix.lower() == SESSION_SUFFIX:
         return set()
     passing = (passing_walls_warning(each.method, len(each.document.mesh.V), "--contact") for each in cases)
@@ -125,7 +125,7 @@ def _tell_shape(progress: Progress, path: Path, number: int) -> None:
 def _run(
     cases: Sequence[Case], progress: Progress, folder: Path | None, kept: Path | None
 ) -> list[list[CaseStep]]:
-    """Steps of each case; shapes are written to files on request, and none is kept."""
+    """Steps of each case without their shapes; these are written to files on request."""
     mesh = cases[0].document.mesh
     nothing, suffix = mesh.V[:0], suffix_for(mesh)
 
@@ -138,7 +138,7 @@ def _run(
                 save_mesh(mesh, step.frame.U, mesh_path(folder, suffix, step))
             if kept is not None:
                 write_shape(step.frame.U, shape_path(kept, step))
-            # A thousand shapes need not be kept in memory.
+            # Shapes are dropped: up to a thousand of them would fill the memory.
             yield step._replace(frame=replace(step.frame, U=nothing))
 
     return [list(steps_of(number, case)) for number, case in enumerate(cases)]
@@ -156,8 +156,8 @@ def shape_path(folder: Path, step: CaseStep) -> Path:
 
 
 def sweep_row(case: Case, step: CaseStep) -> dict[str, Cell]:
-    """Row of the table by column name."""
-    # Methods that know no contact have no loads.
+    """Table row of a step by column name."""
+    # Methods without contact have no loads.
     loads = step.loads or (None,) * len(case.obstacles)
     excess = {"load_excess_percent": case.load_excess_percent} if case.obstacles else {}
     return {
@@ -187,7 +187,7 @@ def write_sweep_films(
     progress: Progress,
 ) -> bool:
     """Draw the shapes of all methods side by side as films; False without OpenGL."""
-    # Imported here: Pillow is slow to import, and a film alone needs it.
+    # Imported here: Pillow is slow to import, and only films need it.
     from apd_viewer.figures.films import write_film
 
     count = len(case.shares)
@@ -230,7 +230,7 @@ def _words(step: CaseStep, abscissa: str) -> list[str]:
 
 
 def sweep_summary(swept: Sequence[tuple[Case, Sequence[CaseStep]]], folder: Path) -> str:
-    """Lines on the cases of a sweep and their steps, for the terminal."""
+    """Terminal lines on the cases of a sweep and their steps."""
     first, _ = swept[0]
     lines = [
         tr("{folder}: {steps} steps by {methods}").format(
@@ -259,5 +259,5 @@ def sweep_summary(swept: Sequence[tuple[Case, Sequence[CaseStep]]], folder: Path
                     count=unsettled, steps=len(steps), most=case.iterations
                 )
             )
-        lines += [f"    {sentence}" for sentence in case.warnings_of(last)]
+        lines += [f"    {sentence}" for sentence in case.step_warnings(last)]
     return "\n".join([*lines, *mesh_remarks(first.document.mesh)])

@@ -1,4 +1,4 @@
-"""The command volumes: volumes by name, beside published figures of the same."""
+"""The command volumes: volumes by name, with published values for comparison."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from apd_viewer.session.quantities.wall import WallText, wall_from
 
 
 def volumes_parser() -> Parser:
-    """Parser of the command."""
+    """Parser of the command volumes."""
     parser = Parser(
         prog="apd-viewer volumes",
         description=tr(
@@ -87,7 +87,7 @@ def _volumes(options: argparse.Namespace) -> None:
 
 
 def _bag(text: str | None, unit: Unit) -> float:
-    """Litres from a text; raises InputError."""
+    """Volume of a bag in litres from its text; raises InputError."""
     if text is None:
         return DEFAULT_BAG
     if unit is Unit.NONE:
@@ -102,7 +102,7 @@ _WIDTH, _GAP = 28, 2
 
 
 def volume_lines(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
-    """Lines on all quantities, for the terminal."""
+    """Terminal lines on all volume quantities."""
     lines = [name]
     width = max([_WIDTH, *(column_count(row.title) + _GAP for row in rows)])
     for row in rows:
@@ -130,7 +130,7 @@ def volumes_report(
     density: float | None,
     bag: float,
 ) -> dict[str, Any]:
-    """Fields of the report.
+    """Fields of the JSON report on volumes.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Figures on paper: curves and pictures of shapes, drawn without a display."""
+"""Figures for print: curves and pictures of shapes, rendered without a display."""

@@ -1,4 +1,4 @@
-"""Curves of presses, sweeps and the tables of the paper."""
+"""Curves of presses, sweeps and the paper's experiments."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _PRESS_SIZE = (9.0, 3.9)
 
 
 def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float] | None = None) -> None:
-    """Draw load and volume of a press; without volume where nothing is enclosed.
+    """Draw load and volume of a press; no volume if none is enclosed.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float]
 
 
 def _load_title(found: Pressed, newtons: tuple[float, float] | None) -> str:
-    """Two lines: the load, and by how much it is expected to be off."""
+    """Two title lines: the load, and its expected error."""
     known = obstacle_readings.excess_phrase(found.load_excess)
     if newtons is None:
         return tr("Load, at stiffness 1") + f"\n{known}"
@@ -79,20 +79,20 @@ def _load(step: PressStep) -> float:
 
 
 def _volume(step: PressStep) -> float:
-    """Enclosed volume, openings capped; 0 where nothing is enclosed."""
+    """Enclosed volume, openings capped; 0 if none is enclosed."""
     return step.volume or step.volume_capped or 0.0
 
 
 _SWEEP_SIZE = (11.0, 3.9)
-_DENSE = 40  # steps; with more, markers would hide the curve
-_TICKS = (1, 5, 10, 15, 30, 45, 60, 90, 180, 360)  # degrees
-_FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rounding
+_DENSE = 40  # largest number of steps drawn with markers; more would hide the curve
+_TICKS = (1, 5, 10, 15, 30, 45, 60, 90, 180, 360)  # possible tick spacings in degrees
+_FLAT = 1e-3  # percent; curves within this are drawn flat, to hide rounding
 
 
 def draw_sweep_curves(
     steps: Sequence[CaseStep], abscissa: str, folder: Path, obstacles: Sequence[str] = ()
 ) -> None:
-    """Draw the curves of a sweep; without volume where nothing is enclosed.
+    """Draw the curves of a sweep; no volume if none is enclosed.
 
     Parameters
     ----------

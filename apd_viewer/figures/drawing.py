@@ -1,4 +1,4 @@
-"""Pictures of shapes side by side, drawn in a process of its own.
+"""Rendering of shapes side by side, in a separate process.
 
 Where there is no OpenGL, VTK takes the process with it that asks for a picture.
 """
@@ -20,17 +20,17 @@ from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.presentation.palette import DIVERGING
 from apd_viewer.ui.scene.shading import headlight, shade
 
-_LIMIT = 10.0  # percent; the colours end here
+_LIMIT = 10.0  # area change in percent at the ends of the colour scale
 _INK, _QUIET = "#1d2129", "#5a6270"
-_ABOVE, _BELOW = 0.10, 0.17  # of the height, for the words
+_ABOVE, _BELOW = 0.10, 0.17  # space for text, as fractions of the height
 _MARGIN = 1.04
-_LETTERS = 44  # title sizes in points per picture height in pixels
+_LETTERS = 44  # picture height in pixels per point of title size
 
 
 def main(job: str) -> None:
-    """Draw the pictures of a job and print a line for each."""
+    """Draw the pictures of a job, printing the number of each when it is done."""
     if sys.platform.startswith("linux"):
-        # VTK would try the X server first, warn if there is none, and crash if it is broken.
+        # By default VTK tries the X server first: it warns if there is none, and crashes if it is broken.
         os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
     folder = Path(job)
     said = json.loads((folder / "job.json").read_text(encoding="utf-8"))
@@ -84,11 +84,11 @@ def _show_change(plotter: Any, F: np.ndarray, U: np.ndarray, areas: np.ndarray) 
 
 
 def _write(plotter: Any, words: Sequence[str], most: int, high: int, font: str | None) -> None:
-    """Write a title and below it the lines, padded to ``most`` of them."""
+    """Write a title at the top and lines at the bottom, padded to ``most`` lines."""
     letters = high / _LETTERS
     left, top = 0.03 * high, high * (1 - 0.8 * _ABOVE)
     title, *lines = words
-    lines += [" "] * (most - len(words))  # lines begin at one height, beside each other
+    lines += [" "] * (most - len(words))  # padding aligns the first lines of all panels
     look: dict[str, Any] = {"font": "arial", "font_file": font}
     plotter.add_text(title, position=(left, top), font_size=letters, color=_INK, **look)
     if lines:
@@ -97,12 +97,12 @@ def _write(plotter: Any, words: Sequence[str], most: int, high: int, font: str |
 
 
 def _legend(plotter: Any, title: str, wide: float, font: str | None) -> None:
-    """Draw the legend of the colours below the rest shape."""
+    """Draw the colour legend below the rest shape."""
     if not title:
         return
     high = plotter.window_size[1]
     letters = 0.66 * high / _LETTERS
-    left = (0.03 * high + 1.5 * letters) / wide  # indented by half the first number
+    left = (0.03 * high + 1.5 * letters) / wide  # indented by half the width of the first number
     plotter.add_text(
         title,
         position=(0.03 * high, 0.11 * high),
@@ -131,7 +131,7 @@ def _legend(plotter: Any, title: str, wide: float, font: str | None) -> None:
 def _fit(
     shapes: list[np.ndarray], view_direction: np.ndarray, up: np.ndarray, aspect: float
 ) -> tuple[np.ndarray, float, float]:
-    """Centre, half height and depth of all shapes in one view.
+    """Centre, half height and depth of a view of all shapes.
 
     ``aspect`` is the width of a panel by its height.
     """
@@ -144,14 +144,14 @@ def _fit(
     width, height, depth = high - low
     half = _MARGIN * max(width / aspect, height / (1 - _ABOVE - _BELOW)) / 2
     middle = (low + high) / 2
-    middle[1] += (_ABOVE - _BELOW) * half  # the shapes stand between the words
+    middle[1] += (_ABOVE - _BELOW) * half  # centres the shapes between title and lines
     return middle @ axes, float(half), float(depth)
 
 
 def _aim(
     plotter: Any, view_direction: np.ndarray, up: np.ndarray, middle: np.ndarray, half: float, depth: float
 ) -> None:
-    """Look at all shapes in the same way in every panel."""
+    """Set the camera of a panel to the view common to all shapes."""
     camera = plotter.camera
     camera.parallel_projection = True
     camera.parallel_scale = half

@@ -1,4 +1,4 @@
-"""Films made of pictures, as GIF or MP4."""
+"""Films made from pictures, as GIF or MP4."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 
 FILM_SUFFIXES = (".gif", ".mp4")
-_LENGTH = 3.0  # s, there; and as long back
-_SHORTEST, _LONGEST = 0.04, 0.25  # s, of a picture
-_REST = 0.7  # s, at either end
+_LENGTH = 3.0  # duration of the forward run in seconds; the backward run is as long
+_SHORTEST, _LONGEST = 0.04, 0.25  # least and greatest seconds per picture
+_REST = 0.7  # seconds of standstill at either end
 _COLORS = 128
 
 
@@ -33,7 +33,7 @@ def check_film(path: Path, other_suffixes: Sequence[str] = ()) -> None:
         )
     if path.suffix.lower() == ".mp4":
         try:
-            # Imported here: an optional library, needed for MP4 alone.
+            # Imported here: an optional library, needed only for MP4.
             import imageio_ffmpeg
 
             imageio_ffmpeg.get_ffmpeg_exe()
@@ -41,12 +41,12 @@ def check_film(path: Path, other_suffixes: Sequence[str] = ()) -> None:
             raise InputError(
                 tr("MP4 needs an encoder: install apd-viewer[video], or use the ending .gif.")
             ) from None
-        except RuntimeError:  # a packaged program takes the encoder of the system
+        except RuntimeError:  # no encoder found: a packaged program relies on the system's
             raise InputError(tr("MP4 needs an encoder: install ffmpeg, or use the ending .gif.")) from None
 
 
 def write_film(pictures: Sequence[Path], path: Path) -> None:
-    """Write a film of the pictures, forwards and back again.
+    """Write a film of the pictures, played forwards and then backwards.
 
     Raises
     ------
@@ -67,13 +67,13 @@ def _write_gif(pictures: list[Path], seconds: list[float], path: Path) -> None:
     for picture in pictures:
         with Image.open(picture) as image:
             frames.append(image.convert("RGB").quantize(_COLORS, dither=Image.Dither.NONE))
-    # The format counts in hundredths of a second.
+    # GIF durations are multiples of a hundredth of a second.
     times = [10 * round(100 * second) for second in seconds]
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=times, loop=0)
 
 
 def _write_mp4(pictures: list[Path], seconds: list[float], path: Path) -> None:
-    # Imported here: an optional library, needed for MP4 alone.
+    # Imported here: an optional library, needed only for MP4.
     import imageio_ffmpeg
 
     rate = 25

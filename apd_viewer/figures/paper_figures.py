@@ -1,4 +1,4 @@
-"""Curves beside the paper's tables: ARAP's loss by angle, Eq. 8's handle drift."""
+"""Curves beyond the paper's tables: ARAP's area change, handle drift of Eq. 8."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.posing.motion import TWIST, Motion
 from apd_viewer.session.posing.motion_path import MotionStep
 
-# Iteration counts from rest at which ARAP is measured.
+# Numbers of iterations from the rest shape after which ARAP's area is recorded.
 LOSS_ITERATIONS = (1, 2, 3, 5, 20)
-_WIDEST = 180.0  # degrees
+_WIDEST = 180.0  # largest twist in degrees
 _TWIST = MotionStep(0, Motion(TWIST), (np.radians(_WIDEST),))
-_PUSH, _PULL = 0.2, 0.4  # of the height
+_PUSH, _PULL = 0.2, 0.4  # displacements as fractions of the mesh height
 _STEPS_OF_A_PULL = 4
 
 ProgressCallback = Callable[[float], object]
 _LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
-# From few iterations to many: one hue, increasingly dark.
+# One hue, darker with the number of iterations.
 _SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
 
 
 class LossCurvePoint(NamedTuple):
-    """The area after a twist.
+    """Area change at one twist angle after a number of iterations.
 
     Attributes
     ----------
@@ -71,9 +71,9 @@ class HandleCurvePoint(NamedTuple):
 def loss_curve(
     document: Document, steps: int = 18, tick: ProgressCallback = lambda _: None
 ) -> list[LossCurvePoint]:
-    """ARAP's area change for twists of 0 to 180 degrees, in ``steps`` steps."""
+    """ARAP's area change for twists from 0 to 180 degrees, in ``steps`` steps."""
     found = []
-    document = document.with_settings(method="arap", contact=False)  # of which the paper knows nothing
+    document = document.with_settings(method="arap", contact=False)  # the paper's methods have no contact
     held = document.constraints()
     mesh = document.mesh
     solver = Deformation(mesh.V, mesh.F, held.fixed, method="arap", handle=held.handles, plain=True)
@@ -93,7 +93,7 @@ def loss_curve(
 def handle_curve(
     document: Document, steps: int = 12, tick: ProgressCallback = lambda _: None
 ) -> list[HandleCurvePoint]:
-    """Handle drift of the paper's method in twists up to 180 degrees, pulls, pushes."""
+    """Handle drift of the paper's method in twists to 180 degrees, pulls and pushes."""
     found = []
     height = float(np.linalg.norm(_line(document)))
     document = document.with_settings(method="paper")
@@ -117,7 +117,7 @@ def _pulls(document: Document, share: float, tick: ProgressCallback) -> Iterator
 
 
 def _line(document: Document) -> np.ndarray:
-    """Vector from base to handle centre, as long as the mesh in this direction."""
+    """Vector from base to handle centre, scaled to the extent of the mesh along it."""
     base, handle = (document.grip[document.labels == label].mean(axis=0) for label in (BASE, HANDLE))
     axis = (handle - base) / np.linalg.norm(handle - base)
     whole: np.ndarray = axis * np.ptp(document.mesh.V @ axis)
@@ -127,7 +127,7 @@ def _line(document: Document) -> np.ndarray:
 def draw_loss_curves(
     points: Sequence[LossCurvePoint], published: Sequence[tuple[float, float]], folder: Path
 ) -> None:
-    """Draw ARAP's area change against the angle, beside the paper's values.
+    """Draw ARAP's area change against the angle, with the paper's values.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def _loss(
 
 
 def draw_handle_curves(points: Sequence[HandleCurvePoint], folder: Path) -> None:
-    """Draw the paper method's handle positions against the targets."""
+    """Draw handle positions of the paper's method against their targets."""
 
     def fill(figure: Figure) -> None:
         left, right = figure.subplots(1, 2)

@@ -1,4 +1,4 @@
-"""Pictures of shapes, as far as this machine can draw them."""
+"""Rendered pictures of shapes, if this machine has OpenGL."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-# Not -m: it would import from the current folder.
+# Run with -c instead of -m, which would import from the current folder.
 _START = """
 import sys
 sys.path[:] = sys.argv[2:]
@@ -26,11 +26,11 @@ from apd_viewer.figures.drawing import main
 main(sys.argv[1])
 """
 _LOOK, _UP = (0.55, 0.28, 1.0), (0.0, 1.0, 0.0)
-_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
+_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # exists only on Windows
 
 
 class Picture(NamedTuple):
-    """Shapes side by side.
+    """Picture of several shapes side by side.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ def draw_shapes(
     legend: bool = True,
     on_drawn: Callable[[int], object] = lambda _: None,
 ) -> bool:
-    """Draw pictures of several shapes in one view; False where OpenGL is missing.
+    """Draw pictures of several shapes in one view; False without OpenGL.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def _run(folder: Path, count: int, drawn: Callable[[int], object]) -> bool:
             assert process.stdout is not None
             for done, _ in enumerate(process.stdout, start=1):
                 drawn(done)
-        except BaseException:  # also on an interruption
+        except BaseException:  # including KeyboardInterrupt
             process.kill()
             raise
     return process.returncode == 0 and all((folder / f"{number}.png").exists() for number in range(count))

@@ -1,4 +1,4 @@
-"""Style and fonts of curves, for print and colour-blind readers; SVG and PNG."""
+"""Plot style for print and colour-blind readers, fonts, and SVG and PNG output."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from apd_viewer.notation import localized_number
 INK, QUIET, LINE = "#1d2129", "#5a6270", "#dcdfe4"
 # Okabe and Ito's palette, ordered so that neighbouring curves differ in lightness too.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
-# Colour, dashes and marker of a method: each of them identifies it.
+# Colour, dashes and marker of each method; any one of them identifies it.
 METHOD_STYLES: dict[str, dict[str, Any]] = {
     "arap": {"color": VERMILION, "linestyle": (0, (5, 1.5)), "marker": "s"},
     "paper": {"color": ORANGE, "linestyle": (0, (1, 1)), "marker": "^"},
@@ -52,14 +52,14 @@ _LOOK: dict[Any, Any] = {
     "lines.markersize": 4.0,
     "legend.frameon": False,
     "axes.unicode_minus": True,
-    "text.parse_math": False,  # names of obstacles may have a $
+    "text.parse_math": False,  # names of obstacles may contain a $
     "svg.fonttype": "path",
-    "svg.hashsalt": "apd-viewer",  # the same figure gives the same file
+    "svg.hashsalt": "apd-viewer",  # equal figures give identical files
 }
 
 
 def draw_figure(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path, name: str) -> None:
-    """Draw a figure of ``size`` inches by ``fill``; save it as SVG and PNG.
+    """Draw a figure of ``size`` inches with ``fill``; save it as SVG and PNG.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def draw_figure(fill: Callable[[Figure], None], size: tuple[float, float], folde
 
 
 def _write_numbers(figure: Figure) -> None:
-    """Have the numbers of linear axes written in the notation in use."""
+    """Format the numbers of linear axes in the current notation."""
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             if type(axis.get_major_formatter()) is ScalarFormatter:
@@ -94,8 +94,8 @@ def zero_line(axes: Axes) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)
 
 
-LATIN = "DejaVu Sans"  # comes with matplotlib: figures are the same everywhere
-# Files with simplified Chinese on Linux, Windows and macOS, best first; a collection gives its first face.
+LATIN = "DejaVu Sans"  # bundled with matplotlib: figures are the same everywhere
+# Simplified Chinese font files on Linux, Windows and macOS, best first; a collection gives its first face.
 _CHINESE = (
     "NotoSansCJKsc-Regular",
     "NotoSansSC-Regular",
@@ -117,10 +117,10 @@ _CHINESE = (
 
 @cache
 def font_file(language: str = LANGUAGE) -> Path | None:
-    """Font of the system for a language; None if it needs none, or there is none."""
+    """System font file for a language; None if none is needed or found."""
     if not language.startswith("zh"):
         return None
-    # Here, because only few languages need it, and it takes a third of a second.
+    # Imported here: it takes a third of a second, and only few languages need it.
     from matplotlib import font_manager
 
     found = {Path(path).stem: Path(path) for path in font_manager.findSystemFonts()}
@@ -129,11 +129,11 @@ def font_file(language: str = LANGUAGE) -> Path | None:
 
 @cache
 def families(language: str = LANGUAGE) -> list[str]:
-    """Families for matplotlib; each letter is from the first that has it."""
+    """Font families for matplotlib, in order of preference for each letter."""
     path = font_file(language)
     if path is None:
         return [LATIN]
-    # Here, as above.
+    # Imported here, as in font_file.
     from matplotlib import font_manager
 
     font_manager.fontManager.addfont(path)

@@ -1,1 +1,1 @@
-"""Meshes, selections and transforms on disk."""
+"""Reading and writing of meshes, selections, animations, tables and reports."""

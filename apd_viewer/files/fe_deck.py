@@ -16,15 +16,15 @@ from apd_viewer.language import tr
 
 DECK_SUFFIX = ".inp"
 _ABAQUS = "Abaqus does not know OUTPUT=2D, by which CalculiX keeps the numbers of the nodes; remove it there."
-_DIGITS = 12  # with sign, point and exponent 18 characters; numbers with more are large and have no exponent
-_A_LINE = 16  # most numbers in a line of a set
-_LONGEST = 100  # characters of a name in a comment
-_STATIC = "0.1, 1., 1e-5"  # first increment, length of a step, least increment
+_DIGITS = 12  # significant digits: 18 characters with sign, point and exponent; more only for large numbers
+_A_LINE = 16  # maximum number of ids per line of a set
+_LONGEST = 100  # maximum number of characters of a name in a comment
+_STATIC = "0.1, 1., 1e-5"  # initial increment, step period, minimum increment
 _MOST_INCREMENTS = 1000
 
 
 class DeckWall(NamedTuple):
-    """Wall of the shells, in the units of the deck.
+    """Thickness and material of the shell wall, in the units of the deck.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class DeckWall(NamedTuple):
 
 
 class NodeSet(NamedTuple):
-    """Base or a handle: its set in the deck, its own name, and its vertices (k,)."""
+    """Node set of the base or a handle: set name, user's name and vertices (k,)."""
 
     name: str
     title: str
@@ -55,14 +55,14 @@ class NodeSet(NamedTuple):
 
 
 class DeckRegion(NamedTuple):
-    """A region: its name, and its triangles (k,)."""
+    """Element set of a region: its name and its triangles (k,)."""
 
     title: str
     triangles: np.ndarray
 
 
 class Deck(NamedTuple):
-    """Shells, their wall and the ways of their held nodes.
+    """Shell model with wall data and prescribed displacements of the held nodes.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def check_deck(path: str | Path) -> Path:
 
 
 def write_deck(path: str | Path, deck: Deck) -> None:
-    """Write a deck, whole or not at all; raises InputError if it cannot be written."""
+    """Write a deck atomically; raises InputError if it cannot be written."""
     with (
         replacing_file(check_deck(path)) as scratch,
         scratch.open("w", encoding="ascii", newline="\n") as stream,
@@ -113,9 +113,9 @@ def write_deck(path: str | Path, deck: Deck) -> None:
 
 
 def _lines(deck: Deck) -> Iterator[str]:
-    """The lines of the deck, nodes and elements numbered as in the mesh, from 1."""
+    """Lines of the deck, with nodes and elements numbered from 1 as in the mesh."""
     yield "*HEADING"
-    yield _plain(f"Written by apd-viewer from {deck.source}")  # no keyword, whatever the name begins with
+    yield _plain(f"Written by apd-viewer from {deck.source}")  # a name may begin with *, as keywords do
     yield from (f"** {note}" for note in (*deck.wall.notes, *deck.notes, _ABAQUS))
     yield from _mesh_lines(deck)
     yield from _set_lines(deck)
@@ -125,7 +125,7 @@ def _lines(deck: Deck) -> Iterator[str]:
 
 
 def _mesh_lines(deck: Deck) -> Iterator[str]:
-    """Nodes of the elements at rest, and the elements."""
+    """Lines of the nodes in the rest shape and of the elements."""
     nodes = np.unique(deck.F[deck.used_faces])
     size = diagonal(deck.V[nodes])
     yield "*NODE, NSET=ALL"
@@ -162,7 +162,7 @@ def _wall_lines(wall: DeckWall) -> Iterator[str]:
 
 
 def _step_lines(held: Sequence[NodeSet], shifts: Sequence[np.ndarray]) -> Iterator[str]:
-    """One step to displacements (k, 3) of the held nodes."""
+    """Lines of one step to the displacements (k, 3) of the held nodes."""
     yield f"*STEP, NLGEOM, INC={_MOST_INCREMENTS}"
     yield from ("*STATIC", _STATIC, "*BOUNDARY")
     for part, shift in zip(held, shifts, strict=True):
@@ -181,17 +181,17 @@ def _step_lines(held: Sequence[NodeSet], shifts: Sequence[np.ndarray]) -> Iterat
 
 
 def _rows(ids: np.ndarray) -> Iterator[str]:
-    """Numbers from 1, so many in a line as a set may have."""
+    """Lines of ids counted from 1, with at most 16 ids each."""
     words = list(map(str, (ids + 1).tolist()))
     return (", ".join(words[k : k + _A_LINE]) for k in range(0, len(words), _A_LINE))
 
 
 def _number(value: float, digits: int = _DIGITS) -> str:
-    """A number in at most 20 characters: more are not read."""
+    """Number in at most 20 characters, as many as FE programs read."""
     said = f"{value + 0.0:.{digits}g}"
     return said if "." in said or "e" in said else said + "."
 
 
 def _plain(name: str) -> str:
-    """A name of the user in one line of ASCII."""
+    """User's name as one line of ASCII."""
     return " ".join(name.split())[:_LONGEST].encode("ascii", "replace").decode()

@@ -1,4 +1,4 @@
-"""Self-contained HTML page: tables, pictures, light and dark, print.
+"""Self-contained HTML page with tables and pictures, for light, dark and print.
 
 It names nothing outside itself: pictures are in it as PNG or SVG, files as links that hold them.
 """
@@ -19,14 +19,14 @@ GridCell: TypeAlias = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class PageTable:
-    """Rows of name, value and remark in smaller letters."""
+    """Table of rows with a name, a value and a remark in small print."""
 
     rows: tuple[tuple[str, str, str], ...]
 
 
 @dataclass(frozen=True)
 class PageGrid:
-    """Table with a heading over each column, the first of which names the rows.
+    """Table with column headings; the first column holds the row names.
 
     A cell is some lines, each with a remark in smaller letters.
     """
@@ -37,7 +37,7 @@ class PageGrid:
 
 @dataclass(frozen=True)
 class PageNote:
-    """A paragraph, emphasised if it ``is_warning``."""
+    """Paragraph, emphasised if ``is_warning``."""
 
     text: str
     is_warning: bool = False
@@ -45,7 +45,7 @@ class PageNote:
 
 @dataclass(frozen=True)
 class PageCommand:
-    """Command line to type."""
+    """Command line for the user to run."""
 
     text: str
 
@@ -68,7 +68,7 @@ class PagePictureRow:
 
 @dataclass(frozen=True)
 class PageDrawing:
-    """An SVG drawing for light paper, and the same for dark."""
+    """SVG drawing in a light and a dark version."""
 
     light: str
     dark: str
@@ -91,7 +91,7 @@ PageBlock: TypeAlias = (
 
 @dataclass(frozen=True)
 class PageSection:
-    """Some blocks under a heading; a ``is_wide`` one stands in no column."""
+    """Blocks under a heading; spans all columns if ``is_wide``."""
 
     heading: str
     blocks: tuple[PageBlock, ...]
@@ -100,7 +100,7 @@ class PageSection:
 
 @dataclass(frozen=True)
 class Page:
-    """Page with one leading reading, the ``hero``."""
+    """Page with a headline value, the ``hero``."""
 
     title: str
     subtitle: str
@@ -110,14 +110,14 @@ class Page:
 
 
 def write_page(path: Path, page: Page) -> None:
-    """Write a page to a file, whole or not at all; raises InputError."""
+    """Write a page to a file atomically; raises InputError."""
     with replacing_file(path) as scratch:
-        # Characters without an encoding, such as lone surrogates in file names, become question marks.
+        # Unencodable characters, such as lone surrogates in file names, become question marks.
         scratch.write_text(page_html(page), encoding="utf-8", errors="replace", newline="\n")
 
 
 def page_html(page: Page) -> str:
-    """The page as HTML."""
+    """HTML text of a page."""
     parts = "\n".join(_section(part) for part in page.sections)
     return PAGE.format(
         language=escape(LANGUAGE.replace("_", "-")),
@@ -168,7 +168,7 @@ def _grid_row(head: tuple[str, ...], row: tuple[GridCell, ...]) -> str:
 
 
 def _lines(cell: GridCell) -> str:
-    """Lines of a cell, each a text with a remark."""
+    """HTML of the lines of a cell, each a text with a remark."""
     return "".join(f"<div>{_remarked(*line)}</div>" for line in cell)
 
 

@@ -1,4 +1,4 @@
-"""Files known by their content, and their fate since.
+"""Detection of external changes to files by their content.
 
 Clocks may be wrong, so no time is compared with now, nor with another file's. Where a tool has written the
 same again, nothing has changed.
@@ -18,7 +18,7 @@ from apd_viewer.files.storage.regular_files import open_regular
 
 
 class FileState(Enum):
-    """State of a known file; incomplete without another one it needs."""
+    """State of a known file; incomplete if a file it depends on is missing."""
 
     SAME = "same"
     CHANGED = "changed"
@@ -27,7 +27,7 @@ class FileState(Enum):
 
 
 class KnownFile:
-    """A file with its content when it was read or written here.
+    """File with a digest of its content when last read or written.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class KnownFile:
         self._content = _content(scratch or path)
 
     def check_content(self) -> FileState:
-        """Compare the file with the known content; on any thread."""
+        """Compare the file with its known content; callable from any thread."""
         stamp = file_stamp(self.path)
         if stamp is None:
             self.state = FileState.GONE
@@ -61,7 +61,7 @@ class KnownFile:
 
 
 def _content(path: Path) -> str | None:
-    """Digest of a regular file; nothing else is opened."""
+    """Digest of a regular file; None for anything else."""
     return None if file_stamp(path) is None else fingerprint(path).sha256
 
 
@@ -79,11 +79,11 @@ def file_stamp(path: Path) -> tuple[int, ...] | None:
     return found.st_size, found.st_mtime_ns, found.st_ctime_ns, found.st_ino, found.st_dev
 
 
-_PORTION = 1 << 20  # bytes
+_PORTION = 1 << 20  # bytes per read
 
 
 class Fingerprint(NamedTuple):
-    """A file as it is now.
+    """Path, size and SHA-256 digest of a file.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class Fingerprint(NamedTuple):
 
 
 def fingerprint(path: Path) -> Fingerprint:
-    """Read a file once, for its fingerprint."""
+    """Compute the fingerprint of a file in one read."""
     digest, size = hashlib.sha256(), 0
     try:
         with open_regular(path) as stream:
@@ -114,10 +114,10 @@ def fingerprint(path: Path) -> Fingerprint:
 
 
 def display_path(path: Path) -> str:
-    """Place of a file relative to the home folder or the program."""
+    """Path of a file for display, relative to the home folder if inside it."""
     if resource_path("") in path.parents:
         return path.name
     try:
         return (Path("~") / path.absolute().relative_to(Path.home())).as_posix()
-    except (ValueError, RuntimeError):  # elsewhere, or there is no home
+    except (ValueError, RuntimeError):  # outside the home folder, or no home folder
         return str(path.absolute())

@@ -1,4 +1,4 @@
-"""Location of a session's mesh: written down and found again."""
+"""Location of a session's mesh, stored in the session and resolved on opening."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from apd_viewer.geometry.mesh.arrays import check_mesh, frozen
 from apd_viewer.geometry.mesh.mesh import BakedOrigin, Mesh
 from apd_viewer.language import tr
 
-# A copy in an archive has no neighbouring files.
+# Path of a mesh copy in an archive, without neighbouring files.
 _NOWHERE = Path(os.devnull)
 _ARRAYS = ("V", "F")
-_REST = "rest.npy"  # rest positions, if different from the file's
-# State of mesh files when last verified; reading a large one takes a second.
+_REST = "rest.npy"  # array of rest positions, if different from those in the file
+# File stamps of meshes when last verified; rereading a large file takes a second.
 _found: WeakKeyDictionary[Mesh, tuple[int, ...] | None] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
 class MissingMesh:
-    """A mesh of a session that was not found again.
+    """Mesh of a session not found on disk.
 
     Attributes
     ----------
@@ -44,13 +44,13 @@ class MissingMesh:
 
 
 def mesh_location_to_json(mesh: Mesh, session: Path) -> dict[str, Any]:
-    """Description of a mesh's place, relative to the session's file."""
+    """JSON description of a mesh's location, relative to the session file."""
     told = {"name": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
     if mesh.path is None:
         return told
     path, folder = os.path.abspath(mesh.path), os.path.abspath(session.parent)  # noqa: PTH100
     told |= {"path": path, "sample": next((name for name in SAMPLES if _sample(name) == path), None)}
-    with contextlib.suppress(ValueError):  # on another drive
+    with contextlib.suppress(ValueError):  # no relative path leads to another drive
         told["relative"] = Path(os.path.relpath(path, folder)).as_posix()
     return told
 
@@ -60,7 +60,7 @@ def _sample(name: str) -> str:
 
 
 def is_mesh_in_file(mesh: Mesh) -> bool:
-    """True if the mesh's file still holds it; reread only if written since."""
+    """True if the mesh's file still contains it; reread only after a change."""
     if mesh.path is None or isinstance(mesh.origin, BakedOrigin):
         return False
     stamp = file_stamp(mesh.path)
@@ -75,7 +75,7 @@ def is_mesh_in_file(mesh: Mesh) -> bool:
 
 
 def mesh_members(mesh: Mesh, prefix: str = "") -> dict[str, bytes]:
-    """Archive members for the mesh: its file, or its arrays.
+    """Archive members of a mesh: its file content or its arrays.
 
     Their names begin with ``prefix``, to tell the meshes of an archive apart.
     """
@@ -87,7 +87,7 @@ def _members(mesh: Mesh) -> dict[str, bytes]:
         return {**_members(mesh.origin.mesh), _REST: npy_content(mesh.V)}
     if mesh.origin is not None:
         name = f"mesh{mesh.origin.suffix}"
-        # Some formats cannot be written, and a glTF may need files beside it.
+        # Some formats cannot be written, and a glTF file may need neighbouring files.
         with contextlib.suppress(ValueError):
             content = mesh.origin.rewritten(mesh, mesh.V)
             if read_mesh(_NOWHERE / name, content).digest == mesh.digest:
@@ -96,7 +96,7 @@ def _members(mesh: Mesh) -> dict[str, bytes]:
 
 
 def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: str = "") -> Mesh:
-    """Mesh by its description: from its file or the archive's copy.
+    """Find a mesh by its description: in its file or as a copy in the archive.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
     """
     name, digest = _file_name(description), description.text("digest")
     places, problems = _places(description, session, name), []
-    there = [path for path in places if os.path.isfile(path)]  # noqa: PTH113  # it says no where Path raises
+    there = [path for path in places if os.path.isfile(path)]  # noqa: PTH113  # Path raises on long names
     for path in there:
         stamp = file_stamp(path)
         try:
@@ -143,7 +143,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
 
 
 def _file_name(description: JsonFields) -> str:
-    """The name of the mesh's file, without any folder, of whatever system."""
+    """File name of the mesh without folders, from a path of any operating system."""
     name = PureWindowsPath(PurePosixPath(description.text("name")).name).name
     if not name or "\0" in name:
         raise ValueError(tr("its “name” is damaged"))
@@ -174,7 +174,7 @@ def _not_the_one(mesh: Mesh, description: JsonFields, session: Path) -> str:
 
 
 def _embedded(description: JsonFields, path: Path, archive: Archive, prefix: str) -> Mesh:
-    """The mesh in the archive, as if it came from ``path``, which need not exist."""
+    """Mesh copied into the archive, with ``path`` as its nominal file."""
     members = [name.removeprefix(prefix) for name in description.texts("embedded", len(_ARRAYS) + 1)]
     rest = members[-1:] == [_REST]
     members = members[:-1] if rest else members

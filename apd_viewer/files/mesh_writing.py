@@ -1,4 +1,4 @@
-"""Meshes written to disk, checked by reading them back."""
+"""Writing of meshes, verified by reading them back."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
-# They can hold any shape; a trial write would take seconds for a million vertices.
+# Formats able to store any shape, without a trial write taking seconds for large meshes.
 _TEXTS = ".obj", ".stl", ".off"
-_ROUNDING = 1e-4  # of the written shape, relative to its size: beyond it the shape is different
+_ROUNDING = 1e-4  # tolerance of the file read back, relative to the size of the shape
 
 
 def check_mesh_path(path: str | Path) -> Path:
@@ -45,7 +45,7 @@ def check_mesh_path(path: str | Path) -> Path:
 
 
 def check_writable(path: Path) -> None:
-    """Raise InputError unless ``path`` is in a folder, for a file or stream."""
+    """Raise InputError unless ``path`` can be a file or stream in an existing folder."""
     if is_circular_link(path):
         raise InputError(
             tr("{path} is a link that leads to itself; remove it, or choose another name.").format(path=path)
@@ -80,19 +80,19 @@ class WrittenMesh(NamedTuple):
 
 
 def suffix_for(mesh: Mesh) -> str:
-    """Suffix of files for shapes of ``mesh``: its own if they fit, or that of OBJ."""
+    """Suffix for storing shapes of ``mesh``: its own if the format allows, else .obj."""
     own = mesh.origin.suffix if mesh.origin else ""
     if own in _TEXTS:
         return own
     if own in (*WRITABLE_FORMATS, *VTK_FORMATS):
-        with contextlib.suppress(InputError):  # OBJ holds what that cannot
+        with contextlib.suppress(InputError):  # if the own format cannot store the shapes, OBJ can
             check_shapes(mesh, Path(f"shape{own}"), np.ones(len(mesh.V), dtype=bool))
             return own
     return ".obj"
 
 
 def check_shapes(mesh: Mesh, path: Path, is_moving: np.ndarray) -> None:
-    """Raise InputError unless the file of ``mesh`` can take other shapes.
+    """Raise InputError unless the file of ``mesh`` can store deformed shapes.
 
     Before they are computed: what is written to ``path`` in the format of the mesh is its own file, which may
     not hold a shape in which the vertices ``is_moving`` (n,) go each their own way.
@@ -103,7 +103,7 @@ def check_shapes(mesh: Mesh, path: Path, is_moving: np.ndarray) -> None:
 
 
 def dropped_contents(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
-    """Losses of writing ``mesh`` to ``path``, in words; none in its own format."""
+    """Names of contents lost by writing ``mesh`` to ``path``; none in its own format."""
     origin, kind = mesh.origin, Path(path).suffix.lower()
     if origin is None or origin.suffix == kind:
         return ()
@@ -112,7 +112,7 @@ def dropped_contents(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
 
 @checked
 def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = None) -> WrittenMesh:
-    """Write ``mesh`` with the positions ``U``; the format follows the name.
+    """Write ``mesh`` with the positions ``U``; the suffix selects the format.
 
     In the format that the mesh was opened from it is the same file with other coordinates: what did not move
     stands there as it stood, digit by digit. In any other, positions and triangles are written anew: PLY, STL
@@ -163,14 +163,14 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
                 largest=largest_coordinate(U)
             )
         )
-    from apd_viewer.geometry.mesh.operators import area  # too slow to import for the first picture
+    from apd_viewer.geometry.mesh.operators import area  # imported late, since it is slow to load
 
     metre = _metre(mesh, path, mesh.unit if unit is None else unit)
     content = _content(mesh, metre * U, path)
     try:
         V, F, *_ = parsed_mesh(content, path)
         V = V / metre
-    except InputError:  # a link to outside stands where it is written
+    except InputError:  # a linked file beside the new one leads outside its folder
         raise
     except ValueError:
         V, F = U[:0], mesh.F[:0]
@@ -184,13 +184,13 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
 
 
 def _metre(mesh: Mesh, path: Path, unit: str) -> float:
-    """Metres in a unit, for a new file in metres; else 1."""
+    """Metres per unit for a new file in metres; else 1."""
     is_new = mesh.origin is None or mesh.origin.suffix != path.suffix.lower()
     return METRES.get(unit, 1.0) if is_new and path.suffix.lower() == ".glb" else 1.0
 
 
 def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
-    """True if the file read back equals ``mesh`` at ``U``, up to corner names."""
+    """True if the file read back matches ``mesh`` at ``U``, up to vertex numbering."""
     if len(F) != len(mesh.F):
         return False
     there, here = (V, U) if V.shape == U.shape else (V[F], U[mesh.F])
@@ -199,14 +199,14 @@ def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
 
 
 def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
-    """File content at ``U``: the original rewritten, or a new file."""
+    """File content with positions ``U``: the original rewritten, or a new file."""
     kind = path.suffix.lower()
     if mesh.origin is not None and mesh.origin.suffix == kind:
         try:
             return mesh.origin.rewritten(mesh, U)
         except InputError as error:
             raise InputError(f"{path.name}: {error}") from error
-        except ValueError as error:  # normals, still unchecked
+        except ValueError as error:  # normals are not validated on reading
             raise InputError(
                 tr("{name} has normals that cannot be updated ({reason}); choose another format.").format(
                     name=mesh.name, reason=one_line_message(error)
@@ -218,12 +218,12 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
                 name=path.name
             )
         )
-    import trimesh  # here, because it takes longer to import than all the rest of a headless run
+    import trimesh  # imported here: slower to import than the rest of a headless run
 
     size = largest_coordinate(U)
     decimals = min(300, max(0, 15 - math.ceil(math.log10(size)))) if size > 0 else 1
     digits = {"digits": decimals} if kind in (".obj", ".off") else {}
-    # To memory first: trimesh leaves its file open when the disk is full.
+    # Exported to memory first: trimesh leaves its file open when the disk is full.
     with without_library_warnings():
         content = trimesh.Trimesh(U, mesh.F, process=False).export(file_type=kind[1:], **digits)
     return content.encode() if isinstance(content, str) else content

@@ -1,4 +1,4 @@
-"""Open a mesh from a file, and write deformed positions."""
+"""Opening of mesh files, and error messages for unreadable ones."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-# Formats for writing any mesh; .gltf and those of VTK only for a mesh read from one.
+# Formats for any mesh; glTF and VTK files are only rewritten for meshes read from them.
 WRITABLE_FORMATS = (".obj", ".ply", ".stl", ".off", ".glb")
 VTK_FORMATS = (".vtp", ".vtu", ".vtk")
 MESH_FORMATS = (*WRITABLE_FORMATS, ".gltf", ".3mf", *VTK_FORMATS)
 _OF_OTHER_FILES = (".pvd", ".pvtp", ".pvtu", ".pvtk", ".vtm", ".vtmb")
 _NAMES = tr("OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or VTK")
-LARGEST_COORDINATE = 1e38  # coordinate: larger ones exceed single precision, and their areas overflow
+LARGEST_COORDINATE = 1e38  # larger coordinates exceed single precision, and their areas overflow
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
 _READERS |= {".vtp": read_vtp, ".vtu": read_vtu, ".vtk": read_vtk}
 
 
 @checked
 def open_mesh(path: str | Path) -> Mesh:
-    """Open a mesh: vertices and triangles in the order of the file.
+    """Open a mesh file, keeping the order of its vertices and triangles.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
         raise InputError(
             tr("{name} does not fit into memory; reduce the mesh first.").format(name=path.name)
         ) from error
-    except InputError:  # already a sentence
+    except InputError:  # already has a user-readable message
         raise
     except ValueError as error:
         raise InputError(_about_invalid(content or b"", path, error)) from error
@@ -115,7 +115,7 @@ def largest_coordinate(X: np.ndarray) -> float:
 
 
 def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
-    """Raise InputError on an unsupported name or size, before reading.
+    """Raise InputError on a missing, unsupported or empty file, before reading it.
 
     What ends in one of ``more_suffixes`` is no mesh, but can be opened too.
     """
@@ -139,7 +139,7 @@ def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
 
 
 def parsed_mesh(content: bytes, path: Path) -> ParsedMesh:
-    """Read a mesh in the format of its suffix."""
+    """Parse mesh file content in the format of the suffix."""
     text, encoding = decoded_text(content)
     kind = path.suffix.lower()
     found = read_gltf(text, path) if kind in (".glb", ".gltf") else _READERS[kind](text)
@@ -150,12 +150,12 @@ def parsed_mesh(content: bytes, path: Path) -> ParsedMesh:
 
 _Key = TypeVar("_Key")
 
-_HEAD = 4096  # bytes in which a file says what it is
-_SHOWN = 40  # characters quoted from a text
-_XML = rb"\s*(?:<[?!][^>]*>\s*)*<"  # up to the name of the first element
+_HEAD = 4096  # bytes searched at the start and the end of a file
+_SHOWN = 40  # maximum number of characters quoted from a text
+_XML = rb"\s*(?:<[?!][^>]*>\s*)*<"  # prolog of an XML file, up to the name of its root element
 _NUMBER = rb"[ \t]+[-+.\d]\S*"
 
-# Patterns of the beginning. Formats that can be opened, by their suffixes:
+# Patterns at the start of files in readable formats, by suffix.
 _OPENED = {
     ".glb": rb"glTF",
     ".gltf": rb'\s*\{.*"asset"\s*:',
@@ -222,7 +222,7 @@ _OTHERS = {
 
 
 def other_format_message(content: bytes, path: Path) -> str | None:
-    """Sentence about a file of another format than its name says, if it is known.
+    """Error sentence for content in a known format other than the suffix; else None.
 
     Parameters
     ----------
@@ -255,7 +255,7 @@ def other_format_message(content: bytes, path: Path) -> str | None:
 
 
 def no_vertices_message(content: bytes, path: Path) -> str:
-    """Sentence about a file without a vertex; it may be anything."""
+    """Error sentence for a file without vertices, possibly in another format."""
     known = other_format_message(content, path)
     text = content[:_SHOWN].decode(errors="replace").split("\n", 1)[0].strip()
     if known is None and text and text.isprintable():

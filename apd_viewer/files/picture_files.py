@@ -1,4 +1,4 @@
-"""Small pictures as PNG."""
+"""PNG encoding and decoding of small pictures."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 
 from apd_viewer.language import tr
 
-_LARGEST = 1024  # pixels along a side of what is read; small pictures are no larger
+_LARGEST = 1024  # largest accepted side in pixels
 
 
 def png_content(pixels: np.ndarray) -> bytes:
     """PNG file of RGBA (h, w, 4) uint8; the same pixels give the same bytes."""
-    from PIL import Image  # only where there are pictures: it takes a tenth of a second to load
+    from PIL import Image  # imported on demand: loading takes a tenth of a second
 
     stream = io.BytesIO()
     Image.fromarray(pixels).save(stream, "PNG")
@@ -29,12 +29,12 @@ def read_png(content: bytes, size: int) -> np.ndarray:
     ValueError
         If it is damaged, or too large to be a small picture.
     """
-    from PIL import Image  # only where there are pictures: it takes a tenth of a second to load
+    from PIL import Image  # imported on demand: loading takes a tenth of a second
 
     bombs = Image.DecompressionBombWarning, Image.DecompressionBombError
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("error", bombs[0])  # it would be printed
+            warnings.simplefilter("error", bombs[0])  # otherwise the warning would be printed
             with Image.open(io.BytesIO(content), formats=["PNG"]) as image:
                 if max(image.size) > _LARGEST:
                     raise ValueError

@@ -1,4 +1,4 @@
-"""The report of a deformation as JSON."""
+"""JSON report of a deformation."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def write_report(
     target: TargetShape | None = None,
     more_fields: Mapping[str, object] = MappingProxyType({}),
 ) -> None:
-    """Write the readings of ``result`` and more fields; raises InputError on failure.
+    """Write the readings of ``result`` and further fields as JSON; raises InputError.
 
     ``target`` is the target shape to compare with, if there is one.
     """
@@ -57,7 +57,7 @@ def write_report(
 
 
 def target_distance_fields(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]:
-    """Distances of the shape ``U`` (n, 3) of a mesh from a target shape, and back.
+    """Report fields of the distances between a shape ``U`` (n, 3) and a target shape.
 
     Those of vertices from the same vertices only where the triangles are the same.
     """
@@ -74,7 +74,7 @@ def target_distance_fields(target: TargetShape, mesh: Mesh, U: np.ndarray) -> di
 
 
 def shape_check_fields(check: ShapeCheck) -> dict[str, Any]:
-    """Readings of self-intersections, bounding boxes and the convex hull.
+    """Report fields of self-intersections, bounding boxes and the convex hull.
 
     The number of intersections is None where the library is missing that finds them.
     """
@@ -87,7 +87,7 @@ def shape_check_fields(check: ShapeCheck) -> dict[str, Any]:
 
 
 def hull_fields(hull: HullReadings) -> dict[str, Any]:
-    """Fields of the convex hull, by name; mesh units."""
+    """Report fields of the convex hull, in mesh units."""
     return {
         "packed_sides": hull.sides,
         "hull_volume": hull.volume,

@@ -14,13 +14,13 @@ from apd_viewer.files.selections.survey_formats import read_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-# Fabric keeps the area of every triangle, and the total area to the last digits.
+# Fabric preserves the area of every triangle, and the total area to the last digits.
 _FABRIC = {"method": "local", "hold_area": True}
 
 
 @dataclass(frozen=True)
 class Sample:
-    """A sample mesh, ready to be deformed.
+    """Sample mesh with its initial settings.
 
     Attributes
     ----------
@@ -59,14 +59,14 @@ SAMPLES = {
 
 @cache
 def resource_path(name: str) -> Path:
-    """Path of a file in ``resources``, installed or in a checkout."""
+    """Path of a resource file, in an installation or a source checkout."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "resources"
     return (inside if inside.is_dir() else package.parent / "resources") / name
 
 
 def open_sample(name: str) -> tuple[Mesh, np.ndarray]:
-    """The sample's mesh and its painted labels (n,)."""
+    """Open a sample; return its mesh and its painted labels (n,)."""
     read = open_mesh(resource_path(f"{name}.obj"))
     mesh = Mesh.from_checked(read.V, read.F, read.path, read.origin, unit=SAMPLES[name].unit)
     return mesh, read_selection(resource_path(f"{name}.sel"), len(mesh.V))

@@ -28,12 +28,12 @@ property double z
 property list uchar int vertex_indices
 {triangles}end_header
 """
-# Names of the scalar types in a PLY file.
+# PLY names of the scalar types.
 _TYPES = {"<u1": "uchar", "<f8": "double"}
 
 
 class ScalarRows(Enum):
-    """Rows of a CSV table: the vertices, or the triangles."""
+    """Rows of a CSV table: one per vertex or one per triangle."""
 
     VERTICES = "vertices"
     TRIANGLES = "triangles"
@@ -52,7 +52,7 @@ def check_scalar_file(path: str | Path) -> Path:
 def write_scalars(
     path: Path, mesh: Mesh, U: np.ndarray, scalars: Scalars, rows: ScalarRows = ScalarRows.VERTICES
 ) -> None:
-    """Write scalars of the shape ``U`` (n, 3) as the name says: CSV or PLY.
+    """Write scalars of the shape ``U`` (n, 3) as CSV or PLY, depending on the suffix.
 
     A PLY has the shape with the scalars of vertices and faces; a CSV a table of the ``rows`` asked for, with
     the ids first. A value that is not a number is left empty in a CSV.
@@ -97,7 +97,7 @@ def _properties(columns: dict[str, np.ndarray]) -> str:
 
 
 def _rows(columns: dict[str, np.ndarray], first: np.ndarray | None = None) -> np.ndarray:
-    """Records of the columns, behind the fields of ``first`` if given."""
+    """Structured array of the columns, preceded by the fields of ``first`` if given."""
     before = [] if first is None else [(name, first.dtype[name]) for name in first.dtype.names or ()]
     own = [(name, np.dtype(_kind(column))) for name, column in columns.items()]
     rows = np.empty(len(next(iter(columns.values()))), dtype=[*before, *own])

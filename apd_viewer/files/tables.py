@@ -14,9 +14,9 @@ from apd_viewer.files.storage.atomic_file import replacing_file
 
 Cell: TypeAlias = float | str | None
 
-# Spreadsheets compute what begins so; those of Japan take the wide signs, too.
+# Start of a spreadsheet formula; Japanese spreadsheets also accept full-width signs.
 _FORMULA = "(?=[ ']*[=+\\-@\uff1d\uff0b\uff0d\uff20])"
-# Where a cell begins, for a spreadsheet of another separator too.
+# Start of a cell, also for spreadsheets with another separator.
 _START = r"(?<![^;\t\r\n])"
 _BLANK = r"(?=[ ']*[\t\r\n])"
 _UNGUARDED = re.compile(f"{_START}{_FORMULA}|^{_BLANK}")
@@ -57,7 +57,7 @@ def _written(cell: Cell) -> str:
 
 
 def text_cell(text: str) -> str:
-    """Cell of a text, with ' before anything computed by spreadsheets.
+    """CSV cell of a text, with ' before any spreadsheet formula.
 
     Numbers stay as they are. :func:`cell_text` gives the text again.
     """

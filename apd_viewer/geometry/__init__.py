@@ -1,13 +1,13 @@
-"""Meshes: operators, energies, solvers and analysis."""
+"""Geometry of meshes: operators, energies, solvers and analysis."""
 
 import os
 
 from apd_viewer.geometry.processor import compile_for_level
 
-# GNU's OpenMP, which runs the parallel kernels on Linux, would otherwise let idle threads spin for as long as
-# they like: where another program, or the drawing of the view, wants a core too, a kernel of 50 us then takes
-# 8 ms. Not to spin at all costs speed where nobody else does.
+# GNU OpenMP, which runs the parallel kernels on Linux, lets idle threads spin without limit by default: if
+# another program or the renderer also needs a core, a kernel of 50 us then takes 8 ms. No spinning at all
+# would slow the kernels down on an otherwise idle machine.
 os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
-# Before the first module with a kernel imports numba, which then asks the environment.
+# Set before the first kernel module imports numba, which then reads the environment.
 compile_for_level()

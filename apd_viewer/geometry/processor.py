@@ -1,4 +1,4 @@
-"""Kind of processor for the kernels."""
+"""Processor level for compiling the kernels."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import os
 import platform
 import sys
 
-# x86-64-v3: what Intel's processors have since Haswell (2013) and AMD's since Excavator (2015).
+# x86-64-v3: supported by Intel processors since Haswell (2013), by AMD since Excavator (2015).
 PROCESSOR_LEVEL = "x86-64-v3"
 _FEATURES = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 
 
 def compile_for_level() -> None:
-    """Have numba compile for LEVEL where this processor has it.
+    """Have numba compile for PROCESSOR_LEVEL if this processor supports it.
 
     Kernels brought by a wheel or an installer then fit, and sums have the same bits on all such processors:
     compiled for the processor at hand, they are portioned by the width of its vectors. Nothing is changed for
@@ -21,7 +21,7 @@ def compile_for_level() -> None:
     chosen = {"NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"} & os.environ.keys()
     if chosen or "numba" in sys.modules or platform.machine() not in ("x86_64", "AMD64"):
         return
-    # Imported here: needed only on x86-64, and installed with Numba.
+    # Imported here: llvmlite is needed only on x86-64; it is installed with Numba.
     from llvmlite import binding
 
     there = binding.get_host_cpu_features()

@@ -1,4 +1,4 @@
-"""Compile the kernels before they are needed.
+"""Compilation of the kernels before they are needed.
 
 Numba compiles a kernel when it is first called with arrays of some types. ``kernels.txt`` has a row for each
 kernel that is called, and for each types of its arguments, in the order in which a window needs them.
@@ -23,12 +23,12 @@ from apd_viewer.geometry.mesh import operators
 from apd_viewer.geometry.picking import surface_index, vertex_sets
 from apd_viewer.geometry.solver import deformation
 
-# Together they import all modules with kernels.
+# Importing these modules imports all modules with kernels.
 _IMPORTERS = (
     *(area_change, atomic_access, defects, deformation, deviation, double_wall, deviation_kernels),
     *(operators, sections, surface_index, vertex_sets),
 )
-# Sections of the table that a first drag needs, and other processes can compile beside the window.
+# Table sections needed by a first drag, suitable for compilation in other processes.
 SECTIONS = ("drag", "contact", "factor")
 _TABLE = Path(__file__).with_name("kernels.txt")
 _ROOM = __name__.rpartition(".")[0]
@@ -36,7 +36,7 @@ _ROW = re.compile(r"([\w.]+)\((.*)\)")
 
 
 def warm_up(*names: str, is_cancelled: Callable[[], bool] = lambda: False) -> None:
-    """Compile the kernels of some sections of the table, of all if none is named.
+    """Compile the kernels of the named sections of the table, or of all.
 
     All take about two minutes, or 1.5 s from the cache. Between two of them ``is_cancelled()`` may end it.
     """
@@ -49,7 +49,7 @@ def warm_up(*names: str, is_cancelled: Callable[[], bool] = lambda: False) -> No
 
 
 def report_compilations(on_progress: Callable[[float], object]) -> Callable[[], object]:
-    """Call ``on_progress(share)`` after each compilation; the result ends this.
+    """Call ``on_progress(share)`` after each compilation, until the result is called.
 
     The ``share`` is the part of the table compiled so far in this process, or loaded.
     """
@@ -60,7 +60,7 @@ def report_compilations(on_progress: Callable[[float], object]) -> Callable[[], 
 
 @cache
 def kernel_table() -> dict[str, list[str]]:
-    """Rows of each section."""
+    """Rows of the kernel table by section."""
     found: dict[str, list[str]] = {}
     for line in _TABLE.read_text(encoding="utf-8").splitlines():
         if line.startswith("["):
@@ -72,14 +72,14 @@ def kernel_table() -> dict[str, list[str]]:
 
 @cache
 def kernel_of(row: str) -> tuple[Any, tuple[types.Type, ...]]:
-    """Kernel of a row, and the types of its arguments."""
+    """Kernel named by a table row, and its argument types."""
     found = _ROW.fullmatch(row)
     assert found is not None, row
     return KERNELS[f"{_ROOM}.{found[1]}"], eval(f"({found[2]},)", {**vars(types), "const": _const})
 
 
 def _const(array: types.Array) -> types.Array:
-    """Type of an array that may not be written to."""
+    """Read-only version of an array type."""
     return array.copy(readonly=True)
 
 
@@ -89,7 +89,7 @@ def _share_ready() -> float:
 
 
 class _Ends(event.Listener):
-    """Calls back at the end of each compilation."""
+    """Listener with a callback for the end of each compilation."""
 
     def __init__(self, call: Callable[[], object]) -> None:
         self._call = call

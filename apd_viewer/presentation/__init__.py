@@ -1,1 +1,1 @@
-"""Words, numbers, scales and colours of results; no Qt."""
+"""Texts, number formats, colour scales and reports of results; no Qt."""

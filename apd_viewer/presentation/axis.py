@@ -16,7 +16,7 @@ Ticks: TypeAlias = list[tuple[float, str]]
 
 @dataclass(frozen=True)
 class Axis:
-    """Range of an axis and its ticks.
+    """Range and tick labels of a plot axis.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ def linear_axis(low: float, high: float, suffix: str = "", whole: bool = False) 
 
 
 def rounded_axis(low: float, high: float, suffix: str = "") -> Axis:
-    """The axis extended to round numbers at both ends."""
+    """Linear axis extended to round numbers at both ends."""
     step = round_step((high - low) / 4.0) if high > low else 1.0
     return linear_axis(step * math.floor(low / step + 1e-9), step * math.ceil(high / step - 1e-9), suffix)
 
@@ -76,7 +76,7 @@ def magnitude_axis(low: float, high: float, suffix: str = "") -> Axis:
 
 
 def power_of_ten(exponent: int) -> str:
-    """Power of ten, in digits if short."""
+    """Power of ten as text, written out from 0.001 to 1,000."""
     if -3 <= exponent <= 3:
         return format_grouped(10.0**exponent, max(0, -exponent))
     return f"10{superscript(exponent)}"
@@ -88,7 +88,7 @@ def ratio_axis(reach: float) -> Axis:
     Small changes are written in percent, large ones as factors.
     """
     small = reach < 2.0
-    # On a ratio axis a decrease lies farther from unchanged than an equal increase.
+    # On a log axis a decrease lies farther from the centre than an equal increase in percent.
     high = -math.log2(2.0 - reach) if small else math.log2(reach)
 
     def ticks(most: int) -> Ticks:

@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.quantities.units import Unit
 
-# In units of the drawing, which are pixels of the window.
+# SVG user units, equal to pixels of the window.
 WIDTH, HEIGHT = 264, 74
 _LEFT, _TOP, _BAR = 8, 28, 14
 _STOPS = 33

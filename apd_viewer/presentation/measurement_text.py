@@ -1,4 +1,4 @@
-"""Measurements in words: values with their units, at rest and now."""
+"""Measurements as text: values with units, at rest and now."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _NAMES = {MeasurementKind.SECTION: (tr("Length"), tr("Enclosed area"))}
 
 
 def value_names(reading: MeasurementReading) -> tuple[str, ...]:
-    """Name of each value of a measurement."""
+    """Names of the values of a measurement."""
     kind = reading.measurement.kind
     return _NAMES.get(kind, (kind.title,))
 
 
 def value_text(number: float | None, power: int, unit: Unit) -> str:
-    """A length, an area (power 2) or an angle (power 0) with its unit."""
+    """Text of a length, an area (power 2) or an angle (power 0), with its unit."""
     if number is None:
         return PENDING
     if math.isnan(number):
@@ -42,38 +42,38 @@ def value_text(number: float | None, power: int, unit: Unit) -> str:
 
 
 def change_text(rest: float | None, now: float | None) -> str:
-    """Change from rest in percent; empty if there is none to tell."""
+    """Change from rest in percent; empty if unknown."""
     if rest is None or now is None or math.isnan(now) or not rest > 0.0:
         return ""
     return tr("{change} %").format(change=format_signed(100.0 * (now / rest - 1.0), 2))
 
 
 def change_texts(reading: MeasurementReading) -> tuple[str, ...]:
-    """Change of each value in percent; empty where it is as at rest."""
+    """Change of each value in percent; empty for the rest shape."""
     if reading.now is reading.rest:
         return ("",) * len(reading.now.values)
     return tuple(change_text(*pair) for pair in zip(reading.rest.values, reading.now.values, strict=True))
 
 
 def current_texts(reading: MeasurementReading, unit: Unit) -> tuple[str, ...]:
-    """Each value of the shape on screen."""
+    """Texts of the values of the displayed shape."""
     powers = reading.measurement.kind.powers
     return tuple(value_text(x, power, unit) for x, power in zip(reading.now.values, powers, strict=True))
 
 
 def rest_texts(reading: MeasurementReading, unit: Unit) -> tuple[str, ...]:
-    """Each value at rest."""
+    """Texts of the values of the rest shape."""
     powers = reading.measurement.kind.powers
     return tuple(value_text(x, power, unit) for x, power in zip(reading.rest.values, powers, strict=True))
 
 
 def short_text(reading: MeasurementReading, unit: Unit) -> str:
-    """The first value, and its change, for a line of a list."""
+    """First value with its change, for a row of a list."""
     return "  ".join(filter(None, (current_texts(reading, unit)[0], change_texts(reading)[0])))
 
 
 def detail_text(reading: MeasurementReading, unit: Unit) -> str:
-    """All values with those at rest, and why there is none, a line each."""
+    """Current and rest values, and the reason for missing ones, one per line."""
     lines = [_detail(*line) for line in zip(value_names(reading), *_values(reading, unit), strict=True)]
     return "\n".join([*lines, *filter(None, [missing_reason(reading)])])
 
@@ -91,7 +91,7 @@ def _detail(name: str, current: str, at_rest: str, change: str) -> str:
 
 
 def missing_reason(reading: MeasurementReading) -> str:
-    """Sentence about a value that is missing; empty if none is."""
+    """Sentence on the reason for a missing value; empty without any."""
     kind, values = reading.measurement.kind, reading.now.values
     if None in values or None in reading.rest.values:
         return tr("Measured when the shape stops moving.")
@@ -106,7 +106,7 @@ def missing_reason(reading: MeasurementReading) -> str:
 
 
 def value_rows(readings: Sequence[MeasurementReading], unit: Unit) -> list[tuple[str, str, str, str]]:
-    """Name, value now, value at rest and change: a row for each value."""
+    """Rows of name, current value, rest value and change, one per value."""
     return [
         (_title(reading, name), here, there, by)
         for reading in readings
@@ -117,7 +117,7 @@ def value_rows(readings: Sequence[MeasurementReading], unit: Unit) -> list[tuple
 def measurement_report_rows(
     readings: Sequence[MeasurementReading], unit: Unit
 ) -> tuple[tuple[str, str, str], ...]:
-    """Name, value now and change from rest, for a page that is final."""
+    """Rows of name, current value and change from rest, for a static report page."""
     return tuple((name, here, _from_rest(there, by)) for name, here, there, by in value_rows(readings, unit))
 
 
@@ -126,7 +126,7 @@ def _from_rest(at_rest: str, change: str) -> str:
 
 
 def value_table(readings: Sequence[MeasurementReading], unit: Unit) -> str:
-    """All values as lines of text with tabs, for a spreadsheet."""
+    """Tab-separated table of all values, for a spreadsheet."""
     head = tr("Measurement"), tr("Now"), tr("At rest"), tr("Change")
     return "\n".join("\t".join(map(text_cell, row)) for row in (head, *value_rows(readings, unit))) + "\n"
 

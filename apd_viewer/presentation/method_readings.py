@@ -1,4 +1,4 @@
-"""Measurements of the compared methods: numbers for a file, words for a table."""
+"""Measurements of the compared methods, as numbers and as table texts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from apd_viewer.presentation.readings import volumes
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
 
-_FINEST = 1e-6  # relative; smaller errors are written with a power of ten
+_FINEST = 1e-6  # relative error; smaller ones are written with a power of ten
 _ROUNDING = 1e-15
 
 ReadingsByName = dict[str, float]
@@ -55,7 +55,7 @@ def method_readings(state: State, outcome: MethodOutcome) -> ReadingsByName:
 
 
 class ReadingColumn(NamedTuple):
-    """Column of the table: title, explanation and cell text."""
+    """Column of the comparison table: title, tooltip and cell text."""
 
     title: str
     tip: str
@@ -63,7 +63,7 @@ class ReadingColumn(NamedTuple):
 
 
 def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
-    """Columns of the table for a document, with lengths in a unit."""
+    """Columns of the comparison table of a document, with lengths in ``unit``."""
     size = float(max(state.inspection.size))
     asked = format_exact(state.document.settings.area)
     energy = tr(
@@ -139,7 +139,7 @@ def _error(value: float) -> str:
 
 
 def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, MethodOutcome]]) -> None:
-    """Write the measurements by method as CSV; raises InputError."""
+    """Write the measurements of each method as CSV; raises InputError."""
     rows = [
         (method, method_readings(state, outcome)) for method, outcome in outcomes if outcome.frame is not None
     ]

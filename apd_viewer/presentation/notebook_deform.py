@@ -30,7 +30,7 @@ from apd_viewer.presentation.progress_line import ProgressLine
 from apd_viewer.presentation.shape_picture import shape_picture
 
 P = ParamSpec("P")
-# Processes are sent a function by its module and name.
+# Pickle finds a function by module and name, so the wrapper keeps its own module.
 _SAME = [name for name in WRAPPER_ASSIGNMENTS if name != "__module__"]
 
 
@@ -39,7 +39,7 @@ def _is_asked(progress: object) -> bool:
 
 
 def _shown(deform: Callable[P, Result]) -> Callable[P, PicturedResult]:
-    """The function with the progress and the result of notebooks."""
+    """Wrap ``deform`` with a progress line and a result with pictures."""
     signature = inspect.signature(deform)
 
     @wraps(deform, assigned=_SAME)
@@ -65,9 +65,9 @@ def _shown(deform: Callable[P, Result]) -> Callable[P, PicturedResult]:
 deform = _shown(quietly_deform)
 
 
-_SIDE = 280  # pixels of each shape
-_END = 0.1  # of the colours, as relative change of area
-# Text takes the colour of the page, and lines half of it: legible on light and on dark.
+_SIDE = 280  # pixels per side of each picture
+_END = 0.1  # relative area change at the ends of the colour map
+# Text inherits the page colour and lines are grey: legible on light and dark pages.
 _CELL = "text-align:left;padding:2px 12px 2px 0;border-bottom:1px solid rgba(128,128,128,0.35)"
 
 
@@ -87,12 +87,12 @@ class PicturedResult(Result):
 
     @classmethod
     def of(cls, result: Result, rest: np.ndarray, triangles: np.ndarray) -> PicturedResult:
-        """The same result with the mesh for its picture."""
+        """Result with the mesh for its pictures, from a plain result."""
         given = {field.name: getattr(result, field.name) for field in fields(result)}
         return cls(**given, rest=rest, triangles=triangles)
 
     def _repr_html_(self) -> str:
-        """HTML of the shapes side by side and of a table, for notebooks."""
+        """HTML with pictures of both shapes and a table of readings."""
         return f'<div style="color:inherit;background:none">{self._figure()}{_table(result_rows(self))}</div>'
 
     def _figure(self) -> str:
@@ -104,7 +104,7 @@ class PicturedResult(Result):
 
 
 def change_colors(result: PicturedResult) -> np.ndarray:
-    """Colours of the triangles by the change of their areas, (m, 3) uint8."""
+    """Colours (m, 3) uint8 of the triangles by their relative area change."""
     areas, now = (face_areas(X, result.triangles) for X in (result.rest, result.U))
     with np.errstate(divide="ignore", invalid="ignore"):
         change = np.nan_to_num(np.log(now / areas), nan=0.0, posinf=_END, neginf=-_END)
@@ -112,7 +112,7 @@ def change_colors(result: PicturedResult) -> np.ndarray:
 
 
 def result_rows(result: PicturedResult) -> list[tuple[str, str]]:
-    """Readings of a result in words, with their names."""
+    """Names and texts of the readings of a result."""
     ended = tr("{n:,} iterations, converged") if result.converged else tr("{n:,} iterations, not converged")
     region = tr("Region “{name}”")
     return [
@@ -131,7 +131,7 @@ def result_rows(result: PicturedResult) -> list[tuple[str, str]]:
 
 
 def _volume_rows(result: Result) -> list[tuple[str, str]]:
-    """Row of the volume, with caps over the openings; none where nothing is enclosed."""
+    """Row of the volume, capped if open; none if nothing is enclosed."""
     if result.volume is not None and result.volume_rest:
         return [(tr("Volume"), _of_rest(result.volume, result.volume_rest))]
     if result.volume_capped is not None and result.volume_capped_rest:

@@ -7,20 +7,20 @@ import math
 from apd_viewer.notation import editable_number, localized_number
 
 _NOTHING = 1e-7
-_POWERS = 999_999.5  # from here on as a power of ten
-_GROUPED = 999.5  # from here on three digits have no decimals
+_POWERS = 999_999.5  # larger numbers are written with a power of ten
+_GROUPED = 999.5  # larger numbers have no decimals
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def format_significant(value: float, digits: int = 6) -> str:
-    """The number with the given significant digits, or all before the point."""
+    """Number with ``digits`` significant digits, or all of its integer part."""
     if 10.0**digits - 0.5 <= abs(value) < _POWERS:
         return _shown(f"{value:,.0f}")
     return _shown(_with_power(f"{value:#,.{digits}g}".rstrip("."))) if value else "0"
 
 
 def format_length(value: float, size: float) -> str:
-    """Length on a mesh of this size; rounding errors become zero."""
+    """Length on a mesh of extent ``size``, with rounding errors as 0."""
     return format_significant(value, 4) if value > _NOTHING * size else "0"
 
 
@@ -31,24 +31,24 @@ def format_grouped(value: float, decimals: int) -> str:
 
 
 def format_signed(value: float, decimals: int, brief: bool = False) -> str:
-    """The number with its sign, unless it rounds to zero; no final zeros if brief."""
+    """Number with a sign unless zero; without trailing zeros if ``brief``."""
     text = f"{value:+.{decimals}f}"
     text = f"{0:.{decimals}f}" if float(text) == 0 else text
     return _shown(text.rstrip("0").rstrip(".") if brief else text)
 
 
 def format_short(value: float) -> str:
-    """The number without trailing zeros: 0.1, 20, 0.00025, 1,190, 2·10⁻⁶."""
+    """Number without trailing zeros: 0.1, 20, 0.00025, 1,190 or 2·10⁻⁶."""
     return localized_number(_with_power(f"{value:.3g}") if abs(value) < _GROUPED else f"{value:,.0f}")
 
 
 def format_exact(value: float, digits: int = 6) -> str:
-    """The number without trailing zeros, ungrouped."""
+    """Number without trailing zeros or digit grouping."""
     return localized_number(f"{value:.{digits}g}")
 
 
 def format_editable(value: float, digits: int = 6) -> str:
-    """The number for a field, as it can be typed there."""
+    """Number for a text field, in a form accepted as input."""
     return editable_number(f"{value:.{digits}g}")
 
 
@@ -76,7 +76,7 @@ def superscript(exponent: int) -> str:
 
 
 def _shown(text: str) -> str:
-    """In the notation in use, with a true minus sign."""
+    """Localized number text with a true minus sign."""
     return localized_number(text).replace("-", "−")
 
 

@@ -1,4 +1,4 @@
-"""Obstacles in words: their loads, and how far they have come."""
+"""Texts about obstacles: loads and displacements."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
-# In longest sides of the mesh: an obstacle that is so little short of its place has reached it.
+# Tolerance for a reached obstacle position, relative to the longest side of the mesh.
 _THERE = 1e-4
-# In longest sides, for a stiffness of 1: the far end of a barrier leaves so little, and presses nothing.
+# Negligible load relative to the longest side, for a stiffness of 1: the tail of the barrier.
 _NO_LOAD = 1e-9
-_DIGITS = 8  # of numbers for repeating the deformation
-_ESTIMATED = 2  # digits of what is expected
-_ALWAYS = 0.95  # factors from here to its inverse say nothing
+_DIGITS = 8  # digits of numbers for repeating the deformation
+_ESTIMATED = 2  # digits of estimates
+_ALWAYS = 0.95  # factors between this and its inverse are not reported
 
 
 def idle_reason(state: State) -> str:
-    """Sentence about obstacles that push nothing; empty where they do."""
+    """Sentence on inactive obstacles; empty if they are active."""
     method = state.document.settings.traits
     if not method.may_use_contact:
         said = tr("The method {method} knows no contact: obstacles push nothing.")
@@ -42,20 +42,20 @@ def idle_reason(state: State) -> str:
 
 
 def load_text(state: State, k: int) -> str:
-    """Force on obstacle ``k`` in a settled shape; empty where nothing presses on it."""
+    """Text of the load on obstacle ``k``; empty if nothing presses on it."""
     loads = state.frame.loads
     if not state.is_contact_active or len(loads) != len(state.document.obstacles):
         return ""
     force = float(np.linalg.norm(loads[k]))
     if force <= _NO_LOAD * float(max(state.inspection.size)):
         return ""
-    if not state.frame.settled:  # of a shape under way it may be hundreds of times as much
+    if not state.frame.settled:  # before convergence the force may be hundreds of times larger
         return tr("touched")
     return tr("load {force}").format(force=format_significant(force, 3))
 
 
 def excess_phrase(share: float | None) -> str:
-    """Phrase on the expected excess of loads; None of a wall without stiffness."""
+    """Phrase on the expected excess of loads; None means a wall without stiffness."""
     if share is None:
         return tr("without stiffness, walls crumple and loads mean little")
     return tr("expected excess of loads {percent} %").format(
@@ -64,7 +64,7 @@ def excess_phrase(share: float | None) -> str:
 
 
 def error_factor_phrase(factor: float) -> str:
-    """Phrase on newtons off by a factor; empty near 1."""
+    """Phrase on loads too low or too high by a factor; empty near 1."""
     if factor > 1.0 / _ALWAYS:
         return tr("up to {factor} times too low").format(factor=format_significant(factor, _ESTIMATED))
     if factor < _ALWAYS:
@@ -73,7 +73,7 @@ def error_factor_phrase(factor: float) -> str:
 
 
 def load_excess_text(state: State) -> str:
-    """Sentence on the expected excess of loads at rest; empty without any."""
+    """Sentence on the expected excess of converged loads; empty without any."""
     pressed = any(load_text(state, k) for k in range(len(state.document.obstacles)))
     if not pressed or not state.frame.settled:
         return ""
@@ -82,7 +82,7 @@ def load_excess_text(state: State) -> str:
 
 
 def motion_text(state: State, k: int, unit: Unit) -> str:
-    """Distance obstacle ``k`` was moved by, and what of it contact has not allowed."""
+    """Displacement of obstacle ``k``, and the distance lost to contact."""
     obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
     way = format_length(float(np.linalg.norm(obstacle.shift)), size)
     if way == "0":
@@ -110,7 +110,7 @@ def coordinates_text(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) ->
 
 
 def obstacle_report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
-    """Rows of the obstacles with their motions, places and loads."""
+    """Report rows of the obstacles with displacements, positions and loads."""
     size = float(max(state.inspection.size))
     for k, obstacle in enumerate(state.document.obstacles):
         more = [obstacle.kind.title, *_shape(obstacle, unit, size)]

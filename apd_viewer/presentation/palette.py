@@ -1,4 +1,4 @@
-"""Colours of parts and colour maps of values, safe for the colour-blind.
+"""Colours of mesh parts and colour maps of values, safe for colour blindness.
 
 Parts: what moves is warm and what stays is blue; regions have the colours in between. Lightness alone parts
 neighbours too, and the panel names them all.
@@ -38,20 +38,20 @@ REGION_COLORS = (
     (60, 66, 74),
     (150, 150, 40),
 )
-# Marks of findings; different from all other colours.
+# Colour of marked findings, distinct from all other colours.
 MARK_COLOR = (226, 0, 142)
-# Of obstacles, on a light and on a dark background; grey, as they are no part of the mesh.
+# Obstacle colours on light and dark backgrounds; grey, since obstacles are not part of the mesh.
 OBSTACLE_COLOR, OBSTACLE_COLOR_ON_DARK = (92, 102, 120), (172, 182, 200)
-# A region covers free vertices, but must not hide base and handles.
+# Opacity of a region: high over free vertices, low so as not to hide base and handles.
 _OVER_FREE, _OVER_PAINT = 0.82, 0.42
-# Vertices in a falloff are still free.
+# Weak tint of vertices in a falloff, since they are still free.
 _SOFT = 0.5
-# A preview is close to the colour of the paint.
+# Blend factor of a paint preview, close to the final colour.
 _PREVIEWED = 0.6
 
 
 def handle_color(k: int) -> tuple[int, int, int]:
-    """RGB of handle ``k``; a file may have more handles than there are colours."""
+    """RGB colour of handle ``k``; colours repeat for many handles."""
     return HANDLE_COLORS[k % len(HANDLE_COLORS)]
 
 
@@ -76,7 +76,7 @@ def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.nda
 
 
 def falloff_colors(colors: np.ndarray, handle: np.ndarray, strength: np.ndarray) -> np.ndarray:
-    """RGBA ``colors`` (k, 4) uint8 in the falloff of handles, tinted."""
+    """RGBA ``colors`` (k, 4) uint8 tinted by handle colours, by falloff strength."""
     mixed = colors.astype(float)
     paint = np.array([handle_color(k) for k in range(int(handle.max(initial=0)) + 1)], dtype=float)
     mixed[:, :3] += _SOFT * strength[:, None] * (paint[handle] - mixed[:, :3])
@@ -92,7 +92,7 @@ def tinted_colors(colors: np.ndarray, color: tuple[int, ...]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ColorMap:
-    """Colour map from one end of a scale to the other.
+    """Piecewise linear colour map.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ def _vec3(v: np.ndarray) -> str:
     return f"vec3({v[0]:.5f}, {v[1]:.5f}, {v[2]:.5f})"
 
 
-# "bam": neither of its hues is that of base or handle, and its middle, no change, is nearly white.
+# Crameri's "bam": hues unlike base and handles, and a nearly white middle for no change.
 DIVERGING = ColorMap(
     (
         (134, 37, 108),
@@ -135,7 +135,7 @@ DIVERGING = ColorMap(
         (46, 103, 24),
     )
 )
-# "lapaz", reversed.
+# Crameri's "lapaz", reversed.
 SEQUENTIAL = ColorMap(
     (
         (254, 242, 243),

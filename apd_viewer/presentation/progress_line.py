@@ -1,4 +1,4 @@
-"""One line of progress: on a terminal, or in the output of a notebook's cell."""
+"""One-line progress display on a terminal or in a notebook."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import Any, Protocol
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr
 
-_INTERVAL = 0.1  # s; the eye reads no faster
+_INTERVAL = 0.1  # seconds between updates, as fast as the eye can read
 
 
 class _Place(Protocol):
-    """Place of the line."""
+    """Output of a progress line."""
 
     def show(self, text: str) -> None:
-        """Replace the line."""
+        """Replace the displayed text."""
 
     def end(self) -> None:
-        """Leave the line as it is; what follows comes below it."""
+        """Keep the last text; further output starts below it."""
 
 
 class ProgressLine:
-    """Progress of iterations, a few times a second; silent without a reader.
+    """Progress line of iterations, up to 10 updates a second; silent without output.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class ProgressLine:
         self._text = self._shown = ""
 
     def __call__(self, frame: Frame) -> None:
-        """Show a frame, unless the last one was shown only just."""
+        """Display a frame, at most every 0.1 s."""
         if self._place is None:
             return
         self._text = frame_line(frame, self._iterations)
@@ -48,7 +48,7 @@ class ProgressLine:
             self._show(self._place)
 
     def end(self) -> None:
-        """Show the last frame, and leave it there."""
+        """Display the last frame and finish the line."""
         if self._place is not None and self._text:
             self._show(self._place)
             self._place.end()
@@ -60,7 +60,7 @@ class ProgressLine:
 
 
 def frame_line(frame: Frame, iterations: int | None = None) -> str:
-    """Iteration, of so many if that is known, and area of a frame."""
+    """Text of a frame: iteration, total if known, and area error."""
     area = 100 * frame.area_error
     if iterations:
         return tr("iteration {done:,} of {all:,}   area {area:+.3f} %").format(
@@ -70,7 +70,7 @@ def frame_line(frame: Frame, iterations: int | None = None) -> str:
 
 
 class _Terminal:
-    """Line on the standard error."""
+    """Progress line on standard error."""
 
     def __init__(self) -> None:
         self._longest = 0
@@ -84,7 +84,7 @@ class _Terminal:
 
 
 class _Cell:
-    """Line below the cell of a notebook, by IPython."""
+    """Progress line below a notebook cell, by IPython."""
 
     def __init__(self, display: Any) -> None:
         self._display = display
@@ -102,10 +102,10 @@ class _Cell:
 
 
 def _place() -> _Place | None:
-    """Place with a reader: a terminal, a notebook, or none."""
+    """Output for the progress line: a terminal, a notebook or none."""
     if sys.stderr is not None and sys.stderr.isatty():
         return _Terminal()
-    # Whoever works in a notebook has loaded it; it is no dependency.
+    # IPython is no dependency, but already imported in any notebook.
     ipython = sys.modules.get("IPython")
     if ipython is None or ipython.get_ipython() is None:
         return None

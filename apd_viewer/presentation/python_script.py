@@ -1,4 +1,4 @@
-"""Python lines that repeat what a window did: open, hold, pose, deform, save."""
+"""Python script reproducing a deformation: open, hold, pose, deform, save."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ for _ in range({most}):
 
 
 def python_script(document: Document) -> str:
-    """Lines that deform as the document says, by the public names.
+    """Python script of a document's deformation, using the public API.
 
     Raises
     ------
@@ -104,14 +104,14 @@ def _target(document: Document) -> str:
 
 
 def _assigned(name: str, value: str) -> list[str]:
-    """Assignment, wrapped; continued lines stand in the brackets of the value."""
+    """Lines of an assignment, wrapped inside the brackets of its value."""
     return textwrap.wrap(
         f"{name} = {value}", _WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
     )
 
 
 def _ids(ids: np.ndarray) -> str:
-    """Expression of ascending ids, by their ranges."""
+    """Python expression of ascending ids as ranges."""
     ends = np.flatnonzero(np.diff(ids) != 1) + 1
     runs = np.split(ids, ends)
     said = (f"{run[0]}:{run[-1] + 1}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
@@ -138,13 +138,13 @@ def _regions(document: Document) -> Iterator[str]:
 
 
 def _gripped(document: Document, handles: list[int]) -> Iterator[str]:
-    """Positions that base and handles were gripped at."""
+    """Lines with the grip positions of base and handles."""
     V, grip = document.mesh.V, document.grip
     held = document.labels != FREE
     if np.array_equal(V[held], grip[held]):
         yield "base_at, gripped = mesh.V[base], [mesh.V[ids] for ids in handles]"
         return
-    # Painted when the shape was deformed already: only the positions themselves tell.
+    # Painted on a deformed shape: the grip positions have to be written out.
     yield from _assigned("base_at", _array(grip[document.labels == BASE]))
     each = ", ".join(_array(grip[document.labels == HANDLE + k]) for k in handles)
     yield from _assigned("gripped", f"[{each}]")
@@ -183,7 +183,7 @@ def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
 
 
 def obstacle_lines(document: Document) -> Iterator[str]:
-    """Lines that make the obstacles; none where none push."""
+    """Script lines defining the obstacles; none if no obstacle is active."""
     if not document.has_active_obstacles:
         return
     yield "obstacles = ["
@@ -200,9 +200,9 @@ def obstacle_lines(document: Document) -> Iterator[str]:
 
 
 def settings_arguments(document: Document) -> str:
-    """Arguments for method, settings and targets."""
+    """Keyword arguments for method, settings and targets."""
     settings, targets = document.settings, targets_of(document)
-    idle = {"hold_area"}  # "local" keeps the total area only if told to, by a target
+    idle = {"hold_area"}  # for "local", a target for the total area implies it
     if settings.convergence == DEFAULT_SETTINGS.convergence:
         idle.add("convergence")
     given = {**vars(settings), **targets._asdict()}

@@ -1,4 +1,4 @@
-"""Measurements of a shape in words, for panel and report; no Qt."""
+"""Measurements of a shape as text, for panel and report; no Qt."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 NO_VALUE, PENDING = "–", "…"
 DISTANCE_COLUMNS = (tr("Largest"), "largest"), (tr("RMS"), "rms"), (tr("Mean"), "mean")
-_ALIGNED = math.cos(math.radians(1.0))  # between a rotation and the axis of a twist
+_ALIGNED = math.cos(math.radians(1.0))  # cosine of the angle tolerance between a rotation and a twist axis
 _KEPT = 1e-6  # tolerance of a region's target, in percent of its rest area
 
 
@@ -43,12 +43,12 @@ def area_percent(state: State) -> str:
 
 
 def area(state: State, unit: Unit) -> str:
-    """Area, and rest area."""
+    """Current and rest area."""
     return _of_rest(state.frame.area, state.inspection.area, unit, 2)
 
 
 def _of_rest(now: float, rest: float, unit: Unit, power: int) -> str:
-    """Two areas or volumes, in one unit that suits both."""
+    """Current and rest area or volume, in one unit suited to both."""
     larger, factor = unit.legible_unit(max(now, rest, key=abs), power)
     said = tr("{now} of {rest}").format(
         now=format_significant(factor * now), rest=format_significant(factor * rest)
@@ -103,7 +103,7 @@ def local_change(state: State) -> str:
 
 
 class VolumeReadingText(NamedTuple):
-    """Volume change, volume and rest volume or the reason for none, and a remark."""
+    """Texts on volume: change, values or the reason for none, and remarks."""
 
     change: str
     volumes: str
@@ -111,14 +111,14 @@ class VolumeReadingText(NamedTuple):
 
 
 def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]:
-    """Volume and rest volume of a shape; of an open surface with capped openings."""
+    """Current and rest volume; with capped openings for an open surface."""
     if rest.volume_capped is None:
         return frame.volume, rest.volume
     return frame.volume_capped, rest.volume_capped
 
 
 def volume(state: State, unit: Unit) -> VolumeReadingText:
-    """Volume of the shape in words; of an open surface with capped openings."""
+    """Texts on the volume; with capped openings for an open surface."""
     inspection, capped = state.inspection, state.inspection.volume_capped is not None
     now, rest = volumes(state.frame, inspection)
     if not rest or now is None:
@@ -142,7 +142,7 @@ def volume(state: State, unit: Unit) -> VolumeReadingText:
 
 
 class ContactReadingText(NamedTuple):
-    """Pairs in contact, their least gap, and the share of the way gone."""
+    """Texts on contact: pairs, smallest gap and fraction of the path reached."""
 
     pairs: str
     least_gap: str
@@ -150,7 +150,7 @@ class ContactReadingText(NamedTuple):
 
 
 def contact(state: State, unit: Unit) -> ContactReadingText:
-    """Contact of the shape with itself in words; dots while unknown."""
+    """Texts on self-contact of the shape; an ellipsis while unknown."""
     touch = state.frame.contact
     share = NO_VALUE if state.is_at_rest else f"{math.floor(100.0 * state.frame.share_reached)} %"
     if touch is None and not state.is_at_rest:
@@ -171,14 +171,14 @@ def compactness_text(state: State) -> tuple[str, str]:
 
 
 def extent(found: ShapeCheck | None, unit: Unit) -> str:
-    """Sides of the bounding box along the axes."""
+    """Side lengths of the axis-aligned bounding box."""
     if found is None or math.isnan(found.packed):
         return PENDING if found is None else NO_VALUE
     return unit.format_length(" × ".join(format_short(side) for side in found.size))
 
 
 def box_volume(volume: float | None, rest_volume: float | None, unit: Unit) -> tuple[str, str]:
-    """Volume of a box around the shape, and its change; None if not measured yet."""
+    """Volume of a bounding box and its change; an ellipsis if not measured yet."""
     if volume is None:
         return PENDING, ""
     larger, factor = unit.legible_unit(volume, 3)
@@ -200,7 +200,7 @@ def material_volume(state: State) -> float | None:
 
 
 def double_wall(state: State, unit: Unit) -> str:
-    """Material and capacity of a double wall in words; empty without one."""
+    """Text on material and capacity of a double wall; empty without one."""
     wall = state.inspection.double_wall
     if wall is None:
         return ""
@@ -217,7 +217,7 @@ def _capacity(volume: float, unit: Unit) -> str:
 
 
 def mass(grams: float | None, unit: Unit) -> str:
-    """Mass in a suitable unit."""
+    """Text of a mass in a suitable unit."""
     if grams is None:
         return NO_VALUE
     symbol, factor = unit.mass_unit(grams)
@@ -225,14 +225,14 @@ def mass(grams: float | None, unit: Unit) -> str:
 
 
 def drift(state: State, unit: Unit) -> str:
-    """Drift of the handles."""
+    """Text of the handle drift."""
     if not state.document.label_counts[HANDLE:].any():
         return NO_VALUE
     return unit.format_length(format_length(state.frame.handle_drift, max(state.inspection.size)))
 
 
 def motion(state: State, k: int, unit: Unit) -> str:
-    """Displacement, rotation and scale of a handle from rest, those that it has.
+    """Displacement, rotation and scale of a handle from rest, where not trivial.
 
     While contact lets it lag behind, what it was asked for and what it has reached.
     """
@@ -242,7 +242,7 @@ def motion(state: State, k: int, unit: Unit) -> str:
     size, reached = float(max(state.inspection.size)), None
     asked = _amounts(document, k, unit, size)
     if frame.share_reached < 1.0:
-        # Imported here: SciPy comes with it, as below.
+        # Imported here because it loads SciPy.
         from apd_viewer.session.posing.regripping import reached_handle
 
         reached = _amounts(document.with_handle(k, reached_handle(document, k, frame)), k, unit, size)
@@ -273,14 +273,14 @@ def motion(state: State, k: int, unit: Unit) -> str:
 
 
 def _requested_and_reached(names: str, requested: str, none: str, reached: str | None) -> str:
-    """A part of a motion in words; empty for none."""
+    """Text of one component of a motion; empty if zero."""
     if reached in (None, requested):
         return names if requested != none else ""
     return tr("{motion}, reached {amount}").format(motion=names, amount=reached)
 
 
 class _Amounts(NamedTuple):
-    """Amounts of a motion in words, and its kind of rotation."""
+    """Texts of the amounts of a motion, and a flag for a twist."""
 
     displacement: str
     angle: str
@@ -300,7 +300,7 @@ def _amounts(document: Document, k: int, unit: Unit, size: float) -> _Amounts:
 
 
 def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool]:
-    """Total rotation in degrees, and whether it is a twist.
+    """Total rotation in degrees, and a flag for a twist.
 
     A twist has the sign that it was typed with: that about the line from the base to the handle.
     """
@@ -316,7 +316,7 @@ def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
-    """Area of each region in percent of its rest area, and in square units."""
+    """Area of each region, in percent of its rest area and in square units."""
     document, said = state.document, []
     rest, targets = document.rest_areas, [region.area for region in document.regions]
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):

@@ -1,4 +1,4 @@
-"""Report blocks: parts, targets, mesh file, versions, the way to repeat it."""
+"""Report blocks: settings, handles, regions, mesh file, versions, reproduction."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[
 
 
 def version_rows() -> Iterator[tuple[str, str, str]]:
-    """Rows of the program, Python and libraries with their versions."""
+    """Rows with the versions of the program, Python and libraries."""
     yield "APD Viewer", version_of("apd-viewer"), ""
     yield "Python", platform.python_version(), platform.python_implementation()
     yield tr("Platform"), platform.platform(), ""
@@ -128,7 +128,7 @@ def reproduction_blocks(state: State, readings: ReportReadings) -> Iterator[Page
     yield PageCommand(f"apd-viewer replay report.apd --from-rest -o deformed{suffix} --report deformed.json")
 
 
-_RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
+_RIGID = 1e-9  # smaller deviations of a pose's scale from 1 are rounding
 
 
 def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
@@ -179,7 +179,7 @@ def _setting_rows(
 
 
 def handle_rows(state: State, unit: Unit, check: ShapeCheck | None = None) -> Iterator[tuple[str, str, str]]:
-    """Rows of the handles with their motions."""
+    """Report rows of the handles with their motions."""
     document, size = state.document.relative_to_rest, max(state.inspection.size)
     for k, handle in enumerate(document.handles):
         count, centre = int(document.label_counts[HANDLE + k]), document.centre(k)

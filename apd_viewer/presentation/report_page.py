@@ -75,7 +75,7 @@ class ReportSubject:
 def report_page(
     subject: ReportSubject, evidence: ReportReadings, pictures: PagePictureRow, histogram: PageDrawing | None
 ) -> Page:
-    """Build the whole report."""
+    """Build the report page."""
     state, unit = subject.state, subject.unit
     checks = subject.rest_check, subject.shape_check
     date = subject.requested_at.strftime("%Y-%m-%d %H:%M")
@@ -225,9 +225,9 @@ def _findings(subject: ReportSubject) -> Iterator[PageBlock]:
 def volumes_block(
     state: State, unit: Unit, wall: WallText, checks: tuple[ShapeCheck, ShapeCheck]
 ) -> PageBlock:
-    """Table of the volumes at rest and now; ``checks`` are those of both shapes."""
+    """Table of rest and current volumes; ``checks`` of the rest and current shape."""
     at_rest, found = checks
-    if math.isnan(found.packed) or math.isnan(at_rest.packed):  # the process that measures has died
+    if math.isnan(found.packed) or math.isnan(at_rest.packed):  # the measuring process crashed
         return PageNote(tr("Not measured; create the report again."))
     now, then = readings.volumes(state.frame, state.inspection)
     wall_found = state.inspection.double_wall

@@ -1,4 +1,4 @@
-"""Measures shown as colours on a shape, and their scales."""
+"""Measures displayed as colours on a shape, and their colour scales."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from apd_viewer.presentation.number_format import format_short, round_step
 from apd_viewer.presentation.palette import DIVERGING, SEQUENTIAL, ColorMap
 from apd_viewer.session.quantities.units import Unit
 
-_NOTHING = 5e-5  # of the scale, displayed as zero
-_ROUNDING = 1e-9  # of the usual scale, too small for a scale
-_MOST_GAINED = 10.0  # ratios are unbounded: a vanished area gives infinity
+_NOTHING = 5e-5  # fraction of the scale displayed as zero
+_ROUNDING = 1e-9  # fraction of the default scale too small for a scale
+_MOST_GAINED = 10.0  # largest gain on a scale, since a vanished area gives an infinite ratio
 
 
 class ScaleKind(Enum):
-    """Quantity of a value: logarithm of a ratio, share, length, or inverse length."""
+    """Kind of a measured value: log ratio, fraction, length or curvature."""
 
     RATIO = "ratio"
     SHARE = "share"
@@ -35,18 +35,18 @@ class ScaleKind(Enum):
 
     @property
     def factor(self) -> float:
-        """Displayed number for the value 1."""
+        """Factor from a value to its displayed number."""
         return 100.0 if self in (ScaleKind.RATIO, ScaleKind.SHARE) else 1.0
 
     def suffix(self, unit: Unit) -> str:
-        """Unit behind a displayed number."""
+        """Unit suffix of a displayed number."""
         if self in (ScaleKind.RATIO, ScaleKind.SHARE):
             return "\u00a0%"
         return unit.format_curvature("") if self is ScaleKind.CURVATURE else unit.format_length("")
 
 
 class MeasureTraits(NamedTuple):
-    """Title and tip of a measure, and its values.
+    """Title, tooltip and computation of a measure.
 
     ``values(deviation, U, is_cancelled)`` are those (n,) at the vertices of a shape ``U`` (n, 3); None if
     ``is_cancelled()`` has ended a measure that takes long. The ``note`` is written below the colours,
@@ -62,7 +62,7 @@ class MeasureTraits(NamedTuple):
     missing_note: str = ""
 
     def note_for(self, values: np.ndarray | None) -> str:
-        """Line below the colours of values (n,)."""
+        """Note below the colour scale for values (n,)."""
         return (
             self.missing_note
             if self.missing_note and values is not None and np.isnan(values).all()
@@ -71,7 +71,7 @@ class MeasureTraits(NamedTuple):
 
 
 class Measure(Enum):
-    """Measure shown on a shape in colours."""
+    """Measure displayed as colours on a shape."""
 
     AREA = "area"
     STRAIN = "strain"
@@ -85,7 +85,7 @@ class Measure(Enum):
 
     @property
     def traits(self) -> MeasureTraits:
-        """Title and tip."""
+        """Title, tooltip and computation of the measure."""
         return _words()[self]
 
     @property
@@ -100,22 +100,22 @@ class Measure(Enum):
 
     @property
     def follows_shape(self) -> bool:
-        """False if the values are of the painting, whatever the shape."""
+        """True if the values depend on the shape, not only on the painted labels."""
         return self is not Measure.CALMNESS
 
     @property
     def follows_document(self) -> bool:
-        """True if the values are of the painting or the settings too."""
+        """True if the values depend on painted labels or settings."""
         return self in (Measure.CALMNESS, Measure.CONTACT)
 
     @property
-    def waits_for_rest(self) -> bool:
-        """True if measured only when the shape stops moving."""
+    def waits_for_convergence(self) -> bool:
+        """True if measured only once the shape has stopped moving."""
         return self in (Measure.DISTANCE, Measure.TARGET_DISTANCE, Measure.CALMNESS)
 
     @property
     def is_delayed(self) -> bool:
-        """True if measured on a thread, so that it follows a moving shape with a delay."""
+        """True if measured on a thread, lagging behind a moving shape."""
         return self is Measure.CONTACT
 
 
@@ -205,7 +205,7 @@ def _words() -> dict[Measure, MeasureTraits]:
 
 @dataclass(frozen=True)
 class Scale:
-    """Range of the colours of a measure.
+    """Colour scale of a measure.
 
     Attributes
     ----------
@@ -227,7 +227,7 @@ class Scale:
 
     @property
     def end(self) -> float:
-        """End of the scale in units of the measure."""
+        """Upper end of the scale in units of the measure."""
         return self._to_measure_unit(self.reach)
 
     @property
@@ -237,11 +237,11 @@ class Scale:
 
     @property
     def fits_any_size(self) -> bool:
-        """True if the scale also suits a mesh of another size."""
+        """True if the scale does not depend on the size of the mesh."""
         return self.measure.traits.kind in (ScaleKind.RATIO, ScaleKind.SHARE)
 
     def fitted_to(self, span: tuple[float, float], size: float = 1.0) -> Scale:
-        """Scale fitted to the largest value of a span, up or down.
+        """Scale fitted to the largest absolute value of a span.
 
         Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
         """
@@ -254,7 +254,7 @@ class Scale:
 
     @property
     def neutral_share(self) -> float:
-        """Neutral share of the scale around its middle, 0 to 1."""
+        """Neutral fraction of the scale around its middle, 0 to 1."""
         return self._to_measure_unit(self.neutral) / self.end
 
     def position(self, value: float) -> float:
@@ -273,11 +273,11 @@ class Scale:
         return np.expm1(values) if self.measure.traits.kind is ScaleKind.RATIO else values
 
     def largest_change(self, span: tuple[float, float]) -> float:
-        """End of a span that is displayed as the larger change, up or down."""
+        """End of a span with the larger displayed change."""
         return span[int(np.abs(self.displayed_changes(np.array(span))).argmax())]
 
     def format_value(self, value: float, unit: Unit) -> str:
-        """Format a value of the measure."""
+        """Text of a value with its unit."""
         if math.isnan(value):
             return tr("no value")
         kind = self.measure.traits.kind
@@ -296,7 +296,7 @@ class Scale:
 
 
 def default_scale(measure: Measure, size: float) -> Scale:
-    """Default scale for a mesh of this size."""
+    """Default scale of a measure for a mesh of extent ``size``."""
     if measure.traits.kind is ScaleKind.RATIO:
         return Scale(measure, 0.1, 0.001)
     if measure.traits.kind is ScaleKind.SHARE:
@@ -307,14 +307,14 @@ def default_scale(measure: Measure, size: float) -> Scale:
 
 
 def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
-    """Least and largest of the values (n,), ignoring NaN; None without any."""
+    """Minimum and maximum of values (n,), ignoring NaN; None without any."""
     if values is None or np.isnan(values).all():
         return None
     return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
 
 
 def _number(value: float, signed: bool) -> str:
-    """Three significant digits, or all before the point."""
+    """Text with three significant digits, or all of the integer part."""
     text = format_short(abs(value))
     if not signed or value == 0.0:
         return text

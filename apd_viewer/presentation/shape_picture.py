@@ -1,4 +1,4 @@
-"""Small pictures of shapes, drawn in memory: without OpenGL and without a window.
+"""Small pictures of shapes, rasterized in memory without OpenGL or a window.
 
 Each triangle is divided into the rows of pixels that it covers, and of each pixel the nearest triangle is
 kept; colours and light follow once this is known. All is done for many triangles at a time, in portions of a
@@ -13,22 +13,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-# From the shape to the viewer, for a mesh with +Y up.
+# Direction from the shape to the viewer, for a mesh with +Y up.
 VIEW_DIRECTION = (0.55, 0.28, 1.0)
-_AT_ONCE = 1 << 18  # triangles, rows or pixels in a portion
-# Pixels are drawn twice as fine along each side as they are returned, if there are no more of them than this.
+_AT_ONCE = 1 << 18  # triangles, rows or pixels per batch
+# Largest picture side in pixels with 2 x 2 supersampling.
 _FINE = 512
-_DEEPEST = 12  # layers of surface; of more, as in a heap of large triangles, only a part is drawn
-_MARGIN = 0.02  # of the longer side
-_NARROWEST = 0.25  # of the longer side
-_NOTHING = 1e-30  # mesh units; what is smaller is a point
+_DEEPEST = 12  # average overdraw; beyond it only every k-th triangle is drawn
+_MARGIN = 0.02  # margin around the shapes, as a fraction of the longer side
+_NARROWEST = 0.25  # minimum length of the shorter side, as a fraction of the longer side
+_NOTHING = 1e-30  # mesh units; smaller shapes count as points
 _LIGHT = np.array([-0.35, 0.45, 1.0]) / np.linalg.norm([-0.35, 0.45, 1.0])
 _AMBIENT = 0.35
-_CREASE = 0.5  # cosine of the angle from which an edge is sharp
+_CREASE = 0.5  # cosine of the minimum angle of a sharp edge
 
 
 class _Canvas(NamedTuple):
-    """Lowest corner, pixels per length, and width and height in pixels."""
+    """Canvas with its lowest corner, pixels per unit length, and size in pixels."""
 
     low: np.ndarray
     scale: float
@@ -72,7 +72,7 @@ def shape_picture(
 
 
 def _axes(view_direction: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """Unit vectors right, up and to the viewer, rows (3, 3)."""
+    """Unit vectors to the right, up and towards the viewer, rows (3, 3)."""
     toward = view_direction / np.linalg.norm(view_direction)
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)
@@ -94,8 +94,8 @@ def _canvas(shapes: Sequence[np.ndarray], F: np.ndarray, size: int, step: int) -
 
 
 def _drawn(canvas: _Canvas, U: np.ndarray, F: np.ndarray, colors: np.ndarray) -> np.ndarray:
-    """RGBA of a shape (h, w, 4), floats from 0 to 255, zero around it."""
-    X = (U - canvas.low) * canvas.scale  # column, row from below and depth, pixels
+    """RGBA of a shape (h, w, 4), floats from 0 to 255, on a transparent background."""
+    X = (U - canvas.low) * canvas.scale  # column, row from the bottom and depth, in pixels
     nearest = nearest_triangles(X, F, canvas.width, canvas.height)
     pixels = np.flatnonzero(nearest >= 0)
     triangles = nearest[pixels]
@@ -107,7 +107,7 @@ def _drawn(canvas: _Canvas, U: np.ndarray, F: np.ndarray, colors: np.ndarray) ->
 
 
 def _coarser(rgba: np.ndarray, finer: int) -> np.ndarray:
-    """Mean of ``finer`` by ``finer`` pixels, not weighted by alpha any more."""
+    """Downsample by ``finer`` in both directions, with straight alpha."""
     height, width = (side // finer for side in rgba.shape[:2])
     mean = rgba.reshape(height, finer, width, finer, 4).mean(axis=(1, 3))
     mean[..., :3] *= 255.0 / np.maximum(mean[..., 3:], 1.0)
@@ -138,7 +138,7 @@ def _every(X: np.ndarray, F: np.ndarray, most: int) -> int:
 
 
 def _portions(counts: np.ndarray) -> Iterator[slice]:
-    """Slices of a list, by ``counts`` of about a portion each."""
+    """Slices of a list into batches with about equal sums of ``counts``."""
     ends, first = np.cumsum(counts), 0
     while first < len(counts):
         done = ends[first - 1] if first else 0
@@ -148,7 +148,7 @@ def _portions(counts: np.ndarray) -> Iterator[slice]:
 
 
 def fragments(corners: np.ndarray, width: int) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Pixels, triangles and depths of the triangles (t, 3, 3), in portions."""
+    """Rasterize triangles (t, 3, 3); yields batches of pixels, triangles and depths."""
     low, high = (np.ceil(side - 0.5).astype(int) for side in (corners[..., 1].min(1), corners[..., 1].max(1)))
     for part in _portions(high - low):
         triangle, row = _counted(part.start, low[part], high[part])
@@ -159,7 +159,7 @@ def fragments(corners: np.ndarray, width: int) -> Iterator[tuple[np.ndarray, np.
 
 
 def _counted(first: int, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Range of each number, from ``first``, and the numbers ``low`` to below ``high``."""
+    """Concatenated ranges ``low`` to ``high``, after the range number of each item."""
     count = high - low
     of = np.repeat(np.arange(len(count)), count)
     start = np.cumsum(count) - count
@@ -167,7 +167,7 @@ def _counted(first: int, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray,
 
 
 def _spans(corners: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First column in each triangle (r, 3, 3) at the height ``y``, and past the last.
+    """First column of each triangle (r, 3, 3) at height ``y``, and one past its last.
 
     Columns count by their middle, and ends are half open: of triangles with a common edge one has each pixel.
     """
@@ -205,7 +205,7 @@ def _depth(corners: np.ndarray, column: np.ndarray, row: np.ndarray) -> np.ndarr
 
 
 def _light(X: np.ndarray, F: np.ndarray, triangles: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Brightness of points of triangles, (k,) from 0 to 1; both sides are lit."""
+    """Brightness (k,) of points on triangles, from 0 to 1; both sides are lit."""
     own = _unit(_doubled(X[F[triangles]]))
     corner = _vertex_normals(X, F)[F[triangles]]
     sharp = (corner * own[:, None]).sum(axis=2) < _CREASE
@@ -216,7 +216,7 @@ def _light(X: np.ndarray, F: np.ndarray, triangles: np.ndarray, x: np.ndarray, y
 
 
 def _vertex_normals(X: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Unit normals of vertices (n, 3); zero for none."""
+    """Unit vertex normals (n, 3); zero without triangles."""
     sums = np.zeros_like(X)
     for part in _portions(np.ones(len(F), dtype=int)):
         normals = np.repeat(_doubled(X[F[part]]), 3, axis=0)
@@ -226,7 +226,7 @@ def _vertex_normals(X: np.ndarray, F: np.ndarray) -> np.ndarray:
 
 
 def _doubled(corners: np.ndarray) -> np.ndarray:
-    """Normals of triangles (k, 3, 3), twice as long as their areas are large."""
+    """Normals of triangles (k, 3, 3) with twice the area as length."""
     a, b, c = corners.transpose(1, 0, 2)
     return np.cross(b - a, c - a)
 

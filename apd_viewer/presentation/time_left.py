@@ -1,4 +1,4 @@
-"""Time left until the solver converges, from how its measure of convergence falls.
+"""Estimate of the time until convergence, from the decay of the solver's measure.
 
 The measure falls geometrically, but for bumps where the surface buckles: a straight line through its
 logarithm over time, fitted to the recent half of a descent, tells when it is at its tolerance. Where the line
@@ -14,17 +14,17 @@ import numpy as np
 from apd_viewer.language import tr
 
 _FEWEST = 8
-_MOST = 256  # samples; beyond, every other one is left out
-# The line must fall by so much, and by so many standard deviations of the samples beside it.
+_MOST = 256  # maximum number of samples; beyond it every other one is dropped
+# Minimum drop of the fitted line, absolute and in standard deviations of its residuals.
 _LEAST_FALL, _CLEARLY = math.log(3.0), 4.5
-_FARTHEST = 10.0  # times as long as the fit: what lies beyond is not known
-_INERTIA = 0.1  # of the time left; within it a new estimate replaces the one shown
-# Up to so many seconds, in steps of so many.
+_FARTHEST = 10.0  # longest extrapolation, as a multiple of the fitted interval
+_INERTIA = 0.1  # time constant of the smoothing, as a fraction of the time left
+# Rounding steps in seconds, each after its upper limit in seconds.
 _STEPS = ((60.0, 5.0), (120.0, 15.0), (3600.0, 60.0))
 
 
 class TimeLeftEstimate:
-    """Estimate of the moment of convergence, smoothed.
+    """Smoothed estimate of the time of convergence.
 
     Moments are seconds by one clock. Every motion has a forecast of its own.
 
@@ -41,7 +41,7 @@ class TimeLeftEstimate:
         self._has_measure = False
 
     def add_gap(self, moment: float, gap: float | None, expected: float | None = None) -> None:
-        """Learn how far the solver is from convergence.
+        """Add a sample of the solver's distance from convergence.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class TimeLeftEstimate:
         elif not self._has_measure:
             self._expect(moment, expected)
         elif self._end is not None and moment - self._fitted > _INERTIA * (self._end - moment):
-            self._end = None  # nothing has confirmed it for long
+            self._end = None  # not confirmed for too long
 
     def _expect(self, moment: float, seconds: float | None) -> None:
         self._end = None if seconds is None else moment + seconds
@@ -81,17 +81,17 @@ class TimeLeftEstimate:
         self._fitted = moment
 
     def seconds_left(self, moment: float) -> float | None:
-        """Seconds left at ``moment``; None if they are not known."""
+        """Seconds left at ``moment``; None if unknown."""
         return None if self._end is None or self._end <= moment else self._end - moment
 
-    def share_passed(self, moment: float) -> float:
-        """Part of the whole time passed at ``moment``; 0 if it is not known."""
+    def elapsed_fraction(self, moment: float) -> float:
+        """Fraction of the total time elapsed at ``moment``; 0 if unknown."""
         left, passed = self.seconds_left(moment), moment - self.start_moment
         return 0.0 if left is None else passed / (passed + left)
 
 
 def _crossing(samples: np.ndarray) -> float | None:
-    """Moment at which the line through the recent half of ``samples`` (k, 2) is at 0."""
+    """Time at which a line fitted to the recent half of ``samples`` (k, 2) reaches 0."""
     recent = samples[samples[:, 0] >= 0.5 * (samples[0, 0] + samples[-1, 0])]
     if len(samples) < _FEWEST or np.ptp(recent[:, 0]) <= 0.0:
         return None
@@ -105,7 +105,7 @@ def _crossing(samples: np.ndarray) -> float | None:
 
 
 def time_left_text(seconds: float) -> str:
-    """A time that is left, rounded."""
+    """Rounded text of a remaining time."""
     step = next((step for most, step in _STEPS if seconds <= most), None)
     if step is None:
         return tr("more than an hour left")
@@ -116,7 +116,7 @@ def time_left_text(seconds: float) -> str:
 
 
 def duration_text(seconds: float) -> str:
-    """A time of any length, to about a hundredth."""
+    """Text of a duration, rounded to about one percent."""
     if seconds < 100.0:
         return tr("{n:.0f} s").format(n=seconds)
     minutes = round(seconds / 60.0)

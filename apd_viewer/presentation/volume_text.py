@@ -1,4 +1,4 @@
-"""Volumes by name in words: at rest, now, and what others published."""
+"""Texts of volumes and derived quantities: rest, current and published values."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TextWithRange: TypeAlias = tuple[str, str]
 
 
 class VolumeRow(NamedTuple):
-    """A quantity with its definition, its readings and published figures of it.
+    """Quantity with its definition, its readings and published figures.
 
     A reading comes with its range, or an empty text.
     """
@@ -45,7 +45,7 @@ class VolumeRow(NamedTuple):
 def volume_rows(
     rest: VolumeReadings, now: VolumeReadings, unit: Unit, density: float | None, bag: float = DEFAULT_BAG
 ) -> Iterator[VolumeRow]:
-    """Rows of all quantities.
+    """Table rows of all volumes and derived quantities.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def _first(readings: Sequence[Sequence[float | None]]) -> RestAndCurrent:
 def _spreads(
     readings: Sequence[Sequence[float | None]], written: Callable[[float], str]
 ) -> list[TextWithRange]:
-    """Each reading with its range; a dash where it is not known."""
+    """Text of each reading with its range; a dash if unknown."""
     texts: list[TextWithRange] = []
     for each in readings:
         known = [value for value in each if value is not None]
@@ -172,7 +172,7 @@ class VolumeName(Enum):
 
 
 class PublishedFigure(NamedTuple):
-    """A published figure in words, its source, and its values.
+    """Published figure with its text, source and range of values.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class PublishedFigure(NamedTuple):
 
 
 _RATIO, _KG_M3 = "of rest", "kg/m³"
-_LB = 0.45359237 / 0.9144**3  # kg/m³ in a pound per cubic yard
+_LB = 0.45359237 / 0.9144**3  # kg/m³ per pound per cubic yard
 _YOKOHAMA = tr("Yokohama Shigen Junkan Kosha (municipal recycling), 23 December 2025")
 _SUCKED = tr("Watermelon Headman (blog), 15 September 2022")
 _EPA = tr("US EPA, in M. J. Franchetti, Solid Waste Analysis and Minimization, 2009, table 2.2")
@@ -245,17 +245,17 @@ PUBLISHED_FIGURES: dict[VolumeName, tuple[PublishedFigure, ...]] = {
 }
 
 
-_G_CM3 = 1000.0  # kg/m³ in a g/cm³
+_G_CM3 = 1000.0  # kg/m³ per g/cm³
 
 
 def object_count(bag: float, readings: VolumeReadings, unit: Unit, packing: float = PACKING) -> int | None:
-    """Number of objects in a ``bag`` of litres; None without a unit of length."""
+    """Number of objects in a bag of ``bag`` litres; None without a unit of length."""
     litre = unit.to_litres(1.0)
     return None if litre is None else readings.hull.count_in(bag / litre, packing)
 
 
 def bulk_density(density: float | None, readings: VolumeReadings, packing: float = PACKING) -> float | None:
-    """Mass over bulk volume, kg/m³; None if it is not known.
+    """Mass over bulk volume, kg/m³; None if unknown.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""The session: document, history, files and the solver behind them; no Qt."""
+"""Session with document, history, files and solver; no Qt."""

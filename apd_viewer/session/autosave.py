@@ -30,13 +30,13 @@ from apd_viewer.session.state_store import Activity, Listener, StateStore
 from apd_viewer.session.storage.recovery_file import RecoveryFile, claim_path, make_private, remove_with_lock
 from apd_viewer.session.storage.session_file import save_session
 
-# A step counts as done once it is safe: that takes 5 ms, or 0.1 s for a million vertices. Where it takes more
-# than this the disk is slow, and the step does not wait for it; nor does a held key.
-_MOMENT = 0.25  # s
+# A step waits until its copy is written: 5 ms, or 0.1 s for a million vertices. If writing takes longer
+# than this, the disk is slow and the step does not wait for it; nor does a held key.
+_MOMENT = 0.25  # maximum wait in seconds
 
 
 class Autosave:
-    """Saves each finished step, and later its settled shape; off without a folder.
+    """Autosave of each finished step and its converged shape; inactive until started.
 
     Parameters
     ----------
@@ -80,20 +80,20 @@ class Autosave:
         self._writer.set_interval(self.interval or 0.0)
 
     def set_interval(self, seconds: float | None) -> None:
-        """Save at most once in so many seconds; None saves nothing and removes the file."""
+        """Save at most once in ``seconds``; None turns saving off and removes the file."""
         self.interval = seconds
         if self._writer is not None and seconds is not None:
             self._writer.set_interval(seconds)
         self.follow_state()
 
     def restore(self, recovery_file: RecoveryFile) -> None:
-        """Open the leftover of a killed program, in the background; it counts as unsaved."""
+        """Open a recovery file of a crashed program in the background, as unsaved work."""
         if recovery_file not in self._restored:
             self._restored.append(recovery_file)
         self._files.open_result(recovery_file.name, recovery_file.read, is_saved=False)
 
     def follow_state(self) -> None:
-        """Save the state if it is new; work that is safe in a file needs no copy."""
+        """Save the state if it is new and not yet saved in a session file."""
         state = self._store.state
         if self._writer is None or state is None or self._gestures.state_before is not None:
             return
@@ -124,7 +124,7 @@ class Autosave:
         self._document = self._frame = self._step = None
 
     def close(self) -> None:
-        """Remove the file and the restored leftovers: this is no crash."""
+        """Remove the autosave file and restored recovery files on a regular exit."""
         if self._writer is not None:
             self._writer.close()
         for left in self._restored:
@@ -136,13 +136,13 @@ class Autosave:
 
 
 _LOGGER = logging.getLogger(__name__)
-_PATIENCE = 10.0  # s, for the disk, when the program ends
+_PATIENCE = 10.0  # maximum wait in seconds for the disk at exit
 _FAILED = tr("Autosave failed ({why}); save the session regularly.")
 
 
 @dataclass(frozen=True, eq=False)
 class AutosaveCopy:
-    """Content of the file, and the leftovers it replaces."""
+    """Content of an autosave file, and the recovery files superseded by it."""
 
     state: State
     view: View
@@ -150,7 +150,7 @@ class AutosaveCopy:
 
 
 class AutosaveWriter:
-    """Writes the newest Copy whenever it can; None and the end remove the file.
+    """Thread writing the newest copy; None or closing removes the file.
 
     Parameters
     ----------
@@ -192,22 +192,22 @@ class AutosaveWriter:
                 self._pace = self._pace if done else patience
 
     def set_interval(self, seconds: float) -> None:
-        """Write at most once in so many seconds; removing does not wait."""
+        """Write at most once in ``seconds``; removal is immediate."""
         self._interval = seconds
         self._hurry.set()
 
     def take_failure(self) -> str | None:
-        """Sentence about a write failure, once; None if all is well."""
+        """Sentence about a write failure, returned once; None without one."""
         return self._failures.take()
 
     def close(self) -> None:
-        """Remove the file."""
+        """Stop the thread and remove the file."""
         self._mailbox.close()
         self._removes = True
         self._hurry.set()
         self._thread.join(_PATIENCE)
 
-    # The thread "backup"
+    # Methods of the thread "backup"
 
     def _run(self) -> None:
         while (put := self._mailbox.wait()) is not None:
@@ -221,7 +221,7 @@ class AutosaveWriter:
         self._remove()
 
     def _rest(self) -> None:
-        """Wait until the next copy is due; what comes meanwhile replaces it."""
+        """Wait until the next copy is due; newer copies replace the queued one."""
         since = time.monotonic()
         while not self._removes and (left := since + self._interval - time.monotonic()) > 0.0:
             self._hurry.wait(left)
@@ -238,7 +238,7 @@ class AutosaveWriter:
             for left in copy.superseded_files:
                 left.discard()
             self._failing = False
-        except Exception as error:  # the next step is tried again, whatever the error
+        except Exception as error:  # autosave continues with the next step
             reason = error if isinstance(error, OSError) else error.__cause__
             if not isinstance(reason, OSError):
                 traceback.print_exc()
@@ -260,7 +260,7 @@ class AutosaveWriter:
             self._mine = None
 
     def _write(self, copy: AutosaveCopy) -> Path:
-        if self._mine is not None and not self._mine[1].is_in_place:  # the folder has been cleared
+        if self._mine is not None and not self._mine[1].is_in_place:  # the file was deleted from outside
             self._mine[1].release()
             self._mine = None
         if self._mine is None:

@@ -18,7 +18,7 @@ _LOGGER = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class JobOutcome:
-    """Result of a job: its ``value``, or the reason of its ``failure``."""
+    """Result of a job: its ``value``, or the ``failure`` message."""
 
     job: Job
     value: Any = None
@@ -26,7 +26,7 @@ class JobOutcome:
 
 
 class Job:
-    """Runs ``work()`` on a thread and calls ``deliver`` there with its Outcome.
+    """Thread running ``work()`` and calling ``deliver`` with its outcome.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Job:
 
 
 class Jobs:
-    """The job in progress, if any, and the outcomes of finished ones.
+    """Current job, if any, and outcomes of finished jobs.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class Jobs:
         on_done: Callable[..., object],
         can_be_cancelled: bool = True,
     ) -> None:
-        """Start ``work()``; on receipt of its value, call ``on_done`` with it."""
+        """Run ``work()`` on a thread, and pass its value to ``on_done`` on receipt."""
         if self.current is not None:
             self._failed(
                 tr("{title} is not finished; wait for it or cancel it.").format(title=self.current.title)
@@ -124,7 +124,7 @@ class Jobs:
         self._changed()
 
     def cancel(self) -> None:
-        """Forget the job in progress and report so; a write is finished."""
+        """Discard the running job with a message; a write is completed."""
         cancelled = self.current
         if cancelled is not None and cancelled.can_be_cancelled:
             self.current = None
@@ -132,7 +132,7 @@ class Jobs:
             self._changed()
 
     def receive(self) -> None:
-        """Deliver the results received."""
+        """Process the outcomes of finished jobs."""
         while not self._outcomes.empty():
             outcome = self._outcomes.get()
             if outcome.job is self.current:  # otherwise it was cancelled

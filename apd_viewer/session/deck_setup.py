@@ -1,4 +1,4 @@
-"""FE deck of a document: elements, sets, the ways of its handles, and its wall."""
+"""FE deck of a document: elements, sets, handle displacements and wall."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from apd_viewer.session.quantities.wall import WallText, wall_from
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON
 
 MOST_STEPS = 1000
-# Radians: the chord of so much of a turn stays within 3.4 % of the radius of its arc.
+# Radians per step: the chord stays within 3.4 % of the radius from the arc.
 _TURN = math.radians(30.0)
 _ROUNDED = 1e-9
-# Of the square of the longest edge: a triangle with less area has no Jacobian to compute with.
+# Minimum area relative to the squared longest edge; flatter triangles have a singular Jacobian.
 _NO_AREA = 1e-10
-_DEFAULT_THICKNESS = 1e-3  # in diagonals of the mesh
+_DEFAULT_THICKNESS = 1e-3  # relative to the diagonal of the mesh
 _DEFAULT_YOUNG = 1.0
-_KILOGRAMS = 1e3  # in a cubic metre of 1 g/cm³
-# Spelt out for those who do not multiply in their heads.
+_KILOGRAMS = 1e3  # kg/m³ per g/cm³
+# Consistent derived units, spelled out for common units of length.
 _KNOWN = {
     Unit.MILLIMETRE: "stress and Young's modulus MPa, mass tonne, density tonne/mm3",
     Unit.METRE: "stress and Young's modulus Pa, mass kg, density kg/m3",
@@ -38,7 +38,7 @@ _KNOWN = {
 def deck_of(
     document: Document, wall: DeckWall, steps: int | None = None, motion: Sequence[MotionStep] = ()
 ) -> Deck:
-    """Deck of the held vertices, moved from rest to their targets.
+    """FE deck with the held vertices displaced from rest to their targets.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def deck_of(
         raise InputError(tr("A deck has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
     document = document.relative_to_rest
     stages = _stages(document, steps, motion)
-    document.constraints()  # refuses what has no base or handle
+    document.constraints()  # raises InputError without base or handle
     mesh = document.mesh
     used, notes = _elements(document)
     held = _held(document, np.unique(mesh.joined_F[used]))
@@ -67,7 +67,7 @@ def deck_of(
 
 
 def _stages(document: Document, steps: int | None, motion: Sequence[MotionStep]) -> list[Document]:
-    """The document at the end of each step."""
+    """Documents at the end of each step."""
     paths = motion_paths(document, motion) if motion else handle_paths(document)
     if steps is None:
         steps = max(1, math.ceil(max(total_turn(path) for path in paths) / _TURN - _ROUNDED))
@@ -76,14 +76,14 @@ def _stages(document: Document, steps: int | None, motion: Sequence[MotionStep])
 
 
 def _shifts(document: Document, node_sets: Sequence[NodeSet]) -> list[np.ndarray]:
-    """Displacements (k, 3) of the vertices of each part from rest to their targets."""
+    """Displacements (k, 3) of each node set from rest to its targets."""
     held, X = document.constraints(), document.mesh.V.copy()
     X[held.fixed] = held.targets
     return [X[part.vertices] - document.mesh.V[part.vertices] for part in node_sets]
 
 
 def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Usable triangles, and comments on the others."""
+    """Indices of the triangles used as elements, and comments on omitted ones."""
     F, V = document.mesh.joined_F, document.mesh.V
     sides = V[np.roll(F, -1, axis=1)] - V[F]
     longest = (sides**2).sum(axis=2).max(axis=1)
@@ -104,7 +104,7 @@ def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def _held(document: Document, nodes: np.ndarray) -> list[NodeSet]:
-    """Base and handles with their nodes; those without any are left out."""
+    """Node sets of base and handles; empty sets are omitted."""
     names = [("BASE", tr("Base"), BASE)]
     for k, handle in enumerate(document.handles):
         names.append(("HANDLE" if k == 0 else f"HANDLE_{k + 1}", handle.name, HANDLE + k))
@@ -113,7 +113,7 @@ def _held(document: Document, nodes: np.ndarray) -> list[NodeSet]:
 
 
 def _regions(document: Document, used: np.ndarray) -> list[DeckRegion]:
-    """Regions with those of their triangles that are elements."""
+    """Element sets of the regions."""
     inside = document.member[document.mesh.joined_F[used]]
     whole = (inside == inside[:, :1]).all(axis=1)
     return [
@@ -123,7 +123,7 @@ def _regions(document: Document, used: np.ndarray) -> list[DeckRegion]:
 
 
 def deck_wall(text: WallText, unit: Unit, size: float) -> DeckWall:
-    """Wall in the units of a deck, with comments on what nobody gave.
+    """Wall in the units of a deck, with comments on default values.
 
     They are consistent: the mesh unit, newtons and seconds.
 

@@ -43,7 +43,7 @@ from apd_viewer.session.storage.session_file import ChangedFileError, open_sessi
 
 
 class FileJobs:
-    """Opens and writes meshes, sessions and selections, one at a time.
+    """Background jobs opening or writing meshes, sessions and selections.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class FileJobs:
         self._listener = listener
 
     def open(self, path: str | Path) -> None:
-        """Open a mesh or a session, in the background; the old one stays until then."""
+        """Open a mesh or session in the background; the current one stays until loaded."""
         path = Path(path)
         if path.suffix.lower() == SESSION_SUFFIX:
             self.open_result(path.name, lambda: open_session(path), path)
@@ -72,7 +72,7 @@ class FileJobs:
             self.open_result(path.name, lambda: initial_state(open_mesh(path)))
 
     def open_sample(self, name: str) -> None:
-        """Open a sample, painted, in the background."""
+        """Open a painted sample in the background."""
         self.open_result(SAMPLES[name].title, lambda: sample_state(name))
 
     def open_mesh(self, mesh: Mesh) -> None:
@@ -86,18 +86,18 @@ class FileJobs:
         path: Path | None = None,
         is_saved: bool = True,
     ) -> None:
-        """Open the result of ``load()``, in the background.
+        """Open the result of ``load()`` in the background.
 
         ``path`` is the session file that it is in; ``is_saved`` is False for work in no file.
         """
         title = tr("Opening {name}").format(name=name)
 
         def parsed() -> tuple[State | tuple[State, View], KnownFile | None]:
-            # First: what is written between the two is then taken for a change, and asked about.
+            # Recorded before loading, so that a write in between counts as a change.
             file = None if path is None else KnownFile(path)
             found = load()
             state = found[0] if isinstance(found, tuple) else found
-            # Seconds in a large file; kept from now on.
+            # Computed on this thread, since it takes seconds for a large file; cached afterwards.
             _ = state.document.mesh.colors, state.document.mesh.texture
             return found, file
 
@@ -125,7 +125,7 @@ class FileJobs:
             self._listener.message_sent(" ".join(sentence for sentence in about if sentence))
 
     def export(self, path: str | Path, on_success: Callable[[], object] = lambda: None) -> None:
-        """Write the shape on screen, in the background.
+        """Export the displayed shape in the background.
 
         ``on_success()`` follows if all went well.
         """
@@ -139,11 +139,11 @@ class FileJobs:
         self._write(tr("Writing {name}").format(name=path.name), write, on_success)
 
     def export_scalars(self, path: str | Path, rows: ScalarRows) -> None:
-        """Write the scalars of the shape on screen, in the background."""
+        """Export the scalars of the displayed shape in the background."""
         path, state = Path(path), self._store.required_state()
 
         def write() -> str:
-            # Here, because numba need not be loaded for the first picture.
+            # Imported here so that the first picture does not wait for numba.
             from apd_viewer.geometry.analysis.scalars import shape_scalars
 
             document, U = state.document, state.frame.U
@@ -155,7 +155,7 @@ class FileJobs:
         self._jobs.run(title, write, self._listener.message_sent, can_be_cancelled=False)
 
     def export_deck(self, path: str | Path, view: View) -> None:
-        """Write an FE deck that moves the rest shape to the poses, in the background."""
+        """Write an FE deck from the rest shape to the poses in the background."""
         path, document = Path(path), self._store.required_state().document
 
         def write() -> str:
@@ -176,7 +176,7 @@ class FileJobs:
         on_file_changed: Callable[[KnownFile], object] | None = None,
         replaceable: KnownFile | None = None,
     ) -> None:
-        """Save a session, in the background, without the gesture under way.
+        """Save a session in the background, without an unfinished gesture.
 
         Its own file is replaced only if that still holds what was opened or saved last. ``on_success()``
         follows if all went well.
@@ -217,7 +217,7 @@ class FileJobs:
         self._jobs.run(tr("Saving {name}").format(name=path.name), write, written, can_be_cancelled=False)
 
     def load_selection(self, path: str | Path) -> None:
-        """Replace the paint by a selection file, in the background.
+        """Replace all paint with a selection file, in the background.
 
         Refused while a part is locked.
         """
@@ -237,7 +237,7 @@ class FileJobs:
         )
 
     def save_selection(self, path: str | Path) -> None:
-        """Write the paint to a selection file, in the background."""
+        """Save the paint as a selection file, in the background."""
         path, document = Path(path), self._store.required_state().document
 
         def work() -> str:
@@ -248,7 +248,7 @@ class FileJobs:
     def _write(
         self, title: str, work: Callable[[], str], on_success: Callable[[], object] = lambda: None
     ) -> None:
-        """Write in the background; the sentence from ``work()`` is told at the end."""
+        """Write in the background; the listener gets the sentence from ``work()``."""
 
         def written(said: str) -> None:
             self._listener.message_sent(said)
@@ -258,14 +258,14 @@ class FileJobs:
 
 
 def _passing(document: Document) -> str:
-    """Sentence on new work too large for contact by default; mostly empty."""
+    """Warning about a new mesh too large for contact by default; else empty."""
     return passing_walls_warning(
         document.settings.method, len(document.mesh.V), tr("“Contact” in the section Method")
     )
 
 
 def sample_state(name: str) -> State:
-    """A sample at rest, painted and with its settings."""
+    """Initial state of a sample, painted and with its settings."""
     sample, state = SAMPLES[name], initial_state(*open_sample(name))
     pivot = None if sample.pivot is None else frozen(np.array(sample.pivot))
     document = state.document.with_handle(0, replace(state.document.handles[0], pivot=pivot))

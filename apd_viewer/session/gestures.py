@@ -1,4 +1,4 @@
-"""Gestures, each one step of undo: a stroke, a drag, the sweep of a slider."""
+"""Gestures such as strokes, drags and slider moves, each one undo step."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from apd_viewer.session.model.history import History
 from apd_viewer.session.model.state import State
 from apd_viewer.session.state_store import Listener, StateStore
 
-# Key presses within this many seconds of each other are one step.
+# Key presses within this many seconds are merged into one undo step.
 _TOGETHER = 1.0
 
 
 class Gestures:
-    """Begins and ends gestures on a store, and goes back and forth between them.
+    """Recorder of gestures on a store, with undo and redo.
 
     Parameters
     ----------
@@ -38,12 +38,12 @@ class Gestures:
         self.history = History()
 
     def begin(self) -> None:
-        """Begin one step of undo."""
+        """Begin a gesture, one undo step."""
         self.state_before = self._store.required_state()
         self._store.begin_trace()
 
     def end(self, name: str) -> None:
-        """Finish the gesture; it is recorded only if the document changed."""
+        """End the gesture, and record it if the document changed."""
         before, self.state_before = self.state_before, None
         if before is not None:
             self._store.trace.mark_release()
@@ -51,18 +51,18 @@ class Gestures:
             self._remember(name, before)
 
     def cancel(self) -> None:
-        """Go back to the state before the gesture."""
+        """Cancel the gesture, and restore the state before it."""
         if self.state_before is not None:
             before, self.state_before = self.state_before, None
             self._store.jump_to(before)
 
     def state_without_gesture(self) -> State:
-        """Cancel the gesture under way, if there is one, and return the state."""
+        """Cancel the current gesture, if any, and return the state."""
         self.cancel()
         return self._store.required_state()
 
     def record(self, name: str, before: State, is_repeat: bool = False) -> None:
-        """Record the state before a step; repeated steps within a second are one."""
+        """Record the state before a step; repeats within a second are merged."""
         now = time.monotonic()
         follows = now - self._last < _TOGETHER and self.history.next_redo is None
         if is_repeat and follows and self.history.next_undo == name:
@@ -78,20 +78,20 @@ class Gestures:
         self._listener.status_changed()
 
     def limit_memory(self, most_bytes: int) -> None:
-        """Limit the memory of the steps that can be undone."""
+        """Limit the memory of the undo history."""
         self.history.limit_memory(most_bytes)
         self._listener.status_changed()
 
     def undo(self) -> None:
-        """Undo the last step: the same document and shape objects come back."""
+        """Undo the last step, restoring the identical document and shape objects."""
         self._go(self.history.undo)
 
     def redo(self) -> None:
-        """Redo the step undone last."""
+        """Redo the last undone step."""
         self._go(self.history.redo)
 
     def go_to_step(self, steps: int) -> None:
-        """Undo or redo until so many steps are done."""
+        """Undo or redo until ``steps`` steps are on the undo stack."""
         state = target = self.state_without_gesture()
         while len(self.history.undo_names) > steps and (earlier := self.history.undo(target)):
             target = earlier
@@ -107,7 +107,7 @@ class Gestures:
 
 
 class DocumentEditor:
-    """Changes of the document, each a step of undo or part of a gesture.
+    """Base of editors changing the document in undo steps or within a gesture.
 
     Parameters
     ----------
@@ -122,11 +122,11 @@ class DocumentEditor:
         self._listener = listener
 
     def _recorded(self, gesture: str) -> State:
-        """Record the state, without a gesture under way, as that before a step; return it."""
+        """Cancel any gesture, record the state before a new step, and return it."""
         state = self._gestures.state_without_gesture()
         self._gestures.record(gesture, state)
         return state
 
     def _replace(self, gesture: str, **changes: Any) -> None:
-        """Replace fields of the document in one step; the shape stays as it is."""
+        """Replace fields of the document in one undo step; the shape is unchanged."""
         self._store.set_document(replace(self._recorded(gesture).document, **changes))

@@ -1,4 +1,4 @@
-"""Poses and pivots of the handles: dragged, typed, nudged, reset or mirrored."""
+"""Editor of handle poses and pivots: drag, type, nudge, reset and mirror."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_
 
 
 class HandleEditor(DocumentEditor):
-    """Moves the handles; the mesh follows.
+    """Editor of the handle poses; the shape is solved after each change.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class HandleEditor(DocumentEditor):
         self._warned: Mesh | None = None
 
     def drag(self, pose: np.ndarray, k: int = 0) -> None:
-        """Move a handle on to a pose (4, 4), relative to its grip, within a gesture."""
+        """Move a handle to a pose (4, 4) relative to its grip, within a gesture."""
         state = self._store.required_state()
         if self._gestures.state_before is not None:  # another mesh may have ended the drag
             self._store.solve(with_pair_moved(state.document, k, pose))
@@ -64,7 +64,7 @@ class HandleEditor(DocumentEditor):
                 self._walk(document)
 
     def set_pose(self, pose: np.ndarray, k: int, gesture: str, is_repeat: bool = False) -> None:
-        """Move a handle on to a pose (4, 4) as one step, or as part of the last."""
+        """Move a handle to a pose (4, 4) as one undo step, or as part of the last one."""
         self.apply_poses(
             with_pair_moved(self._gestures.state_without_gesture().document, k, pose), gesture, is_repeat
         )
@@ -72,7 +72,7 @@ class HandleEditor(DocumentEditor):
     def plan_motion(
         self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
     ) -> MotionStep:
-        """Motion of a handle by a typed amount, or to that total, without making it.
+        """Motion of a handle by or to a typed amount, without applying it.
 
         ``line`` (2, 3) is the axis of a bend about a line. Raises InputError if the text is none.
         """
@@ -87,7 +87,7 @@ class HandleEditor(DocumentEditor):
     def move_by(
         self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
     ) -> None:
-        """Move a handle by a typed amount, or to that total; raises InputError."""
+        """Move a handle by or to a typed amount; raises InputError."""
         self._gestures.cancel()
         step, start = self.plan_motion(motion, text, k, line, is_total), self._store.required_state().document
         end = step.end_document(start)
@@ -95,13 +95,13 @@ class HandleEditor(DocumentEditor):
         self.apply_poses(end, motion_title(motion, step.amounts[0], names, self._store.unit))
 
     def reset_handle(self, k: int) -> None:
-        """Bring one handle back to where it is at rest; the mesh follows."""
+        """Reset one handle to its rest position, and solve."""
         state = self._gestures.state_without_gesture()
         if state.document.paint_problem or state.is_handle_moved(k):
             self.apply_poses(with_pair_reset(state.document, k), tr("Reset handle"))
 
     def apply_poses(self, document: Document, gesture: str, is_repeat: bool = False) -> None:
-        """Go on to a document with other poses of its handles, as one step."""
+        """Replace the handle poses in one undo step, and solve."""
         state = self._store.required_state()
         pairs = zip(state.document.handles, document.handles, strict=True)
         if state.document.paint_problem:
@@ -111,7 +111,7 @@ class HandleEditor(DocumentEditor):
             self.solve_poses(document)
 
     def solve_poses(self, document: Document) -> None:
-        """Solve a document, along the paths of its handles if they wind.
+        """Solve a document, along the handle paths if they include half a turn or more.
 
         Anew too if they wound before: the shortest way back would leave the shape wound by a full turn.
         """
@@ -127,7 +127,7 @@ class HandleEditor(DocumentEditor):
             self._store.solve(document)
 
     def _walk(self, document: Document) -> None:
-        """Solve a document along its winding paths, and say once what may come of it."""
+        """Solve a document along its handle paths, with a one-time warning."""
         kept_apart = document.settings.uses_contact
         if document.has_half_turn and not kept_apart and document.mesh is not self._warned:
             self._warned = document.mesh
@@ -140,7 +140,7 @@ class HandleEditor(DocumentEditor):
         self._store.solve_from_grip(with_rounded_poses(document))
 
     def set_pivot(self, point: np.ndarray | None, k: int) -> None:
-        """Set a handle's pivot to a ``point`` (3,) on screen; None is its centre."""
+        """Set the pivot of a handle to a ``point`` (3,) of the shape; None is its centre."""
         state = self._gestures.state_without_gesture()
         handle = state.document.handles[k]
         if point is not None:
@@ -150,8 +150,8 @@ class HandleEditor(DocumentEditor):
         self._gestures.record(tr("Move pivot"), state)
         self._store.set_document(state.document.with_handle(k, replace(handle, pivot=point)))
 
-    def mirror_along(self, axis: int | None) -> None:
-        """Move handles symmetrically along an axis, 0, 1 or 2; None moves each by itself."""
+    def set_mirror_axis(self, axis: int | None) -> None:
+        """Set the symmetry axis of handle motions, 0, 1 or 2; None for no symmetry."""
         if axis != self._gestures.state_without_gesture().document.mirror_axis:
             self._replace(tr("Change symmetry"), mirror_axis=axis)
 

@@ -1,4 +1,4 @@
-"""Measurements: added, renamed and removed, and read at rest and on screen."""
+"""Editor of measurements, and readings of the rest shape and the displayed shape."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ EndPoints = tuple[SurfacePoint, ...]
 
 
 class MeasurementReading(NamedTuple):
-    """A measurement, made at rest and now."""
+    """Measurement with its results at rest and now."""
 
     measurement: Measurement
     rest: MeasurementResult
@@ -31,7 +31,7 @@ class MeasurementReading(NamedTuple):
 
 
 def complete_readings(readings: Sequence[MeasurementReading], state: State) -> list[MeasurementReading]:
-    """The readings of a state with all geodesics; takes its time."""
+    """Readings of a state, with a slow computation of all missing geodesics."""
     F, found = state.document.mesh.joined_F, []
 
     def made(measurement: Measurement, known: MeasurementResult, U: np.ndarray) -> MeasurementResult:
@@ -48,7 +48,7 @@ def complete_readings(readings: Sequence[MeasurementReading], state: State) -> l
 
 
 class MeasurementReadings:
-    """Measures the shape on screen; geodesics once it rests, in a process.
+    """Measurements of the displayed shape; geodesics are computed in a process.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class MeasurementReadings:
         self._paths: dict[EndPoints, tuple[np.ndarray, CarriedPath]] = {}
 
     def readings(self, state: State) -> list[MeasurementReading]:
-        """All measurements of a state; values not known yet are None."""
+        """Readings of a state; values not yet known are None."""
         self._begin(state)
         return [
             MeasurementReading(each, self._at_rest(each, state), self._now(each, state))
@@ -78,7 +78,7 @@ class MeasurementReadings:
         ]
 
     def follow_state(self) -> None:
-        """Look for the next unknown geodesic while the shape rests; stop while it moves."""
+        """Request the next unknown geodesic while the solver is idle; cancel otherwise."""
         state = self._store.state
         if state is None:
             return
@@ -97,7 +97,7 @@ class MeasurementReadings:
             self._finder.ask(wanted)
 
     def receive(self) -> None:
-        """Receive a geodesic."""
+        """Store a geodesic received from the process."""
         answer = self._finder.take()
         if answer is None:
             return
@@ -116,7 +116,7 @@ class MeasurementReadings:
         self._finder.close()
 
     def _begin(self, state: State) -> None:
-        """Forget what was known of another mesh or rest shape."""
+        """Discard results of another mesh or rest shape."""
         if self._mesh_V is not state.document.mesh.V:
             self._mesh_V = state.document.mesh.V
             self._rest, self._rest_paths, self._paths = {}, {}, {}
@@ -131,7 +131,7 @@ class MeasurementReadings:
         return None
 
     def _path(self, end_points: EndPoints, U: np.ndarray) -> tuple[CarriedPath | None, bool]:
-        """The newest path known between points, and whether it is of the shape ``U``."""
+        """Latest known path between points, and a flag for a path on the shape ``U``."""
         rest = self._rest_paths.get(end_points)
         if U is self._mesh_V:
             return rest, rest is not None
@@ -154,12 +154,12 @@ class MeasurementReadings:
 
 
 class MeasurementEditor(DocumentEditor):
-    """Changes the measurements of the document."""
+    """Editor of the measurements of the document."""
 
     def add(
         self, kind: MeasurementKind, points: tuple[SurfacePoint, ...] = (), plane: Plane | None = None
     ) -> None:
-        """Measure between points, or in a plane."""
+        """Add a measurement between points or in a plane."""
         there = self._store.required_state().document.measurements
         if len(there) >= MOST_MEASUREMENTS:
             self._listener.failed(

@@ -1,4 +1,4 @@
-"""Obstacles: added, placed by numbers, moved, renamed and removed."""
+"""Editor of obstacles: add, place, move, rename and remove."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from apd_viewer.session.posing.obstacle_placement import (
 from apd_viewer.session.quantities.units import Unit
 
 _NOWHERE = frozen(np.zeros(3))
-# In sizes of the mesh: what a drag computes in floating point is equal within this.
+# Tolerance for rounding errors of a drag, relative to the mesh diagonal.
 _SAME = 1e-9
 
 
 class ObstacleEditor(DocumentEditor):
-    """Changes the obstacles of the document; each change is a step of undo.
+    """Editor of the obstacles of the document; each change is an undo step.
 
     Obstacles push by contact, which is turned on with the first of them.
     """
 
-    # Adding
+    # Adding obstacles
 
     def proposed_obstacle(
         self,
@@ -46,7 +46,7 @@ class ObstacleEditor(DocumentEditor):
         thickness: float | None = None,
         is_preview: bool = False,
     ) -> NamedObstacle:
-        """New obstacle at a point of the surface and its normal there, both (3,).
+        """New obstacle at a surface point with a given normal, both (3,).
 
         ``thickness`` is the distance to keep if contact is not on yet. Where another part of the shape is
         in the way, the obstacle is moved back, but for a first look ``is_preview``, unless it is a plate.
@@ -58,7 +58,7 @@ class ObstacleEditor(DocumentEditor):
         return moved_clear(obstacle, state, apart)
 
     def add(self, obstacle: NamedObstacle, thickness: float | None = None) -> int | None:
-        """Add an obstacle under a name of its own and turn contact on; return its number.
+        """Add an obstacle with a unique name and turn on contact; return its index.
 
         None, and a sentence to the listener, where that is not possible.
         """
@@ -66,7 +66,7 @@ class ObstacleEditor(DocumentEditor):
         return self._add(title, (self._named(obstacle),), thickness)
 
     def add_floor(self, up: np.ndarray, thickness: float | None = None) -> int | None:
-        """Add a plate under the lowest point, with its normal ``up`` (3,)."""
+        """Add a plate under the lowest point of the shape, with normal ``up`` (3,)."""
         state = self._gestures.state_without_gesture()
         taken = [each.name for each in state.document.obstacles]
         name = tr("Floor") if tr("Floor") not in taken else next_name(tr("Floor"), taken, first=2)
@@ -74,7 +74,7 @@ class ObstacleEditor(DocumentEditor):
         return self._add(tr("Add floor"), (plate,), thickness)
 
     def add_plates(self, axis: np.ndarray, thickness: float | None = None) -> int | None:
-        """Add two plates that touch the shape on both sides along ``axis`` (3,)."""
+        """Add two plates touching the shape on both sides along ``axis`` (3,)."""
         state, apart = self._gestures.state_without_gesture(), self._apart(thickness)
         taken, plates = [each.name for each in state.document.obstacles], []
         for side in (1.0, -1.0):
@@ -113,7 +113,7 @@ class ObstacleEditor(DocumentEditor):
         own = state.document.settings.thickness if state.document.settings.contact else thickness
         return contact_distance(state, own)
 
-    # Changing
+    # Changing obstacles
 
     def remove(self, k: int) -> None:
         """Remove obstacle ``k``."""
@@ -129,7 +129,7 @@ class ObstacleEditor(DocumentEditor):
             self._store.set_document(_with(document, k, replace(there[k], name=name)))
 
     def replace(self, k: int, obstacle: NamedObstacle) -> None:
-        """Place obstacle ``k`` anew, as said by ``obstacle``; its motion begins there.
+        """Replace obstacle ``k`` by ``obstacle``, without a displacement.
 
         A plate that would cut the shape is moved back to touch it.
 
@@ -150,10 +150,10 @@ class ObstacleEditor(DocumentEditor):
         there = state.document.obstacles
         self._set(tr("Place {name}").format(name=obstacle.name), (*there[:k], obstacle, *there[k + 1 :]))
 
-    # Moving
+    # Moving obstacles
 
     def drag(self, k: int, shift: np.ndarray) -> None:
-        """Move obstacle ``k`` on to ``shift`` (3,) from its place, within a gesture."""
+        """Move obstacle ``k`` to ``shift`` (3,) from its initial position in a gesture."""
         state = self._store.required_state()
         if self._gestures.state_before is not None and k < len(state.document.obstacles):
             obstacle = state.document.obstacles[k]
@@ -167,7 +167,7 @@ class ObstacleEditor(DocumentEditor):
             self._gestures.end(_title(old, new, document, self._store.unit))
 
     def move(self, k: int, shift: np.ndarray, is_repeat: bool = False) -> None:
-        """Move obstacle ``k`` by (3,) in one step, or as part of the last if it repeats."""
+        """Move obstacle ``k`` by ``shift`` (3,) in one undo step; repeats are merged."""
         state = self._gestures.state_without_gesture()
         obstacle = state.document.obstacles[k]
         moved = obstacle.with_shift(obstacle.shift + shift)
@@ -180,7 +180,7 @@ class ObstacleEditor(DocumentEditor):
         self._store.solve(_with(state.document, k, moved))
 
     def reset(self, k: int) -> None:
-        """Move obstacle ``k`` back to where it was put."""
+        """Move obstacle ``k`` back to its initial position."""
         there = self._store.required_state().document.obstacles
         if there[k].shift.any():
             title = tr("Reset {name}").format(name=there[k].name)
@@ -196,7 +196,7 @@ def _with(document: Document, k: int, obstacle: NamedObstacle) -> Document:
 
 
 def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Unit) -> str:
-    """Title of a motion with its distance, signed where it is along the axis."""
+    """Title of a motion with its distance, signed if along the axis."""
     by = new.shift - old.shift
     along = float(by @ new.axis)
     aside = float(np.linalg.norm(by - along * new.axis))
@@ -208,7 +208,7 @@ def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Uni
 
 
 def _stands_in(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
-    """Sentence about an obstacle in the shape, with the nearest clear place."""
+    """Sentence about an obstacle inside the shape, with the nearest free position."""
     free = moved_clear(obstacle, state, distance).place
     return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(
         kind=obstacle.kind.word,

@@ -1,4 +1,4 @@
-"""Adding, removing, renaming, locking and hiding parts; each is a step of undo."""
+"""Adding, removing, renaming, locking and hiding parts; each is an undo step."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from apd_viewer.session.posing.named_poses import with_handle_renamed
 
 
 class PartEditor(DocumentEditor):
-    """Adds, removes and renames handles and regions; locks and hides parts."""
+    """Editor of handles and regions; also locks and hides parts."""
 
     def add_handle(self) -> int:
-        """Add a handle without vertices; returns its number, or the last at the limit."""
+        """Add an empty handle; return its index, or the last one at the limit."""
         state = self._gestures.state_without_gesture()
         handles = state.document.handles
         if len(handles) >= MOST_HANDLES:
@@ -45,7 +45,7 @@ class PartEditor(DocumentEditor):
         return len(handles)
 
     def remove_handle(self, k: int) -> None:
-        """Remove handle ``k`` and free its vertices; the others are gripped anew."""
+        """Remove handle ``k`` and free its vertices; the other handles are regripped."""
         state = self._gestures.state_without_gesture()
         if self._refused(PaintedPart(HANDLE + k)):
             return
@@ -63,7 +63,7 @@ class PartEditor(DocumentEditor):
             self._store.set_document(document.with_handle(k, replace(handle, name=name)))
 
     def add_region(self) -> int:
-        """Add a region without vertices; returns its number, or the last at the limit."""
+        """Add an empty region; return its index, or the last one at the limit."""
         state = self._gestures.state_without_gesture()
         regions = state.document.regions
         if len(regions) >= MOST_REGIONS:
@@ -94,7 +94,7 @@ class PartEditor(DocumentEditor):
             self._store.set_document(document.with_region(k, region))
 
     def lock(self, part: PaintedPart, on: bool) -> None:
-        """Protect a part from being painted, or no longer."""
+        """Lock or unlock a part against painting."""
         self._flag(part, tr("Lock") if on else tr("Unlock"), locked=on)
 
     def hide(self, part: PaintedPart, on: bool) -> None:
@@ -110,7 +110,7 @@ class PartEditor(DocumentEditor):
                 self._store.set_document(part.document_with_flags(state.document, flags))
 
     def _refused(self, part: PaintedPart) -> bool:
-        """True if the part is locked, and say so."""
+        """Report a locked part; return True if it is locked."""
         document = self._store.required_state().document
         locked = part.flags(document).locked
         if locked:
@@ -119,16 +119,16 @@ class PartEditor(DocumentEditor):
 
 
 class Painting(DocumentEditor):
-    """Assigns vertices to the base, the handles and the regions."""
+    """Editor assigning vertices to the base, the handles and the regions."""
 
     def paint(self, ids: np.ndarray, label: int) -> None:
-        """Label the vertices ``ids`` within the current gesture; the shape stays as it is."""
+        """Label the vertices ``ids`` within the current gesture; the shape is unchanged."""
         state = self._store.required_state()
         if self._gestures.state_before is not None:  # undo may have ended the stroke
             self._store.set_document(state.document.with_label(ids, label))
 
     def paint_region(self, ids: np.ndarray, number: int) -> None:
-        """Put the vertices ``ids`` in region ``number`` (from 1; 0 erases), in a gesture.
+        """Assign vertices ``ids`` to region ``number`` (from 1; 0 erases) in a gesture.
 
         One number past the last makes a region: the first stroke needs none to be there.
         """
@@ -141,10 +141,10 @@ class Painting(DocumentEditor):
             (self._store.solve if has_region_targets(document) else self._store.set_document)(document)
 
     def end_stroke(self, gesture: str) -> None:
-        """Finish painting; relabelled base and handles are gripped at the current shape."""
+        """End a stroke; relabelled base and handles are regripped at the current shape."""
         before, document = self._gestures.state_before, self._store.required_state().document
         if before is not None and _are_alike(document, before.document):
-            # Replacing a part by itself clears it first; there is nothing to undo.
+            # Replacing a part by itself clears it first, but leaves nothing to undo.
             document = before.document
             self._store.revert_to(document)
         self._gestures.end(gesture)
@@ -152,13 +152,13 @@ class Painting(DocumentEditor):
             self._store.regrip(before.document, document)
 
     def set_members(self, part: PaintedPart, members: np.ndarray, gesture: str) -> None:
-        """Set the members of a part, (n,) bool, as one step of undo."""
+        """Set the members of a part, (n,) bool, as one undo step."""
         self._repaint(
             part.document_with_members(self._gestures.state_without_gesture().document, members), gesture
         )
 
     def apply_operation(self, part: PaintedPart, operation: PartOperation) -> None:
-        """Apply an operation to a part as a whole; a locked one is refused."""
+        """Apply an operation to a whole part, unless it is locked."""
         state = self._gestures.state_without_gesture()
         if part.is_in(state.document) and part.flags(state.document).locked:
             self._listener.failed(about_lock(part.name(state.document)))
@@ -166,7 +166,7 @@ class Painting(DocumentEditor):
             self.set_members(part, members_after(state, part, operation), operation.value)
 
     def clear_all(self) -> None:
-        """Erase all paint but that of locked parts."""
+        """Erase all paint except on locked parts."""
         self._repaint(without_paint(self._gestures.state_without_gesture().document), tr("Clear all"))
 
     def _repaint(self, document: Document, gesture: str) -> None:
@@ -178,7 +178,7 @@ class Painting(DocumentEditor):
 
 
 def _are_alike(one: Document, other: Document) -> bool:
-    """True if all fields are the same objects, and the paint equal."""
+    """True if the paint is equal and all other fields are identical objects."""
     others = (each.name for each in fields(one) if each.name not in ("labels", "member"))
     if any(getattr(one, name) is not getattr(other, name) for name in others):
         return False

@@ -16,7 +16,7 @@ from apd_viewer.session.posing.mirror_partner import mirror_plane
 
 
 class PartOperation(Enum):
-    """An operation on a part; its value names the step of undo."""
+    """Operation on a part; its value is the name of the undo step."""
 
     GROW = tr("Grow")
     SHRINK = tr("Shrink")
@@ -62,7 +62,7 @@ _OPERATIONS: dict[PartOperation, MemberOperation] = {
 
 
 def members_after(state: State, part: PaintedPart, operation: PartOperation) -> np.ndarray:
-    """Members of a part after a change, (n,) bool; none are taken from other parts."""
+    """Members (n,) bool of a part after an operation, without those of other parts."""
     document, skin = state.document, state.surface_index
     member = part.mask(document)
     wanted = _OPERATIONS[operation](state, member)

@@ -1,4 +1,4 @@
-"""Named poses, kept, gone to, renamed, updated and removed as steps of undo."""
+"""Editor of named poses: keep, restore, rename, update and remove."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NO_HANDLE = tr("There is no handle whose pose could be kept; paint one first.")
 
 
 class PoseEditor(DocumentEditor):
-    """Keeps the places of all handles under names, and brings the handles back there.
+    """Editor storing handle poses under names and restoring them.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class PoseEditor(DocumentEditor):
         self._handles = handles
 
     def add(self) -> None:
-        """Keep the present places of all handles under a new name."""
+        """Store the current poses of all handles under a new name."""
         document = self._gestures.state_without_gesture().document
         if not handle_placements(document):
             self._listener.failed(_NO_HANDLE)
@@ -49,11 +49,11 @@ class PoseEditor(DocumentEditor):
             self._replace(
                 tr("Keep pose"), poses=(*document.poses, NamedPose(name, handle_placements(document)))
             )
-            # The list of poses may be out of sight.
+            # A message is needed, since the list of poses may be hidden.
             self._listener.message_sent(tr("Kept as “{pose}”.").format(pose=name))
 
     def go_to(self, k: int) -> None:
-        """Bring the handles to pose ``k``; any others stay where they are."""
+        """Move the handles to pose ``k``; handles not in the pose are not moved."""
         document = self._gestures.state_without_gesture().document
         pose = document.poses[k]
         gone = missing_handles(document, pose)
@@ -76,7 +76,7 @@ class PoseEditor(DocumentEditor):
             )
 
     def go_to_neighbour(self, offset: int) -> None:
-        """Go to the next pose (1) or the previous one (-1), around the ends of the list."""
+        """Go to the next (1) or previous (-1) pose, wrapping around the list."""
         document = self._gestures.state_without_gesture().document
         at = [is_in_pose(document, pose) for pose in document.poses]
         if not at:
@@ -95,7 +95,7 @@ class PoseEditor(DocumentEditor):
             self._set(tr("Rename"), k, replace(poses[k], name=name))
 
     def update(self, k: int) -> None:
-        """Give pose ``k`` the present places of all handles."""
+        """Replace pose ``k`` by the current poses of all handles."""
         document = self._gestures.state_without_gesture().document
         if present := handle_placements(document):
             self._set(tr("Update pose"), k, replace(document.poses[k], placements=present))
@@ -103,7 +103,7 @@ class PoseEditor(DocumentEditor):
             self._listener.failed(_NO_HANDLE)
 
     def remove(self, k: int) -> None:
-        """Remove pose ``k``; the handles stay where they are."""
+        """Remove pose ``k``; the handles do not move."""
         poses = self._store.required_state().document.poses
         self._replace(tr("Remove pose"), poses=poses[:k] + poses[k + 1 :])
 

@@ -16,11 +16,11 @@ from apd_viewer.session.model.status_text import about_lost_file
 from apd_viewer.session.state_store import Listener, StateStore
 from apd_viewer.session.storage.session_meshes import has_mesh
 
-_PATIENCE = 1.0  # s, for a disk that does not answer
+_PATIENCE = 1.0  # maximum wait in seconds for a slow disk
 
 
 class SavedDocument(NamedTuple):
-    """A document as it was opened or saved, and its session file.
+    """Document as opened or saved, and its session file.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class SavedDocument(NamedTuple):
 
 
 class SavedWork:
-    """Tells whether the document on screen is the one last saved.
+    """Record of saved documents and of changes to their files.
 
     The shape is no work of its own: it follows from the document. Undo leads back to other meshes, so the
     last saved document of each opened mesh is kept; baking makes another mesh with the same triangles.
@@ -61,7 +61,7 @@ class SavedWork:
         self._saved = [*(each for each in self._saved if _F(each) is not _F(saved)), saved]
 
     def forget_unreachable(self) -> None:
-        """Forget documents out of reach of undo: they would keep meshes in memory."""
+        """Discard documents no longer reachable by undo, to release their meshes."""
         state, history = self._store.state, self._gestures.history
         documents = [each.document for each in (*history.reachable_states, *([state] if state else []))]
         within_reach = {id(document.mesh.F) for document in documents}
@@ -69,7 +69,7 @@ class SavedWork:
 
     @property
     def last_saved(self) -> SavedDocument | None:
-        """Last saved document of the mesh on screen; None if there is none."""
+        """Last saved document of the displayed mesh; None if there is none."""
         state = self._store.state
         if state is None:
             return None
@@ -77,32 +77,32 @@ class SavedWork:
 
     @property
     def file(self) -> KnownFile | None:
-        """The session file of the mesh on screen."""
+        """Session file of the displayed mesh; None without one."""
         return self.last_saved.file if self.last_saved else None
 
     @property
     def path(self) -> Path | None:
-        """Path of the session file of the mesh on screen."""
+        """Path of the session file of the displayed mesh; None without one."""
         return self.file.path if self.file else None
 
     def known_file_at(self, path: Path) -> KnownFile | None:
-        """The session file of the mesh on screen if it is at ``path``."""
+        """Session file of the displayed mesh if it is at ``path``; else None."""
         file = self.file
         return file if file is not None and file.path.absolute() == path.absolute() else None
 
     @property
     def is_unsaved(self) -> bool:
-        """True if the shape on screen is in no file, by the last look at it."""
+        """True if the displayed document is not in its file, as last checked."""
         state, last = self._store.state, self.last_saved
         if state is None:
             return False
         lost = last is not None and last.file is not None and last.file.state is not FileState.SAME
         return last is None or lost or last.document is not state.document
 
-    # What becomes of the file elsewhere
+    # External changes of the file
 
     def check_file(self) -> None:
-        """Look on a thread whether the file has changed since."""
+        """Check on a thread for external changes to the session file."""
         last, under_way = self.last_saved, self._looking is not None and self._looking.is_alive()
         if last is not None and last.file is not None and not under_way:
             args = last.file, last.document.mesh
@@ -117,7 +117,7 @@ class SavedWork:
         self.close()
 
     def receive(self) -> None:
-        """Tell the outcome of a look, if it is news."""
+        """Report the result of a check if it has changed."""
         if self._seen.is_set():
             self._seen.clear()
             if (file := self.file) is not None and file.state is not FileState.SAME:
@@ -125,7 +125,7 @@ class SavedWork:
             self._listener.status_changed()
 
     def close(self) -> None:
-        """Wait for a look under way."""
+        """Wait for a running check."""
         if self._looking is not None:
             self._looking.join(_PATIENCE)
 

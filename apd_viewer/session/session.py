@@ -1,4 +1,4 @@
-"""A session: one open mesh and the workers behind it, without a window.
+"""Session: one open mesh and its workers, without a window.
 
 All methods, of the parts too, are called on one thread.
 """
@@ -17,7 +17,7 @@ from apd_viewer.session.measurement_readings import MeasurementEditor, Measureme
 from apd_viewer.session.obstacle_editor import ObstacleEditor
 from apd_viewer.session.part_editor import Painting, PartEditor
 from apd_viewer.session.pose_editor import PoseEditor
-from apd_viewer.session.processes.freed_memory import give_back_freed_memory
+from apd_viewer.session.processes.freed_memory import release_freed_memory
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.settings_editor import SettingsEditor
@@ -28,7 +28,7 @@ from apd_viewer.session.typed_values import TypedValues
 
 
 class Session:
-    """The parts of a session, constructed together and closed together.
+    """Parts of a session, constructed together and closed together.
 
     Parameters
     ----------
@@ -90,18 +90,18 @@ class Session:
         self.jobs.receive()
         self.store.receive()
         self.autosave.receive()
-        if self.jobs.current is None:  # what is being written here is no news
+        if self.jobs.current is None:  # a write by this program is no external change
             self.saved_work.receive()
         self.measurement_readings.receive()
         self.shape_checks.receive()
 
     def _make_room(self) -> None:
-        """Keep nothing of states that cannot be undone any more."""
+        """Release data of states dropped from the undo history."""
         self.saved_work.forget_unreachable()
-        give_back_freed_memory()
+        release_freed_memory()
 
     def wait_idle(self, timeout: float) -> bool:
-        """Receive until all is idle; False after ``timeout`` seconds."""
+        """Receive results until idle; return False after ``timeout`` seconds."""
         until = time.monotonic() + timeout
         while time.monotonic() < until:
             self.receive()
@@ -111,7 +111,7 @@ class Session:
         return False
 
     def close(self) -> None:
-        """Stop the worker; a file being written is finished first."""
+        """Stop the workers after finishing a pending write."""
         self.jobs.close()
         self.saved_work.close()
         self.autosave.close()

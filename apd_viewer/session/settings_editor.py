@@ -1,4 +1,4 @@
-"""Targets and solver settings; each change is a step of undo or part of a gesture."""
+"""Targets and solver settings; each change is an undo step or part of a gesture."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from apd_viewer.session.posing.obstacle_placement import obstacles_outside_shape
 
 
 class SettingsEditor(DocumentEditor):
-    """Changes the settings of the document."""
+    """Editor of the settings of the document."""
 
     def change(self, **settings: Any) -> None:
         """Change settings by name as one gesture; refuse a target for a missing volume."""
@@ -31,7 +31,7 @@ class SettingsEditor(DocumentEditor):
         self._set(switched_off or SETTINGS[name].gesture, settings)
 
     def set_contact(self, on: bool, thickness: float | None = None) -> None:
-        """Keep walls from passing through each other, or let them.
+        """Turn contact on or off, so that walls cannot pass through each other.
 
         Parameters
         ----------
@@ -64,7 +64,7 @@ class SettingsEditor(DocumentEditor):
             self._set(tr("Change falloff"), handles=handles)
 
     def set_staying(self, components: Sequence[int], on: bool) -> None:
-        """Have loose parts stay at rest, or go along with the nearest surface.
+        """Make loose parts stay at rest, or follow the nearest surface.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Self-intersection and size checks of every shape at rest."""
+"""Self-intersection and size checks of the displayed shape."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from apd_viewer.session.state_store import Activity, Listener, StateStore
 
 
 class ShapeChecks:
-    """Checks the shape on screen once it rests, and tells the listener of the result.
+    """Checks of the displayed shape while the solver is idle.
 
     Parameters
     ----------
@@ -40,11 +40,11 @@ class ShapeChecks:
 
     @property
     def is_checking(self) -> bool:
-        """True while the shape on screen is being checked."""
+        """True while the displayed shape is being checked."""
         return self._wanted is not None
 
     def follow_state(self) -> None:
-        """Start a check if another shape rests on screen; stop one if it moves."""
+        """Check a new displayed shape while the solver is idle; cancel otherwise."""
         state = self._store.state
         if state is None:
             return
@@ -61,7 +61,7 @@ class ShapeChecks:
             self._listener.measurements_changed()
 
     def receive(self) -> None:
-        """Receive the result of a check."""
+        """Store the result of a check."""
         answer = self._checker.take()
         if answer is None or self._mesh is None:
             return
@@ -75,11 +75,11 @@ class ShapeChecks:
         self._listener.measurements_changed()
 
     def close(self) -> None:
-        """Stop the check under way."""
+        """Stop the running check."""
         self._checker.close()
 
     def _known(self, shape: ShapeQuery) -> ShapeCheck | None:
-        """Result for a shape, if it is at rest or was checked last."""
+        """Result for the rest shape or the last checked shape; None for other shapes."""
         if self._mesh is not None and shape.U is self._mesh.V:
             return self.rest_check
         return self._last[1] if self._last is not None and _alike(shape, self._last[0]) else None

@@ -1,4 +1,4 @@
-"""The rest shape, replaced and welded, and the target shape, loaded and cleared."""
+"""Editor of the rest shape (reset, bake, weld) and the target shape."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from apd_viewer.session.state_store import Listener, StateStore
 
 
 class ShapeEditor(DocumentEditor):
-    """Restores and replaces the rest shape and the target shape.
+    """Editor of the rest shape and the target shape.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class ShapeEditor(DocumentEditor):
         self._jobs = jobs
 
     def restore(self) -> None:
-        """Reset handles, obstacles, shape and percentages; the paint stays."""
+        """Reset handles, obstacles, shape and percentages; the paint is kept."""
         state = self._gestures.state_without_gesture()
         if not state.is_at_rest:
             self._gestures.record(tr("Reset all handles"), state)
@@ -45,7 +45,7 @@ class ShapeEditor(DocumentEditor):
             self._store.jump_to(state.updated(replace(state.document, obstacles=reset_obstacles(state))))
 
     def bake(self) -> None:
-        """Make the shape on screen the rest shape, in the background."""
+        """Make the displayed shape the rest shape, in the background."""
 
         def tell(shown: State) -> None:
             self._listener.message_sent(
@@ -56,7 +56,7 @@ class ShapeEditor(DocumentEditor):
         self._change(tr("Measuring the new rest shape"), _baked, tr("Bake as rest shape"), again, tell)
 
     def weld(self) -> None:
-        """Weld nearly meeting seams; the vertices of the file stay."""
+        """Weld nearly coincident seams; the vertices of the file are kept."""
         again = tr("The shape changed in the meantime; weld it again.")
         self._change(tr("Welding the seams"), welded_state, tr("Weld seams"), again)
 
@@ -68,7 +68,7 @@ class ShapeEditor(DocumentEditor):
         again: str,
         tell: Callable[[State], object] = lambda _: None,
     ) -> None:
-        """Change the state in the background; fail with ``again`` if another came."""
+        """Change the state in the background; fail with ``again`` if it was replaced."""
         shown = self._gestures.state_without_gesture()
 
         def done(state: State) -> None:
@@ -82,7 +82,7 @@ class ShapeEditor(DocumentEditor):
         self._jobs.run(doing, lambda: change(shown), done)
 
     def load_target(self, path: str | Path, on_success: Callable[[], object] = lambda: None) -> None:
-        """Compare with the mesh in a file, opened in the background.
+        """Load a target shape from a mesh file in the background.
 
         ``on_success()`` follows if all went well.
         """
@@ -99,25 +99,25 @@ class ShapeEditor(DocumentEditor):
         self._jobs.run(title, lambda: TargetShape(open_mesh(path)), loaded)
 
     def clear_target(self) -> None:
-        """Compare with no other mesh any more."""
+        """Remove the target shape."""
         document = self._store.required_state().document
         if document.target_shape is not None or document.missing_target_shape is not None:
             self._replace(tr("Clear target shape"), target_shape=None, missing_target_shape=None)
 
 
 def _baked(state: State) -> State:
-    """The state with its shape as the rest shape, and its named poses from there."""
+    """State with its shape as the rest shape, and with rebased named poses."""
     at_rest = baked_state(state)
     return replace(at_rest, document=replace(at_rest.document, poses=rebased_poses(state.document)))
 
 
 def baked_state(state: State) -> State:
-    """The state with its shape as the rest shape; raises InputError if it has no area."""
+    """State with its shape as the rest shape; raises InputError if it has no area."""
     mesh = state.document.mesh.baked(state.frame.U)
     inspection = inspect(mesh)
     if inspection.area <= 0.0:
         raise InputError(tr("The shape has no area and cannot be a rest shape; undo a step first."))
-    # The motions begin from here; pivots are where they were brought.
+    # Motions restart from the new rest shape; pivots keep their current positions.
     handles = tuple(
         replace(handle.regripped(), earlier_poses=(), former_twist_axis=None)
         for handle in state.document.handles

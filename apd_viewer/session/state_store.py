@@ -1,4 +1,4 @@
-"""The state on screen, and the solver's work on its shape.
+"""The displayed state, and the solver's activity on its shape.
 
 All methods are called on the owner's thread. Whatever happens ends in one replacement of the state, which
 tells the one listener what was and what is; it compares by identity and shows what differs.
@@ -25,7 +25,7 @@ from apd_viewer.session.quantities.units import Unit
 
 
 class Activity(Enum):
-    """State of the solver's work on the shape on screen."""
+    """Activity of the solver on the displayed shape."""
 
     IDLE = "idle"
     REFINING = "refining"
@@ -35,13 +35,13 @@ class Activity(Enum):
 
 
 def silence_text(seconds: int) -> str:
-    """Sentence on a solver that has not answered for so long; empty for 0."""
+    """Sentence on a solver silent for ``seconds``; empty for 0."""
     words = tr("The solver has not answered for {n} s; wait, undo the last step, or restart the solver.")
     return words.format(n=seconds) if seconds else ""
 
 
 class StateStore:
-    """The state on screen, and the activity of the solver.
+    """Displayed state, and activity of the solver.
 
     Parameters
     ----------
@@ -81,32 +81,32 @@ class StateStore:
 
     @property
     def is_preparing(self) -> bool:
-        """True until the solver has factored for the document; seconds on a large mesh."""
+        """True until the document's matrix is factored, seconds for a large mesh."""
         if self._asked is None or self.activity is not Activity.REFINING:
             return False
         return not are_same_keys(factor_key(self._asked), self._factored)
 
     @property
     def is_previewing(self) -> bool:
-        """True while a first shape waits for kernels.
+        """True while the first shape waits for the compilation of kernels.
 
         So far it is known only where the handles are to be.
         """
         return self.is_preparing and self.compiled_share is not None and self.compiled_share < 1.0
 
     def required_state(self) -> State:
-        """The state; there must be one."""
+        """Return the state; raises RuntimeError without an open mesh."""
         if self.state is None:
             raise RuntimeError("no mesh is open")
         return self.state
 
     def set_state(self, state: State) -> None:
-        """Replace the state, and nothing else."""
+        """Replace the state without asking the solver."""
         old, self.state = self.state, state
         self._listener.changed(old, state)
 
     def jump_to(self, state: State, from_grip: bool = False) -> None:
-        """Go to ``state`` and discard any frames still to come for the previous one.
+        """Replace the state, and discard pending frames of the previous one.
 
         What is left to iterate begins with its shape, or ``from_grip`` with that at the grip.
         """
@@ -120,11 +120,11 @@ class StateStore:
         self._ask_and_show(state, not state.frame.settled, from_grip)
 
     def set_document(self, document: Document) -> None:
-        """Replace the document by one with the same shape."""
+        """Replace the document; the shape is unchanged."""
         self.set_state(self.required_state().updated(document))
 
     def solve(self, document: Document) -> None:
-        """Replace the document and ask the solver, unless all is at rest."""
+        """Replace the document, and solve it unless its solution is the rest shape."""
         state = self.required_state().updated(document)
         at_rest = state.frame.U is document.mesh.V and not document.is_posed and not state.has_unmet_target
         iterate = self.activity in (Activity.REFINING, Activity.PAUSED) or not at_rest
@@ -135,7 +135,7 @@ class StateStore:
         self.jump_to(self.required_state().updated(document).as_unsettled(), from_grip=True)
 
     def pause_or_resume(self) -> None:
-        """Stop the solver where it is, or let it go on; so does the next change."""
+        """Pause or resume the solver; the next change also resumes it."""
         paused = self.activity is Activity.PAUSED
         if self._asked is not None and (paused or self.activity is Activity.REFINING):
             self.activity = Activity.REFINING if paused else Activity.PAUSED
@@ -145,24 +145,24 @@ class StateStore:
             self._listener.status_changed()
 
     def restart_solver(self) -> None:
-        """End the process of the solver, and go on from the shape on screen in another."""
+        """Restart the solver process from the displayed shape."""
         self._factored = ()
         self._worker.restart_process()
 
     def revert_to(self, document: Document) -> None:
-        """Go back to a document; the solver is asked unless it was its last request."""
+        """Restore a document, and solve it unless it was the last request."""
         (self.set_document if document is self._asked else self.solve)(document)
 
     def begin_trace(self) -> None:
-        """Begin another trace from here with the next change of the document."""
+        """Begin a new trace at the next change of the document."""
         self.trace.begin_with_next_frame(self._asked, self.required_state())
 
     def regrip(self, before: Document, document: Document) -> None:
-        """Replace the document, with base and handles gripped at the shape on screen."""
+        """Replace the document, with base and handles gripped at the displayed shape."""
         state = self.required_state()
         state = state.updated(regripped_document(before, document, state.frame))
         lacks = state.has_unmet_target
-        # An unfinished pose is given up with the jump; nothing else is pending.
+        # The jump discards an unfinished pose; nothing else is pending.
         goes_on = lacks and (before.paint_problem is not None or not before.is_posed)
         unreached = state.frame.unreached if lacks else None
         frame = replace(
@@ -171,7 +171,7 @@ class StateStore:
         self.jump_to(replace(state, frame=frame))
 
     def receive(self) -> None:
-        """Receive the newest reply of the worker, and whether it is silent or compiles."""
+        """Receive the newest reply, silence and compilation progress of the worker."""
         self._hear_silence()
         if self.compiled_share != self._worker.compiled_share:
             self.compiled_share = self._worker.compiled_share
@@ -194,7 +194,7 @@ class StateStore:
     def _accept(self, reply: Reply) -> None:
         if reply.warning and reply.warning != self._warned:
             self._listener.message_sent(reply.warning)
-        # A slightly stale frame of this drag is worth showing, but does not tell whether it has converged.
+        # A stale frame of this drag is worth showing, but says nothing about convergence.
         document = reply.request.document
         latest = document is self._asked
         if reply.finished and latest:
@@ -213,20 +213,20 @@ class StateStore:
         self.set_state(state if latest else state.as_unsettled())
 
     def _showing(self, asked: Document, frame: Frame) -> State:
-        """The state with the frame for a document; changed regions are measured anew."""
+        """State with the frame for a document; changed regions are remeasured."""
         state = self.required_state()
         if state.document.member is asked.member and state.document.regions is asked.regions:
             return replace(state, frame=frame)
         return state.updated(frame=frame)
 
     def _ask_and_show(self, state: State, iterate: bool, from_grip: bool = False) -> None:
-        """Ask the solver first: it works while the listener repaints."""
+        """Send the request before notifying the listener, for parallel work."""
         old, self.state = self.state, state
         iterate = iterate and state.document.paint_problem is None
         self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
         U, shifts = state.frame.U, state.frame.shifts
-        if from_grip and not state.document.has_half_turn:  # a path is walked from the grip in any case
+        if from_grip and not state.document.has_half_turn:  # a path starts at the grip in any case
             U, shifts = state.document.grip, np.zeros_like(shifts)
         self._worker.put_request(Request(state.document, self._generation, U, iterate, shifts=shifts))
         self._listener.changed(old, state)
@@ -265,7 +265,7 @@ class Listener:
 
 
 def with_followers(listener: Listener, followers: Sequence[Callable[[], object]]) -> Listener:
-    """The listener, with each follower called after a change of state or status."""
+    """Listener calling each follower after a change of state or status."""
 
     def changed(old: State | None, new: State) -> None:
         listener.changed(old, new)

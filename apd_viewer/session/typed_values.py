@@ -26,20 +26,20 @@ class TypedValues:
         self._store = store
 
     def parse_vertices(self, text: str) -> np.ndarray:
-        """The vertices named by ids or by conditions on their coordinates, ascending ids."""
+        """Vertices selected by ids or conditions on coordinates, as ascending ids."""
         return parse_vertices(unambiguous_text(text), self._store.required_state(), self._store.unit)
 
     def parse_length(self, text: str) -> float:
-        """A length, mesh units."""
+        """Parse a length, mesh units."""
         names = self._store.required_state().document.mesh.named_lengths
         return parse_length(unambiguous_text(text), self._store.unit, names)
 
     def parse_point(self, text: str) -> np.ndarray:
-        """A point (3,) by its coordinates."""
+        """Parse a point (3,) from its coordinates."""
         return parse_point(unambiguous_text(text), self._store.required_state(), self._store.unit)
 
     def parse_vector(self, text: str) -> np.ndarray:
-        """A direction (3,) by three numbers, of any length."""
+        """Parse a direction (3,) from three numbers, of any length."""
         return parse_vector(unambiguous_text(text), self._store.required_state())
 
 
@@ -54,7 +54,7 @@ _HOW = tr("enter IDs such as 3, 10-20, or conditions such as y > 80% and x < 0")
 
 
 def parse_vertices(text: str, state: State, unit: Unit) -> np.ndarray:
-    """Vertices selected by a text, ascending ids.
+    """Vertices selected by a text, as ascending ids.
 
     Either ids and ranges of ids, parted by commas or spaces, or conditions on the coordinates x, y, z of the
     shape on screen, joined by "and" and "or". A coordinate is compared with another one, with a length, which
@@ -113,7 +113,7 @@ def _where(condition: str, state: State, unit: Unit) -> np.ndarray:
 
 
 def _side(text: str, other: str, state: State, unit: Unit) -> np.ndarray | float:
-    """Value of a side of a comparison; the other one is the axis of a percentage."""
+    """Value of one side of a comparison; percentages refer to the axis on the other."""
     if text in _AXES:
         return _coordinates(text, state)
     if not _SHARE.fullmatch(text):

@@ -1,1 +1,1 @@
-"""The window; the only room with Qt and VTK, besides the drawing process."""
+"""User interface: the only package with Qt and VTK, besides the drawing process."""

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 from apd_viewer.language import LANGUAGE, localize_numbers, tr
 from apd_viewer.session.processes.freed_memory import keep_freed_memory, share_freed_memory
 
-# pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
+# pyvistaqt uses the first Qt binding that it finds, and it looks for PyQt5 first.
 os.environ["QT_API"] = "pyside6"
-# Qt would share every translucent line of the gizmo among threads: to wake them takes several times as long
-# as the line, and longest while the solver has the cores.
+# Qt would split the translucent lines of the gizmo among threads: waking them takes several times as long as
+# drawing, especially while the solver occupies the cores.
 os.environ.setdefault("QT_NO_GUI_THREADPOOL", "1")
 
 from PySide6.QtCore import (
@@ -51,10 +51,10 @@ if TYPE_CHECKING:
     from apd_viewer.ui.shell import Shell
     from apd_viewer.ui.workbench import Workbench
 
-# pyvistaqt sets the default format once more for each viewport, to what is set here already.
+# pyvistaqt sets the default format again for each viewport, to the values already set here.
 HARMLESS_MESSAGE = "Setting a new default format"
 
-LOAD_DELAY = 1000  # ms; a window that is not drawn, because it is covered or minimized, loads all the same
+LOAD_DELAY = 1000  # ms; start loading even if no frame is drawn since the window is covered or minimized
 
 _LOGGER = logging.getLogger(__name__)
 _LEVELS = {
@@ -65,11 +65,11 @@ _LEVELS = {
     QtMsgType.QtFatalMsg: logging.CRITICAL,
 }
 
-SWITCH_INTERVAL = 0.001  # s; the GUI thread waits less for a worker that holds the interpreter
+SWITCH_INTERVAL = 0.001  # s; shorter waits of the GUI thread for a worker that holds the interpreter lock
 
 
 def make_application(argv: list[str]) -> QApplication:
-    """Return the application, made ready for viewports on the first call.
+    """Return the application, configured for VTK viewports on the first call.
 
     Parameters
     ----------
@@ -81,17 +81,17 @@ def make_application(argv: list[str]) -> QApplication:
         return existing
     keep_freed_memory()
     share_freed_memory()
-    # A viewport that Qt moves to another window keeps its context, and with it all that VTK drew.
+    # Lets a viewport keep its OpenGL context, with all VTK resources, when Qt moves it to another window.
     QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     QSurfaceFormat.setDefaultFormat(_surface_format())
     qInstallMessageHandler(log_qt_message)
-    QLocale.setDefault(QLocale.c())  # the program formats numbers by itself
+    QLocale.setDefault(QLocale.c())  # the program formats its numbers itself
     localize_numbers()
     application = QApplication(argv)
     application.setApplicationName("apd-viewer")
     application.setApplicationDisplayName("APD Viewer")
     application.setOrganizationName("apd-viewer")
-    application.setDesktopFileName("apd-viewer")  # by which Wayland finds the icon
+    application.setDesktopFileName("apd-viewer")  # Wayland finds the icon by this name
     _translate(application)
     GuiThreadGC(application)
     sys.setswitchinterval(SWITCH_INTERVAL)
@@ -106,7 +106,7 @@ def _translate(application: QApplication) -> None:
 
 
 def _surface_format() -> QSurfaceFormat:
-    """Desktop OpenGL 3.2 core, set before any window: Wayland needs it."""
+    """Surface format of desktop OpenGL 3.2 core, required early by Wayland."""
     surface = QSurfaceFormat()
     surface.setRenderableType(QSurfaceFormat.RenderableType.OpenGL)
     surface.setProfile(QSurfaceFormat.OpenGLContextProfile.CoreProfile)
@@ -118,14 +118,14 @@ def _surface_format() -> QSurfaceFormat:
 
 
 def log_qt_message(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
-    """Log and print a message of Qt, unless it is the harmless one."""
+    """Log and print a Qt message, except the known harmless one."""
     if HARMLESS_MESSAGE not in message:
         _LOGGER.log(_LEVELS[kind], message)
         print(qFormatLogMessage(kind, context, message), file=sys.stderr)  # noqa: T201
 
 
 def run(mesh: object = None, shows_errors: bool = False) -> None:
-    """Open the window on ``mesh``, a path or the bottle, until it is closed.
+    """Open the window on ``mesh`` or on the sample bottle, until it is closed.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
     shown = Path(mesh) if shows_errors and isinstance(mesh, str) and has_display() else mesh_or_path(mesh)
     with display_connection():
         application = make_application(sys.argv[:1])
-    # Imported only now: pyvistaqt must find the application as it was prepared above.
+    # Imported only now: pyvistaqt must find the application prepared above.
     from apd_viewer.ui.filing.file_requests import FileOpenEvents
     from apd_viewer.ui.settings_page.preference_table import THREADS
     from apd_viewer.ui.settings_page.settings_dialog import limit_threads
@@ -167,11 +167,11 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
     shell.canvas.viewport.frameSwapped.connect(imports.begin, Qt.ConnectionType.SingleShotConnection)
     QTimer.singleShot(LOAD_DELAY, imports.begin)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
-    for name in ("SIGTERM", "SIGHUP"):  # nobody is asked: unsaved work is offered at the next start
+    for name in ("SIGTERM", "SIGHUP"):  # quit without a question: unsaved work is offered at the next start
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, lambda number, _: application.exit(128 + number))
-    gc.freeze()  # what has been imported stays: to look through it for garbage delays the first picture
+    gc.freeze()  # imported modules stay alive: scanning them for garbage would delay the first frame
     status = application.exec()
     gc.unfreeze()
     imports.join()
@@ -182,7 +182,7 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
 
 
 def user_settings() -> QSettings:
-    """The user's settings; a pipe in the place of their file is put aside."""
+    """The user's settings; anything but a file in their place is renamed first."""
     folder = Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericConfigLocation))
     name = f"{QCoreApplication.applicationName()}.conf"
     for path in (folder / name, folder / QCoreApplication.organizationName() / name):
@@ -193,13 +193,13 @@ def user_settings() -> QSettings:
 
 
 def recovery_folder() -> Path:
-    """Folder for autosaves and recovery."""
+    """Folder of the autosaved sessions."""
     place = QStandardPaths.StandardLocation.AppLocalDataLocation
     return Path(QStandardPaths.writableLocation(place)) / "recovery"
 
 
 def build_workbench(shell: Shell, recovery: Path | None, opens_sample: bool) -> Workbench | None:
-    """Build the workbench on an open shell; start the tour the first time.
+    """Build the workbench on an open shell; start the tour on the first run.
 
     Parameters
     ----------
@@ -212,13 +212,13 @@ def build_workbench(shell: Shell, recovery: Path | None, opens_sample: bool) -> 
     if shell.is_closed:
         return None
     gc.freeze()
-    # Imported only now: it takes longer than all that the first picture needs.
+    # Imported only now: it takes longer to import than everything needed for the first frame.
     from apd_viewer.ui.workbench import Workbench
 
     workbench = Workbench(shell, recovery)
     workbench.help.plan_first_tour(opens_sample)
     if refusal := shell.preferences.storage_problem:
-        # With the first document, which takes the notices before it away.
+        # Shown after the first document has opened, which hides earlier notices.
         once = Qt.ConnectionType.SingleShotConnection
         workbench.signals.changed.connect(lambda *_: workbench.notice.show_failure(refusal), once)
     _LOGGER.info("OpenGL %s", shell.canvas.viewport.opengl_info)
@@ -226,7 +226,7 @@ def build_workbench(shell: Shell, recovery: Path | None, opens_sample: bool) -> 
 
 
 def mesh_or_path(mesh: object) -> Mesh | Path | None:
-    """Mesh to show; a readable path is left for the window to open."""
+    """Mesh to show, or the path of a readable file for the window to open."""
     if mesh is None or isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, str | Path):

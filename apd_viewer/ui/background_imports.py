@@ -1,4 +1,4 @@
-"""The libraries of a session, imported behind the first picture."""
+"""Imports of the session's libraries, started after the first frame."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class BackgroundImports(QObject):
-    """Imports and compiles the workbench's modules on a thread.
+    """Thread importing the workbench's modules and compiling its kernels.
 
     Attributes
     ----------
@@ -34,12 +34,12 @@ class BackgroundImports(QObject):
         self._thread = threading.Thread(target=self._run, name="imports", daemon=True)
 
     def begin(self) -> None:
-        """Begin; once is enough."""
+        """Start the thread; further calls have no effect."""
         if self._thread.ident is None:
             self._thread.start()
 
     def join(self) -> None:
-        """Compile no more, and wait for the thread.
+        """Stop compiling and wait for the thread.
 
         Compiling at interpreter exit would crash it.
         """
@@ -51,7 +51,7 @@ class BackgroundImports(QObject):
 
     def _run(self) -> None:
         try:
-            # All slow imports are made here, behind the first picture; an installed library may be broken.
+            # All slow imports happen here, after the first frame; an installed library may be broken.
             import apd_viewer.ui.workbench  # noqa: F401
             from apd_viewer.geometry.warmup import report_compilations, warm_up
             from apd_viewer.session.processes import compilation  # noqa: F401
@@ -65,8 +65,8 @@ class BackgroundImports(QObject):
             self.loaded.emit()
 
     def _compile_beside(self) -> None:
-        """Have the kernels of a first drag compiled too, as nothing is cached yet."""
-        # Imported on the thread, after the first frame.
+        """Compile the kernels of a first drag in parallel, as they are not cached yet."""
+        # The thread has already imported this module, after the first frame.
         from apd_viewer.session.processes.compilation import CompilerProcesses
 
         if self._compilers is None:

@@ -1,4 +1,4 @@
-"""Display of the window, tried first: Qt ends the process without one."""
+"""Check for a display before Qt starts: without one, Qt aborts the process."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from apd_viewer.language import tr
 
 _NAMES = "DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"
 _WITHOUT_SCREEN = "offscreen", "minimal"
-_LONGEST = 60.0  # s; Qt takes 0.2 s where nothing else is done
+_LONGEST = 60.0  # s; Qt starts in 0.2 s on an idle machine
 # Without a handler, Qt's fatal message would leave a core dump.
 _TRIAL = """
 import os
@@ -30,13 +30,13 @@ raise SystemExit(QGuiApplication([]).primaryScreen() is None)
 
 
 def has_display() -> bool:
-    """True with a display by name, and on systems with one always."""
+    """True if an environment variable names a display; always outside Linux."""
     return any(os.environ.get(name) for name in _NAMES) or not sys.platform.startswith("linux")
 
 
 @contextmanager
 def display_connection() -> Iterator[None]:
-    """Hold a display to be found by Qt.
+    """Context manager keeping a display available until Qt connects to it.
 
     The platform that Qt tries first is tried here, in milliseconds. Only where that fails, Qt itself is
     tried in a process of its own: it may find another one.
@@ -58,7 +58,7 @@ def display_connection() -> Iterator[None]:
     if not sys.platform.startswith("linux"):
         yield
         return
-    # Held, since an X server may begin anew when its only client leaves, and refuses the next one meanwhile.
+    # Kept open, since an X server may reset when its only client leaves, and refuse the next one meanwhile.
     with _x_server() as answers:
         trouble = _trouble(answers)
         if trouble is not None and not _qt_starts():
@@ -67,7 +67,7 @@ def display_connection() -> Iterator[None]:
 
 
 def _trouble(x_answers: bool) -> Exception | None:
-    """Error to be raised if Qt cannot start; None if it can."""
+    """Exception to raise if Qt cannot start; None if it can."""
     fallback = "wayland" if os.environ.get("WAYLAND_DISPLAY") else "xcb"
     platform = (os.environ.get("QT_QPA_PLATFORM") or fallback).split(";")[0].split(":")[0]
     if platform in _WITHOUT_SCREEN:
@@ -93,7 +93,7 @@ def _trouble(x_answers: bool) -> Exception | None:
 
 
 def _wayland_answers() -> bool:
-    """True with a compositor at WAYLAND_DISPLAY, or a connection from it."""
+    """True if the Wayland compositor accepts a connection, or one is inherited."""
     if os.environ.get("WAYLAND_SOCKET"):
         return True
     path = Path(os.environ.get("XDG_RUNTIME_DIR", ""), os.environ.get("WAYLAND_DISPLAY") or "wayland-0")
@@ -107,10 +107,10 @@ def _wayland_answers() -> bool:
 
 @contextmanager
 def _x_server() -> Iterator[bool]:
-    """Hold a connection to the X server of DISPLAY; False if it gives none."""
+    """Hold a connection to the X server of DISPLAY; False if it cannot be reached."""
     try:
         xcb = ctypes.CDLL("libxcb.so.1")
-    except OSError:  # Qt's plugin says so
+    except OSError:  # Qt's plugin will report the missing library
         yield True
         return
     xcb.xcb_connect.restype = ctypes.c_void_p
@@ -123,7 +123,7 @@ def _x_server() -> Iterator[bool]:
 
 
 def _qt_starts() -> bool:
-    """True if Qt starts, in a process of its own."""
+    """True if a trial process can start Qt."""
     try:
         tried = subprocess.run([sys.executable, "-c", _TRIAL], capture_output=True, timeout=_LONGEST)
     except subprocess.TimeoutExpired:
@@ -133,10 +133,10 @@ def _qt_starts() -> bool:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep the words of a library from the standard error."""
+    """Suppress the library's messages on standard error."""
     try:
         error = os.dup(2)
-    except OSError:  # it is closed
+    except OSError:  # standard error is already closed
         yield
         return
     nowhere = os.open(os.devnull, os.O_WRONLY)

@@ -1,4 +1,4 @@
-"""Garbage collection confined to the UI thread, the owner of Qt objects."""
+"""Garbage collection confined to the GUI thread, the owner of Qt objects."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import gc
 
 from PySide6.QtCore import QObject, QTimer
 
-INTERVAL = 500  # ms
+INTERVAL = 500  # ms between two checks
 
 
 class GuiThreadGC(QObject):
@@ -36,6 +36,6 @@ class GuiThreadGC(QObject):
                 return
 
     def close(self) -> None:
-        """Hand collection back to Python."""
+        """Enable Python's automatic garbage collection again."""
         self._timer.stop()
         gc.enable()

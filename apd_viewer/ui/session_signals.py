@@ -65,7 +65,7 @@ class SessionSignals(QObject):
 
 
 def connect_settings(panel: Panel, session: Session) -> None:
-    """Connect the settings; a slider's drag is one gesture."""
+    """Connect the settings; each slider drag is one undo step."""
     for chosen, name in (
         (panel.area.target.chosen, "area"),
         (panel.area.keep_toggled, "hold_area"),
@@ -88,7 +88,7 @@ def _change(session: Session, name: str, value: object) -> None:
 
 
 def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
-    """Connect the lists of handles and regions."""
+    """Connect the lists of handles and regions to the session."""
     panel.handles.list.chosen.connect(parts.choose_handle)
     panel.handles.list.renamed.connect(session.parts.rename_handle)
     panel.handles.list.removed.connect(parts.remove_handle)
@@ -126,7 +126,7 @@ def connect_canvas(
     show_message: Callable[[str], None],
     prompt: Callable[[str], None],
 ) -> None:
-    """Connect painting and dragging on the canvas; a drag is one gesture.
+    """Connect painting and dragging on the canvas; each drag is one undo step.
 
     ``show_message`` says a sentence to the user, ``prompt`` what is to be done next, or nothing any more.
     """
@@ -148,7 +148,7 @@ def connect_canvas(
 
 
 def connect_wheel(canvas: Canvas, session: Session, status: StatusBar) -> None:
-    """Tell what the wheel changes while a tool paints."""
+    """Show the brush size or edge angle in the status bar when the wheel changes it."""
     fill, brush = canvas.selectors[SelectionMode.FILL], canvas.brush
     assert isinstance(fill, ClickTool)
     fill.crease_angle_changed.connect(status.show_edge_angle)
@@ -156,7 +156,7 @@ def connect_wheel(canvas: Canvas, session: Session, status: StatusBar) -> None:
 
 
 def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None]) -> None:
-    if session.store.state is None:  # a box can be dragged in an empty view too
+    if session.store.state is None:  # a selection box can also be dragged over an empty canvas
         return
     document, part = session.store.state.document, canvas.strokes.part
     session.gestures.begin()

@@ -33,7 +33,7 @@ from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 
 class Shell(QMainWindow):
-    """A canvas in the middle, tools at the left, measurements at the right.
+    """Main window: canvas in the middle, tools on the left, readings on the right.
 
     It needs no session, nor the libraries of a session, so that it can be shown at once. The camera can be
     turned and files can be requested; all else takes a :class:`~apd_viewer.ui.workbench.Workbench`.
@@ -70,7 +70,7 @@ class Shell(QMainWindow):
         values = self.preferences.values
         self.canvas = Canvas(self, UpAxes(self.preferences, lambda: values[UP_AXIS]))
         self.setCentralWidget(self.canvas.viewport)
-        self.setFocusProxy(self.canvas.viewport)  # where a field that is done returns the keys to
+        self.setFocusProxy(self.canvas.viewport)  # fields return the keyboard focus to it
         self.panel = Panel()
         self.panel.folded_sections = self.preferences.folded_sections
         self.history = HistoryList()
@@ -82,7 +82,7 @@ class Shell(QMainWindow):
         toggles = self.docks.toggles
         self.menus = WindowMenus(self, self.requests, self._take, self.canvas.frame_mesh, toggles)
         self.preferences.restore_layout(self)
-        self.docks["study"].hide()  # none is open yet
+        self.docks["study"].hide()  # no study is open yet
         values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
         self.canvas.choose_mode(values[SELECTION_MODE])
         self._take(FIRST_TOOL)
@@ -93,14 +93,14 @@ class Shell(QMainWindow):
         self.setWindowIcon(application_icon())
         self.setAcceptDrops(True)
         self.setMinimumSize(800, 640)
-        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # it would hide the tools for good
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # its menu can hide the tool bar
         resize_on_screen(self, QSize(1280, 800))
 
     def _add_docks(self) -> None:
         self.docks.add("readings", tr("Measurements"), self.panel)
         self.docks.add("history", tr("History"), self.history, shown=False)
         below = Qt.DockWidgetArea.BottomDockWidgetArea
-        # What reads the session takes the place of the empty widgets in the workbench.
+        # The workbench replaces these empty widgets with those that need the session.
         plots = self.docks.add("plots", tr("Plots"), QWidget(), below, False)
         plots.toggleViewAction().setShortcut("Ctrl+P")
         self.docks.add("study", tr("Study results"), QWidget(), below, False)
@@ -109,11 +109,11 @@ class Shell(QMainWindow):
         self.canvas.choose_tool(tool)
         self.status.show_hint(tool.hint(self.canvas.selection_mode))
 
-    # Light and dark
+    # Colour theme
 
     @property
     def theme(self) -> theme.Theme:
-        """The theme in use."""
+        """Theme in use."""
         return theme.theme_for(self.preferences.values[COLOR_SCHEME])
 
     def _apply_theme(self) -> None:
@@ -123,32 +123,32 @@ class Shell(QMainWindow):
             part.set_theme(colors)
         self.theme_changed.emit(colors)
 
-    # Events
+    # Qt events
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Announce an unused Esc."""
+        """Emit a signal for an Esc not handled elsewhere."""
         if event.key() == Qt.Key.Key_Escape:
             self.escape_pressed.emit()
         super().keyPressEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Accept a single file; opening reports any problem with it."""
+        """Accept a single local file; problems are reported on opening."""
         if len(event.mimeData().urls()) == 1 and event.mimeData().urls()[0].isLocalFile():
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open the file, once the program it comes from no longer waits for the drop."""
+        """Open the dropped file after the event, so that the source need not wait."""
         path = event.mimeData().urls()[0].toLocalFile()
         QTimer.singleShot(0, self, lambda: self.requests.open_path(path))
 
     def childEvent(self, event: QChildEvent) -> None:
-        """Let the wheel over the tabs of docks, which Qt makes, turn no page."""
+        """Disable the wheel on dock tab bars, as Qt creates them."""
         super().childEvent(event)
         if event.type() is QEvent.Type.ChildPolished and isinstance(event.child(), QTabBar):
             ignore_wheel(cast(QTabBar, event.child()))
 
     def changeEvent(self, event: QEvent) -> None:
-        """Follow the platform's colour scheme; announce the window's activation."""
+        """Follow the platform's colour scheme; emit a signal on activation."""
         follows = self.preferences.values[COLOR_SCHEME] is Qt.ColorScheme.Unknown
         if event.type() == QEvent.Type.ThemeChange and follows:
             QTimer.singleShot(0, self, self._apply_theme)
@@ -157,7 +157,7 @@ class Shell(QMainWindow):
         super().changeEvent(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Close unless a slot of ``closing`` objects; the view ends before its window."""
+        """Close unless a slot of ``closing`` objects; the viewport closes first."""
         self.closing.emit(event)
         if event.isAccepted():
             self.preferences.save_layout(self)
@@ -168,12 +168,12 @@ class Shell(QMainWindow):
             super().closeEvent(event)
 
 
-# The platform's own are black on a dark panel too.
+# The style's own icons are black even on a dark panel.
 _BUTTONS = {"qt_dockwidget_closebutton": "remove", "qt_dockwidget_floatbutton": "panel"}
 
 
 class Docks:
-    """Docks of a window, in menu order.
+    """Dock widgets of a window, in menu order.
 
     Parameters
     ----------
@@ -192,12 +192,12 @@ class Docks:
         area: Qt.DockWidgetArea = Qt.DockWidgetArea.RightDockWidgetArea,
         shown: bool = True,
     ) -> QDockWidget:
-        """Put ``content`` into a dock; ``name`` identifies it in the layout."""
+        """Add a dock with ``content``; ``name`` identifies it in the saved layout."""
         dock = QDockWidget(title, self._window, objectName=name)
         dock.setWidget(content)
         self._window.addDockWidget(area, dock)
         dock.setVisible(shown)
-        dock.toggleViewAction().setObjectName(name)  # under which its keys are remembered
+        dock.toggleViewAction().setObjectName(name)  # key of its stored shortcut
         self._docks[name] = dock
         return dock
 
@@ -205,7 +205,7 @@ class Docks:
         return self._docks[name]
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the buttons of the titles."""
+        """Redraw the buttons in the title bars."""
         for dock in self._docks.values():
             for name, image in _BUTTONS.items():
                 button = dock.findChild(QAbstractButton, name)
@@ -219,7 +219,7 @@ class Docks:
 
 
 class HistoryList(QListWidget):
-    """One row a step, oldest first; undone steps are paler.
+    """One row per step, oldest first; undone steps are greyed.
 
     Attributes
     ----------
@@ -238,7 +238,7 @@ class HistoryList(QListWidget):
         self.itemActivated.connect(lambda item: self.chosen.emit(self.row(item)))
 
     def show_steps(self, name: str, done: list[str], undone: list[str]) -> None:
-        """Show the mesh of the first step, the steps done and those to redo, in order."""
+        """Show the opened mesh, the steps done, and the steps to redo, in order."""
         if (name, done, undone) == self._shown:
             return
         self._shown = name, list(done), list(undone)

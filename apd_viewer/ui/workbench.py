@@ -1,4 +1,4 @@
-"""All that works on a session, built on the shell once its libraries are loaded."""
+"""Controllers needing a session, added to the shell once libraries are loaded."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 from apd_viewer.ui.overlays.card_stack import ModeBar
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
-from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, NextStep, Notice, may_change_next_step
+from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, NextStepHint, Notice, may_change_next_step
 from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_ghost import MotionPreview
@@ -60,7 +60,7 @@ from apd_viewer.ui.widgets.theme import Theme
 
 
 class Workbench(QObject):
-    """A session, and the controllers and overlays of its window.
+    """Session of a window, with its controllers and overlays.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class Workbench(QObject):
         self.recovery.offer(self.files.recovery_files())
         shell.requests.set_opener(self.files)
 
-    # Building
+    # Construction
 
     def _make_overlays(self) -> None:
         view = self.canvas.viewport
@@ -164,7 +164,7 @@ class Workbench(QObject):
         )
         for bar in (self.mode_bar, self.kind_bar):
             self.display_options.cards.keep_beside(bar)
-        self.next_step = NextStep(self.invitation, actions.tools)
+        self.next_step = NextStepHint(self.invitation, actions.tools)
         self.help = HelpController(
             self.shell,
             (self.canvas, actions, self.panel),
@@ -200,7 +200,7 @@ class Workbench(QObject):
             show_about_box=partial(file_dialogs.show_about_box, self.shell),
         )
 
-    # Connecting
+    # Signal connections
 
     def _connect_session(self) -> None:
         signals = self.signals
@@ -233,8 +233,8 @@ class Workbench(QObject):
         connect_canvas(canvas, self.session, self.parts, self.notice.show_message, self.status.showMessage)
         canvas.strokes.began.connect(lambda: self.invitation.show_text(""))
         canvas.strokes.ended.connect(self._show_next_step)
-        canvas.drag_began.connect(self.next_step.note_drag)
-        self.obstacles.drag_moved.connect(self.next_step.note_drag)
+        canvas.drag_began.connect(self.next_step.record_drag)
+        self.obstacles.drag_moved.connect(self.next_step.record_drag)
         self.obstacles.placer.prompt_changed.connect(self.status.showMessage)
         connect_wheel(canvas, self.session, self.status)
         self.tools.tool_chosen.connect(self._show_tool)
@@ -253,14 +253,14 @@ class Workbench(QObject):
         self.shell.theme_changed.connect(self._set_theme)
         self._set_theme(self.shell.theme)
 
-    # Commands
+    # Commands of the window
 
     def _type_motion(self) -> None:
         self.docks["readings"].show()
         self.panel.focus_motion_field()
 
     def choose_unit(self, unit: Unit) -> None:
-        """Read the mesh in a unit of length, and remember it."""
+        """Set the unit of length of the mesh, and store it for its file."""
         if (state := self.session.store.state) is not None:
             self.units.choose(state.document.mesh, unit)
             self.session.store.unit = unit
@@ -277,7 +277,7 @@ class Workbench(QObject):
             self.tools.choose_tool(Tool.ORBIT)
 
     def view(self) -> View:
-        """Current look of the window, as a session keeps it."""
+        """Current camera, overlay, wall and unit, as saved in a session."""
         return self.volume.with_wall_and_overlay(self.canvas.view.saved_view(self.session.store.unit.value))
 
     def _studied(self) -> tuple[State, int, View] | None:
@@ -286,11 +286,11 @@ class Workbench(QObject):
             return None
         return store.state, self.parts.handle, self.canvas.view.saved_view(store.unit.value)
 
-    # Showing
+    # Display of the session's state
 
     @Slot()
     def _receive(self) -> None:
-        # A call may still be on its way when the window is closed.
+        # A queued signal may arrive after the window has been closed.
         if not self.shell.is_closed:
             self.session.receive()
 
@@ -323,7 +323,7 @@ class Workbench(QObject):
         self.tools.choose_tool(Tool.BASE if state.document.paint_problem else Tool.MOVE)
         self.session.store.unit = self.panel.unit = self.units.unit_of(mesh)
         self.panel.handles.motion.clear()
-        self.volume.show_wall_of(mesh)
+        self.volume.show_mesh_wall(mesh)
         self.display_options.set_unit(self.session.store.unit)
         self.files.remember_opened(state)
         self.actions_.file.fill_recent(self.preferences.recent_files)
@@ -368,7 +368,7 @@ class Workbench(QObject):
     def _show_next_step(self) -> None:
         state = self.session.store.state
         if self.help.tour.is_active:
-            self.next_step.hide_hint()  # the card says it
+            self.next_step.hide_hint()  # the card of the tour gives the instructions
         elif state is not None:
             self.next_step.show_hint(state.document, self.canvas.tool, self.parts.handle, self.parts.obstacle)
 
@@ -378,7 +378,7 @@ class Workbench(QObject):
         for part in (self.plots, self.comparison, self.case_studies, *over, *bars):
             part.set_theme(theme)
 
-    # Closing
+    # Closing the window
 
     def _ask_before_closing(self, event: QCloseEvent) -> None:
         if not self._agreed and not self.files.may_discard_work(self._close_anyway, closes=True):
@@ -386,7 +386,7 @@ class Workbench(QObject):
 
     def _close_anyway(self) -> None:
         self._agreed = True
-        # Later: the session is still delivering what was written.
+        # Delayed, as the session is still reporting the file as written.
         QTimer.singleShot(0, self.shell, self.shell.close)
 
     def _close(self) -> None:

@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QToolButton
 from window_tour import widgets
 
 from apd_viewer.ui.help.context_help import section_name
-from apd_viewer.ui.help.searchable import is_control, is_section_heading, menu_entries, texts_of
+from apd_viewer.ui.help.searchable import is_control, is_section_heading, menu_entries, title_and_tip
 from apd_viewer.ui.settings_page.settings_dialog import SETTING_PROPERTY
 from apd_viewer.ui.workbench import Workbench
 
@@ -24,7 +24,7 @@ def listed(window: Workbench) -> list[tuple[str, ...]]:
 def described() -> list[tuple[str, str, str]]:
     """Section, title and tip of each control; entries and preferences have pages of their own."""
     rows = {
-        (section_name(widget), *texts_of(widget)): None
+        (section_name(widget), *title_and_tip(widget)): None
         for widget in filter(is_control, widgets())
         if not is_section_heading(widget) and not widget.property(SETTING_PROPERTY)
         if not isinstance(widget, QToolButton) or widget.defaultAction() is None

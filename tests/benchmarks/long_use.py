@@ -26,7 +26,7 @@ from meshes import rabbit, sample_bottle, sphere, tube
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import State
-from apd_viewer.session.processes.freed_memory import give_back_freed_memory
+from apd_viewer.session.processes.freed_memory import release_freed_memory
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
@@ -158,11 +158,11 @@ def main():
     window.session.files.open_mesh(Mesh(*sphere(2)))
     resting.settle(window)
     table.run("press", presses, lambda k: press(window, k))
-    give_back_freed_memory()
+    release_freed_memory()
     table.line("free given back")
     window.session.gestures.history.limit_memory(0)
     table.line("no undo")
-    give_back_freed_memory()
+    release_freed_memory()
     table.line("free given back")
     window.shell.close()
     application.processEvents()

@@ -32,7 +32,7 @@ import numpy as np
 
 from apd_viewer.cases.case_file import CaseResult, case_path, case_to_bytes, read_case
 from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, compile_kernels_once
-from apd_viewer.cases.cluster import connected_cluster
+from apd_viewer.cases.cluster import connect_cluster
 from apd_viewer.cases.local_pool import LocalPool
 from apd_viewer.cases.results import read_results
 from apd_viewer.cases.study import Study
@@ -119,7 +119,7 @@ def engine(pool, workers, work=None):
             found.close(at_once=True)  # so that the time of the processes is counted
         return
     with dask(workers) as (address, _):
-        found = connected_cluster(address, None, **given)
+        found = connect_cluster(address, None, **given)
         while found.free_slots() < 2 * workers:
             time.sleep(0.1)
         try:

@@ -179,6 +179,6 @@ def test_run_says_at_each_step_what_turn_is_held(bar):
     held = [step.readings["turned_held"] for step in steps]
     assert held[0] is None
     assert held[1:] == pytest.approx([-80.0, -160.0, 120.0, 40.0, -40.0], abs=1e-6)
-    (said,) = case.warnings_of(steps[-1])
+    (said,) = case.step_warnings(steps[-1])
     assert said.startswith("The surface holds -40 of the -400 degrees asked: without contact")
-    assert case.warnings_of(steps[1]) == ()
+    assert case.step_warnings(steps[1]) == ()

@@ -9,7 +9,7 @@ from dask_cluster import dask_cluster
 
 from apd_viewer.cases.case_file import read_case
 from apd_viewer.cases.case_worker import run_task
-from apd_viewer.cases.cluster import Cluster, connected_cluster
+from apd_viewer.cases.cluster import Cluster, connect_cluster
 from apd_viewer.cases.run_case import CaseDocuments, run_case
 from apd_viewer.cases.study import Study
 from apd_viewer.errors import InputError
@@ -34,7 +34,7 @@ def run(scheduler, written, bar):
     """Run a study of rows by its workers; return its table."""
 
     def study(rows, work=run_task, told=lambda _: None):
-        engine = connected_cluster(None, scheduler, work)
+        engine = connect_cluster(None, scheduler, work)
         study = Study(written(*rows), bar / "out")
         try:
             return study.run(engine, on_progress=told)
@@ -98,7 +98,7 @@ def test_cluster_names_a_case_that_kills_every_worker(run):
     assert "died each time" in table.rows[0].sentence
 
 
-def test_connected_cluster_says_that_there_is_no_scheduler(monkeypatch):
+def test_connect_cluster_says_that_there_is_no_scheduler(monkeypatch):
     monkeypatch.setattr("apd_viewer.cases.cluster.ANSWER_SECONDS", 1)
     with pytest.raises(InputError, match=r"No scheduler answers at tcp://127\.0\.0\.1:9"):
-        connected_cluster("tcp://127.0.0.1:9", None)
+        connect_cluster("tcp://127.0.0.1:9", None)

@@ -56,7 +56,7 @@ def test_time_left_estimate_lets_the_time_go_on_while_nothing_is_heard():
     assert left > 2.0
     assert forecast.seconds_left(10.8) == pytest.approx(left - 1.0)
     assert forecast.seconds_left(9.8 + left) is None
-    assert 0.0 < forecast.share_passed(9.8) < forecast.share_passed(10.8) < 1.0
+    assert 0.0 < forecast.elapsed_fraction(9.8) < forecast.elapsed_fraction(10.8) < 1.0
     forecast.add_gap(10.0, None)
     assert forecast.seconds_left(10.0) is None
 

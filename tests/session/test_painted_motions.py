@@ -291,7 +291,7 @@ def test_paint_partner_takes_a_mirror_handle_along_the_whole_motion(empty):
     empty.handles.move_by(MOTIONS["MOVE_X"], "0.1", 0)
     empty.settle()
     empty.stroke(ring(empty, 0.2), BASE)
-    empty.handles.mirror_along(0)
+    empty.handles.set_mirror_axis(0)
     empty.handles.paint_partner(0)
     empty.settle()
     first, second = document(empty).relative_to_rest.handles

@@ -6,7 +6,7 @@ import json
 import numpy as np
 
 from apd_viewer.cases.case_file import CaseResult, case_path, case_to_bytes
-from apd_viewer.cases.database import opened_database
+from apd_viewer.cases.database import open_database
 from apd_viewer.cases.results import READINGS
 
 COLUMNS = ["session", "steps", "motion", "stiffness"]
@@ -17,7 +17,7 @@ def write_study(folder, count, failed=0.01):
     """Write the database and the files of cases that twist and push; a share of them has failed."""
     chance = np.random.default_rng(0)
     (folder / "cases").mkdir(parents=True)
-    base = opened_database(folder)
+    base = open_database(folder)
     base.execute("insert into facts values ('columns', ?)", (json.dumps(COLUMNS),))
     for k, (twist, push, stiffness, luck) in enumerate(chance.random((count, 4)).tolist()):
         said = {

@@ -1,1 +1,1 @@
-"""Commands for desktops: their menu, file types and thumbnails."""
+"""Commands for desktop integration: menu entry, file types and thumbnails."""

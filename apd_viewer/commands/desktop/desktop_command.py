@@ -1,4 +1,4 @@
-"""The command desktop: make the program known to the desktop, or unknown."""
+"""The command desktop: register or unregister the program with the desktop."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def desktop_parser() -> Parser:
 
 
 def own_command() -> list[str]:
-    """Words to start this program from anywhere."""
+    """Command line, as a list of words, to start this program from any folder."""
     started = Path(sys.argv[0])
     beside = Path(sysconfig.get_path("scripts")) / f"apd-viewer{_ENDING}"
     for script in (started, beside):
         if script.stem == "apd-viewer" and script.is_file():
-            return [str(script.absolute())]  # a link stays one: it may lead to the next version
+            return [str(script.absolute())]  # links are not resolved: they may later lead to a newer version
     return [sys.executable, "-m", "apd_viewer"]
 
 
@@ -62,7 +62,7 @@ def _desktop(options: argparse.Namespace) -> None:
 
 
 def _check_system() -> None:
-    """Raise InputError on other systems and in a package, with their own way."""
+    """Raise InputError for other systems and packaged programs, with advice."""
     if sys.platform == "win32":
         raise InputError(
             tr(
@@ -87,14 +87,14 @@ def _check_system() -> None:
 
 
 _NAME = "apd-viewer"
-# Where each resource belongs in a folder of data.
+# Destination of each resource, relative to the user's data folder.
 _PLACES = {
     f"desktop/{_NAME}.desktop": f"applications/{_NAME}.desktop",
     f"desktop/{_NAME}.xml": f"mime/packages/{_NAME}.xml",
     f"desktop/{_NAME}.thumbnailer": f"thumbnailers/{_NAME}.thumbnailer",
     f"icons/{_NAME}.svg": f"icons/hicolor/scalable/apps/{_NAME}.svg",
 }
-# Programs that collect what is in folders, the folders, and what they collect.
+# Tools for updating the desktop databases, their folders, and the files they index.
 _COLLECTORS = (
     ("update-mime-database", "mime", "packages/*.xml"),
     ("update-desktop-database", "applications", "*.desktop"),
@@ -106,17 +106,17 @@ _COLLECTED = {
     ),
     "applications": ("mimeinfo.cache",),
 }
-_PATIENCE = 60.0  # s
+_PATIENCE = 60.0  # time limit of a tool, seconds
 
 
 def data_folder() -> Path:
-    """Folder of the user's data, ``$XDG_DATA_HOME``."""
+    """Folder of the user's data, ``$XDG_DATA_HOME`` or its default."""
     named = Path(os.environ.get("XDG_DATA_HOME", ""))
-    return named if named.is_absolute() else Path.home() / ".local" / "share"  # as the specification says
+    return named if named.is_absolute() else Path.home() / ".local" / "share"  # XDG specification
 
 
 def install_files(folder: Path, command: Sequence[str]) -> list[str]:
-    """Write all files; return the names of collectors that are missing or fail.
+    """Write all desktop files; return the database tools missing or not finishing.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def install_files(folder: Path, command: Sequence[str]) -> list[str]:
     """
     for source, place in _PLACES.items():
         path = folder / place
-        with contextlib.suppress(OSError):  # said below
+        with contextlib.suppress(OSError):  # replacing_file reports the error
             path.parent.mkdir(parents=True, exist_ok=True)
         with replacing_file(path) as scratch:
             scratch.write_bytes(_started_by(command, resource_path(source).read_bytes()))
@@ -140,7 +140,7 @@ def install_files(folder: Path, command: Sequence[str]) -> list[str]:
 
 
 def remove_files(folder: Path) -> bool:
-    """Remove all files and folders left empty; False if there were none.
+    """Remove all desktop files and emptied folders; False if there were no files.
 
     Raises
     ------
@@ -161,7 +161,7 @@ def remove_files(folder: Path) -> bool:
 
 
 def _collected(program: str, folder: Path) -> bool:
-    """Run a collector on a folder; False if it is missing, or does not end."""
+    """Run a database tool on a folder; False if it is missing or does not finish."""
     found = shutil.which(program)
     if found is None:
         return False
@@ -173,24 +173,24 @@ def _collected(program: str, folder: Path) -> bool:
 
 
 def _remove_collected(folder: Path, names: Sequence[str]) -> None:
-    """Remove the files and empty folders of a collector."""
+    """Remove the files written by a database tool, and its empty folders."""
     for name in names:
         (folder / name).unlink(missing_ok=True)
     for inner in folder.iterdir():
-        with contextlib.suppress(OSError):  # a file, or others have files in it
+        with contextlib.suppress(OSError):  # a file, or a folder with files of other programs
             inner.rmdir()
 
 
 def _remove_empty(folder: Path, top: Path) -> None:
-    """Remove a folder below ``top``, and those around it, as far as they are empty."""
+    """Remove a folder below ``top``, and its parents, as far as they are empty."""
     while folder != top:
-        with contextlib.suppress(OSError):  # others have files in it
+        with contextlib.suppress(OSError):  # folder with files of other programs
             folder.rmdir()
         folder = folder.parent
 
 
 def _started_by(command: Sequence[str], content: bytes) -> bytes:
-    """Content of a file with other words to start the program."""
+    """Content of a desktop file, with its start command replaced."""
     words = " ".join(map(_quoted, command)).encode()
     content = re.sub(rb"(?m)^Exec=apd-viewer\b", lambda _: b"Exec=" + words, content)
     tried = _escaped(command[0]).encode()
@@ -198,7 +198,7 @@ def _started_by(command: Sequence[str], content: bytes) -> bytes:
 
 
 def _quoted(word: str) -> str:
-    """A word for the key Exec: quoted, then escaped as all strings are."""
+    """Word for the key Exec of a desktop file: quoted, then escaped."""
     quoted = re.sub(r'(["`$\\])', r"\\\1", word.replace("%", "%%"))
     return _escaped(f'"{quoted}"' if re.search(r"[^\w@%+=:,./-]", word) else quoted)
 

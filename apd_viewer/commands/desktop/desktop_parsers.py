@@ -1,4 +1,4 @@
-"""Parsers of the commands for desktops, by name."""
+"""Parsers of the desktop commands, by name."""
 
 from __future__ import annotations
 

@@ -18,8 +18,8 @@ from apd_viewer.presentation.shape_picture import VIEW_DIRECTION, shape_picture
 from apd_viewer.session.model.view import SESSION_SUFFIX, UpAxis
 from apd_viewer.session.storage.session_file import session_picture
 
-_USUAL, _LEAST, _MOST = 256, 16, 1024  # pixels
-# Bytes of a file: more take more time and memory than a file manager gives.
+_USUAL, _LEAST, _MOST = 256, 16, 1024  # default, least and largest size in pixels
+# Largest file in bytes; a larger one would exceed a file manager's time and memory limits.
 MOST_BYTES = 1 << 26
 
 
@@ -51,7 +51,7 @@ def _thumbnail(options: argparse.Namespace) -> None:
 
 
 def _of_session(path: Path, size: int) -> np.ndarray:
-    """Picture in a session; if there is none its shape is drawn."""
+    """Picture stored in a session; drawn from its shape if there is none."""
     picture = session_picture(path)
     if picture is not None:
         try:
@@ -59,7 +59,7 @@ def _of_session(path: Path, size: int) -> np.ndarray:
         except ValueError as error:
             raise InputError(f"{path.name}: {error}.") from error
     _check_size(path)
-    # Imported here: the document code takes longer to load than the stored picture.
+    # Imported here: it is slow to load, and not needed for a stored picture.
     from apd_viewer.session.storage.session_file import open_session
 
     state, view = open_session(path)
@@ -84,7 +84,7 @@ def _up_axis(path: Path | None) -> UpAxis:
 
 
 def _drawn(U: np.ndarray, F: np.ndarray, colors: np.ndarray | None, up: UpAxis, size: int) -> np.ndarray:
-    """Picture of a shape with its vertex colours (n, 3), if it has any."""
+    """Picture of a shape with its vertex colours (n, 3), if any."""
     paint = FREE_COLOR if colors is None else np.rint(colors[F].mean(axis=1)).astype(np.uint8)
     look = np.array(VIEW_DIRECTION) @ up.frame
     return shape_picture([U], F, [paint], size, tuple(look), tuple(up.direction))

@@ -1,1 +1,1 @@
-"""Parser, progress and plain numbers of all commands."""
+"""Shared parser, options, progress display and streams of all commands."""

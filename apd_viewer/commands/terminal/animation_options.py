@@ -1,4 +1,4 @@
-"""The option for animations, and the check of its files."""
+"""The option ``--animation`` and checks of its files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from apd_viewer.language import tr
 
 
 def add_animation_option(parser: Parser, films: bool = True) -> None:
-    """Add the option; it can be given several times."""
+    """Add the option ``--animation``; it can be given several times."""
     drawn = tr(
         "write the shapes as a film (.gif, or .mp4 with an encoder), for Blender (.pc2, .mdd), with morph "
         "targets (.glb) or for ParaView (.pvd); may be given several times"
@@ -35,12 +35,12 @@ def add_animation_option(parser: Parser, films: bool = True) -> None:
 
 
 def is_film(path: Path) -> bool:
-    """True for the ending of a film, which is drawn."""
+    """True if a path has the suffix of a film, made of pictures."""
     return path.suffix.lower() not in ANIMATION_FORMATS
 
 
 class AnimationTargets:
-    """Files of the animations asked for.
+    """Requested animation files of a command.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class AnimationTargets:
         self._check()
 
     def _check(self) -> None:
-        # Imported here: Pillow is slow to import, and films alone need it.
+        # Imported here: Pillow is slow to import, and only films need it.
         from apd_viewer.figures.films import check_film
 
         for path in filter(is_film, self._asked):
@@ -78,16 +78,16 @@ class AnimationTargets:
         return bool(self._asked)
 
     def films(self) -> list[Path]:
-        """Films, each of all versions."""
+        """Film files, each showing all versions of the motion."""
         return [path for path in self._asked if is_film(path)]
 
     def files(self, version: str) -> list[Path]:
-        """Other animations of a version."""
+        """Animation files of one version, without the films."""
         paths = [path for path in self._asked if not is_film(path)]
         return [path.with_stem(f"{path.stem}-{version}") if self._several else path for path in paths]
 
     def all_files(self) -> list[Path]:
-        """Other animations of all versions."""
+        """Animation files of all versions, without the films."""
         return [path for version in self._versions for path in self.files(version)]
 
     @property
@@ -95,11 +95,11 @@ class AnimationTargets:
         return len(self._versions) > 1
 
     def _is_in_output(self, path: Path) -> bool:
-        """True in the output folder, possibly not created yet."""
+        """True if a path is in the output folder, whether or not that exists yet."""
         return resolved_path(path).parent == self._folder
 
     def scratch_path(self, path: Path, scratch: Path, stack: ExitStack) -> Path:
-        """Scratch path of a file until all is written.
+        """Scratch path of an animation until all files are written.
 
         In ``scratch`` if it belongs in the output folder, or else where it moves from when ``stack`` closes.
         """

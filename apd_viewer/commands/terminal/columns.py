@@ -1,4 +1,4 @@
-"""Text in the columns of a terminal; a Chinese character takes two."""
+"""Text in terminal columns; wide characters such as Chinese take two."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import unicodedata
 
 from apd_viewer.presentation import number_format
 
-# East Asian Wide and Fullwidth of the Unicode Character Database, from Hangul to full-width forms.
+# Wide and Fullwidth characters of the Unicode Character Database, from Hangul to full-width forms.
 _WIDE = "\u1100-\u115f\u2e80-\ua4cf\uac00-\ud7a3\uf900-\ufaff\ufe30-\ufe6f\uff00-\uff60\uffe0-\uffe6"
 _OPENING, _CLOSING = "（“《「【", "，。、；：？！）”》」】…"
-# Lines break between wide characters and at spaces, but not after an opening sign nor before a closing one.
+# Lines break between wide characters and at spaces, but not after opening or before closing punctuation.
 _PIECE = re.compile(
     rf"\s+|[{_OPENING}]*(?:[{_WIDE}]|[^\s{_WIDE}{_OPENING}{_CLOSING}]+)[{_CLOSING}]*|[{_OPENING}{_CLOSING}]+"
 )
 
 
 def column_count(text: str) -> int:
-    """Columns taken by a ``text``."""
+    """Number of terminal columns taken by a ``text``."""
     return sum(map(_columns, text))
 
 
@@ -27,18 +27,18 @@ def _columns(sign: str) -> int:
 
 
 def padded_text(text: str, columns: int) -> str:
-    """A ``text`` with spaces up to a number of columns."""
+    """The ``text`` padded with spaces to a number of terminal columns."""
     return text + " " * (columns - column_count(text))
 
 
 def shortened_text(text: str, columns: int) -> str:
-    """Beginning of a ``text``, of at most so many columns."""
+    """Beginning of a ``text``, within a number of terminal columns."""
     ends = itertools.accumulate(map(_columns, text))
     return text[: sum(end <= columns for end in ends)]
 
 
 def wrapped_lines(text: str, columns: int) -> list[str]:
-    """Lines of a ``text``, of at most so many columns unless one word is longer."""
+    """Lines of a ``text`` within a number of columns, except for longer words."""
     lines = [""]
     for piece in _PIECE.findall(text):
         if lines[-1] and column_count(lines[-1] + piece.rstrip()) > columns:

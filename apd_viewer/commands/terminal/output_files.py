@@ -1,4 +1,4 @@
-"""Files written by one command."""
+"""Checks of the output files of a command."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from apd_viewer.language import tr
 
 
 def check_files(paths: Iterable[Path | None]) -> None:
-    """Raise InputError unless each file has a place of its own; None is no file."""
+    """Raise InputError unless all files are distinct and writable; None is no file."""
     asked = [path for path in paths if path is not None]
     check_names(asked)
     for path in asked:

@@ -1,4 +1,4 @@
-"""Command line parser in the language of the user."""
+"""Command-line parser in the user's language."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from apd_viewer.language import tr, trn
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-# The texts of argparse, which looks them up by its own names for gettext; as they are in Python 3.10 to 3.13.
+# Texts of argparse in Python 3.10 to 3.13, listed for translation; argparse looks them up itself.
 _OF_ARGPARSE = (
     tr("usage: "),
     tr("options"),
@@ -35,7 +35,7 @@ argparse.ngettext = trn  # type: ignore[attr-defined]
 
 
 class _Formatter(argparse.HelpFormatter):
-    """Help in lines of the terminal's width, in languages without spaces too."""
+    """Help text at the terminal's width, also in languages without spaces."""
 
     def _format_usage(
         self,
@@ -60,7 +60,7 @@ class _Formatter(argparse.HelpFormatter):
 
 
 class Parser(argparse.ArgumentParser):
-    """Parser with one-line errors and help in the language of the user."""
+    """Parser with one-line errors and with help in the user's language."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(add_help=False, formatter_class=_Formatter, **settings)
@@ -82,7 +82,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def add_option(parser: argparse._ActionsContainer, words: str, about: str = "", **how: Any) -> None:
-    """Add what the help shows as ``words``, such as "-o, --output DIR" or "MESH".
+    """Add an option given as in the help, such as "-o, --output DIR" or "MESH".
 
     Without a value and without choices an option is a flag. ``how`` is for argparse.
     """

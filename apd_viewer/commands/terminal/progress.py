@@ -10,11 +10,11 @@ import time
 from apd_viewer.commands.terminal.columns import column_count, padded_text, shortened_text
 
 _WIDTH = 24
-_INTERVAL = 0.1  # s
+_INTERVAL = 0.1  # least seconds between two updates
 
 
 class Progress:
-    """Progress display, throttled to a few updates a second; silent without a reader.
+    """Progress display, updated at most ten times a second; silent without a reader.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Progress:
         self._shown = ""
 
     def show(self, done: float, doing: str, **numbers: float | None) -> None:
-        """Show the share of work done, 0 to 1, and the current step.
+        """Show the fraction of work done, 0 to 1, and the current step.
 
         Lines have ``numbers`` numbers as well.
         """
@@ -49,11 +49,11 @@ class Progress:
             return
         full = round(_WIDTH * done)
         said = f"{'━' * full}{'╌' * (_WIDTH - full)} {100 * done:3.0f} %  {doing}"
-        # A longer text would wrap and not be overwritten.
+        # A longer text would wrap, and the next update could not overwrite it.
         self._draw(shortened_text(said, 79))
 
     def end(self) -> None:
-        """Remove the bar."""
+        """Remove the progress bar."""
         if self._bar and self._shown:
             self._draw("")
             print("\r", end="", file=sys.stderr, flush=True)

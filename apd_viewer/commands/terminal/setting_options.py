@@ -22,7 +22,7 @@ _CRITERIA = {
 
 
 def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[str] = METHODS) -> None:
-    """Add an option for each of the named settings, with the settings' defaults."""
+    """Add an option for each of the named settings, with its default."""
     for name in names:
         setting, default = SETTINGS[name], getattr(DEFAULT_SETTINGS, name)
         words = setting.help.replace("%", "%%")
@@ -34,7 +34,7 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
                 more |= {"metavar": "A", "type": float}
             case SettingKind.PERCENTAGE:
                 more |= {"metavar": "PERCENT", "help": words}
-                default = None  # as the method has it
+                default = None  # the default depends on the method
             case SettingKind.LENGTH:
                 more |= {"metavar": "LENGTH", "type": float, "help": words}
             case SettingKind.AMOUNT:
@@ -60,7 +60,7 @@ def _add_criteria(parser: Parser) -> None:
 
 
 def add_contact_option(parser: Parser) -> None:
-    """Add ``--contact`` and ``--no-contact``; None without either."""
+    """Add ``--contact`` and ``--no-contact``; the value is None without either."""
     add_option(
         parser,
         "--contact",
@@ -73,7 +73,7 @@ def add_contact_option(parser: Parser) -> None:
 
 
 def has_contact(options: argparse.Namespace, vertices: int) -> bool:
-    """True if the options of ``deform`` mean contact for so many vertices."""
+    """True if the options of ``deform`` enable contact for this number of vertices."""
     if options.contact is not None:
         return bool(options.contact)
     if options.obstacles:

@@ -1,4 +1,4 @@
-"""Standard streams and ending signals of a command."""
+"""Standard streams and termination signals of a command."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # as far as the system has them
+_ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # termination signals, not all of which exist on every system
 
 
 def prepare_streams() -> None:
-    """Prepare the standard streams for any text.
+    """Make the standard streams safe for any text.
 
     What a stream cannot encode is written as a question mark. A closed one swallows what is written: the next
     file to be opened would take its number, and its place.
@@ -36,7 +36,7 @@ def prepare_streams() -> None:
 
 
 def discard_output() -> None:
-    """Write nothing more to the standard output."""
+    """Discard all further standard output."""
     with suppress(OSError):  # a stream of an embedding program may have no descriptor
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -49,7 +49,7 @@ def print_error(sentence: str) -> None:
 
 @contextmanager
 def exit_on_signals() -> Iterator[None]:
-    """Have SIGTERM and the like raise SystemExit; nothing is left behind then.
+    """Let SIGTERM and similar signals raise SystemExit, so that clean-up code runs.
 
     Those that have another handler, or are ignored as by nohup, stay as they are.
     """

@@ -17,7 +17,7 @@ from apd_viewer.session.quantities.units import NoUnitError
 
 
 def add_weld_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option."""
+    """Add the option ``--weld``."""
     add_option(
         parser,
         "--weld",
@@ -29,7 +29,7 @@ def add_weld_option(parser: argparse.ArgumentParser) -> None:
 
 
 def open_input_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
-    """The mesh in a file, with its seams welded on request; raises InputError.
+    """Mesh from a file, with its seams welded on request; raises InputError.
 
     Another ``unit`` than the file's counts, if it is given.
     """
@@ -40,7 +40,7 @@ def open_input_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
 
 @contextmanager
 def naming_unit_option() -> Iterator[None]:
-    """Name the option in the refusal of a length without the unit of the mesh."""
+    """Name the option ``--unit`` in errors raised by lengths without it."""
     try:
         yield
     except NoUnitError as error:

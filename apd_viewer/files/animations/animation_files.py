@@ -1,4 +1,4 @@
-"""Formats of animations by the endings of their names.
+"""Animation file formats, selected by suffix.
 
 Neither has triangles: a cache is played on the mesh of the file that was opened here.
 """
@@ -22,13 +22,13 @@ from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 
-# Signature, version, points, first frame, frames from sample to sample, samples.
+# Header: signature, version, point count, first frame, frames per sample, sample count.
 _PC2 = struct.Struct("<12siiffi")
-_RATE = 24.0  # shapes a second, as many as Blender plays unless told otherwise
+_RATE = 24.0  # shapes per second, Blender's default frame rate
 
 
 def write_pc2(animation: Animation, path: Path) -> None:
-    """Write the shapes as PC2, one a frame from frame 0; raises InputError."""
+    """Write the shapes as PC2, one per frame from frame 0; raises InputError."""
     points = len(animation.imported_vertices)
     with replacing_file(path) as scratch, scratch.open("wb") as stream:
         stream.write(_PC2.pack(b"POINTCACHE2\0", 1, points, 0.0, 1.0, len(animation)))
@@ -36,7 +36,7 @@ def write_pc2(animation: Animation, path: Path) -> None:
 
 
 def write_mdd(animation: Animation, path: Path) -> None:
-    """Write the shapes as MDD, 24 a second from time 0; raises InputError."""
+    """Write the shapes as MDD, 24 per second from time 0; raises InputError."""
     count = len(animation)
     with replacing_file(path) as scratch, scratch.open("wb") as stream:
         stream.write(struct.pack(">ii", count, len(animation.imported_vertices)))
@@ -71,7 +71,7 @@ def check_animation(path: Path) -> None:
 
 
 def write_animation(animation: Animation, path: Path) -> None:
-    """Write the shapes in the format of the ending, one of ``ANIMATION_FORMATS``.
+    """Write the shapes in the format of the suffix, one of ``ANIMATION_FORMATS``.
 
     Raises
     ------
@@ -90,14 +90,14 @@ def write_animation(animation: Animation, path: Path) -> None:
 
 @contextmanager
 def replacing_series(paths: Sequence[Path]) -> Iterator[None]:
-    """Delete files that series at ``paths`` list before, and no longer at the end.
+    """Delete VTU files listed by the series at ``paths`` on entry but not on exit.
 
     Only those in the folder of its name: a series of another program may list anything.
     """
     before = _listed(paths)
     yield
     for path in before - _listed(paths):
-        with suppress(OSError):  # nothing is wrong with what was written
+        with suppress(OSError):  # a stale file left behind does no harm
             path.unlink()
 
 

@@ -1,4 +1,4 @@
-"""Shapes of a mesh one after another, each in a file of its own.
+"""Sequence of mesh shapes, each stored in its own file.
 
 A point cache names no vertices: its points are those of the mesh that it is put on, in their order. So it has
 to follow what importers make of the file, and not the file alone.
@@ -19,7 +19,7 @@ from apd_viewer.geometry.mesh.mesh import BakedOrigin, Mesh
 
 @dataclass(frozen=True, eq=False)
 class Animation:
-    """Shapes of a mesh, read one at a time: all of them need not fit into memory.
+    """Sequence of mesh shapes, loaded one at a time to save memory.
 
     Attributes
     ----------
@@ -54,12 +54,12 @@ class Animation:
 
     @cached_property
     def imported_vertices(self) -> np.ndarray:
-        """Vertices (k,) in the order of an importing program."""
+        """Vertices (k,) in the order of Blender's importer."""
         return imported_vertices(self.mesh)
 
 
 class ShapeRecorder:
-    """Shapes of work of unknown length, in a bounded number of files.
+    """Recorder of an unknown number of shapes in a bounded number of files.
 
     Once they are full every other one is deleted, and from then on every other shape is left out; the latest
     is always there.
@@ -78,9 +78,9 @@ class ShapeRecorder:
         self._stride, self._count = 1, 0
 
     def add(self, U: np.ndarray) -> None:
-        """Keep a shape (n, 3)."""
+        """Record a shape (n, 3)."""
         kept = self._kept
-        if kept and kept[-1] % self._stride:  # kept as the latest only
+        if kept and kept[-1] % self._stride:  # the latest shape was kept outside the stride
             self._path(kept.pop()).unlink()
         if len(kept) == self._most:
             for number in kept[1::2]:
@@ -96,21 +96,21 @@ class ShapeRecorder:
 
     @property
     def files(self) -> list[Path]:
-        """A ``.npy`` file for each shape kept, in order."""
+        """``.npy`` files of the kept shapes, in order."""
         return [self._path(number) for number in self._kept]
 
     @property
     def numbers(self) -> list[float]:
-        """Numbers of the shapes kept, counted from 0 as they came."""
+        """Indices of the kept shapes among all recorded ones, from 0."""
         return [float(number) for number in self._kept]
 
 
-# Formats of which vertices without a face are not imported.
+# Formats whose importer drops vertices without a face.
 _FACES_ALONE = (".obj", ".glb", ".gltf")
 
 
 def imported_vertices(mesh: Mesh) -> np.ndarray:
-    """Vertices in the order of Blender's import of the file, (k,) int array.
+    """Vertices in the order of Blender's importer, (k,) int array.
 
     STL has no vertices but corners: equal ones, in single precision, become one vertex, in the order in which
     they first come. Of OBJ and glTF only the vertices of faces are imported. Of all other formats, and of a
@@ -119,6 +119,6 @@ def imported_vertices(mesh: Mesh) -> np.ndarray:
     read = mesh.origin.mesh if isinstance(mesh.origin, BakedOrigin) else mesh
     suffix = mesh.origin.suffix if mesh.origin else ""
     if suffix == ".stl":
-        corners = read.V.astype(np.float32) + np.float32(0.0)  # one zero, and not two of either sign
+        corners = read.V.astype(np.float32) + np.float32(0.0)  # adding 0.0 turns -0.0 into 0.0
         return np.sort(np.unique(corners, axis=0, return_index=True)[1])
     return np.unique(mesh.F) if suffix in _FACES_ALONE else np.arange(len(mesh.V))

@@ -1,4 +1,4 @@
-"""GLB with a morph target for each shape, played by an animation of their weights.
+"""GLB with one morph target per shape, played back by animated weights.
 
 The first shape is the mesh itself, and the targets are the differences of the others from it. Where one
 weight goes from 1 to 0 and the next from 0 to 1 the shape goes straight from one to the other. See the
@@ -23,10 +23,10 @@ from apd_viewer.geometry.mesh.normals import triangle_frames, vertex_normals
 from apd_viewer.language import tr
 
 _FLOAT, _UINT = 5126, 5125  # component types of four bytes each
-_VERTICES, _INDICES = 34962, 34963  # targets of buffer views
+_VERTICES, _INDICES = 34962, 34963  # glTF targets of buffer views
 _WIDTH = {"SCALAR": 1, "VEC3": 3}
-LARGEST_FILE = 2**32 - 1  # bytes; the format counts no farther
-_SECONDS, _FASTEST = 3.0, 24.0  # length of the animation in seconds; largest number of shapes a second
+LARGEST_FILE = 2**32 - 1  # bytes, the largest value of the 32-bit length field
+_SECONDS, _FASTEST = 3.0, 24.0  # duration of the animation in seconds; maximum number of shapes per second
 _LOOK = {
     "pbrMetallicRoughness": {
         "baseColorFactor": [0.8, 0.8, 0.8, 1.0],
@@ -38,7 +38,7 @@ _LOOK = {
 
 
 class _Bounds(NamedTuple):
-    """Least and largest coordinates, each (3,)."""
+    """Minimum and maximum coordinates, each (3,)."""
 
     low: np.ndarray
     high: np.ndarray
@@ -49,7 +49,7 @@ class _Bounds(NamedTuple):
 
 
 class _Layout:
-    """Buffer views and accessors of one buffer, one behind the other."""
+    """Consecutive buffer views of one buffer, and their accessors."""
 
     def __init__(self) -> None:
         self.views: list[dict[str, Any]] = []
@@ -64,7 +64,7 @@ class _Layout:
         bounds: _Bounds | None = None,
         component: int = _FLOAT,
     ) -> int:
-        """Append room for an array; return the number of its accessor."""
+        """Append a buffer view for an array; return the index of its accessor."""
         size = 4 * _WIDTH[kind] * count
         view: dict[str, Any] = {"buffer": 0, "byteOffset": self.length, "byteLength": size}
         if use is not None:
@@ -79,7 +79,7 @@ class _Layout:
 
 
 def write_morph_targets(animation: Animation, path: Path) -> None:
-    """Write the shapes as GLB: one of about three seconds, in single precision.
+    """Write the shapes as a GLB animation of about 3 s, in single precision.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def write_morph_targets(animation: Animation, path: Path) -> None:
 
 
 def _document(animation: Animation) -> tuple[dict[str, Any], int]:
-    """The JSON of the file, and the bytes of its arrays in the order of writing."""
+    """JSON document of the file, and the byte length of its binary buffer."""
     mesh, count, layout = animation.mesh, len(animation), _Layout()
     n = len(mesh.V)
     indices = layout.add("SCALAR", mesh.F.size, _INDICES, component=_UINT)
@@ -133,7 +133,7 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
 
 
 def _in_metres(unit: str) -> dict[str, Any]:
-    """Scale of the node, for a mesh in a unit that is known."""
+    """Node scale to metres for a mesh with a known unit; otherwise empty."""
     return {"scale": [METRES[unit]] * 3} if METRES.get(unit, 1.0) != 1.0 else {}
 
 
@@ -145,7 +145,7 @@ def _points(layout: _Layout, n: int, bounds: _Bounds) -> dict[str, int]:
 
 
 def _bounds(animation: Animation) -> list[_Bounds]:
-    """Bounds of the first shape, and of the differences of the others from it."""
+    """Bounds of the first shape, and of the displacements from it to the other shapes."""
     found: list[_Bounds] = []
     start: np.ndarray | None = None
     for U in animation:
@@ -168,7 +168,7 @@ def _write_arrays(animation: Animation, stream: BinaryIO) -> None:
         for array in both:
             stream.write(array.tobytes())
     stream.write(_times(count).tobytes())
-    # At the first shape no target counts, at each other its own.
+    # All weights are 0 at the first shape; at any other shape its own weight is 1.
     stream.write(np.eye(count, count - 1, -1, dtype="<f4").tobytes())
 
 
@@ -177,20 +177,20 @@ def _single(X: np.ndarray) -> np.ndarray:
 
 
 def _difference(X: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Difference from the values in the file: rounding is not added up."""
+    """Difference from ``start`` as stored, so that rounding does not accumulate."""
     return _single(X - start.astype(np.float64))
 
 
 def _times(count: int) -> np.ndarray:
-    """Seconds of the shapes, (count,)."""
+    """Times of the shapes in seconds, (count,)."""
     return (np.arange(count) * max(_SECONDS / max(count - 1, 1), 1.0 / _FASTEST)).astype("<f4")
 
 
-_ANY = 0.0, 0.0, 1.0  # where there is no area: a normal has to have a direction
+_ANY = 0.0, 0.0, 1.0  # normal at vertices without any area, since glTF requires unit normals
 
 
 def shading_normals(mesh: Mesh, U: np.ndarray) -> np.ndarray:
-    """Unit normals of the shape ``U`` (n, 3), (n, 3).
+    """Unit vertex normals (n, 3) of the shape ``U`` (n, 3).
 
     Those of the file turned with their triangles, averaged where the corners of a vertex have several;
     without any those of a smooth surface, the same on both sides of a seam.
@@ -204,7 +204,7 @@ def shading_normals(mesh: Mesh, U: np.ndarray) -> np.ndarray:
 
 
 def _turned(mesh: Mesh, local: np.ndarray, U: np.ndarray) -> np.ndarray:
-    """Normals of the corners (m, 3, 3), in the frames of their triangles, summed."""
+    """Vertex normals (n, 3) from corner normals in triangle frames (m, 3, 3)."""
     corners = U[mesh.F]
     edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     weight = np.linalg.norm(np.cross(*edges), axis=1)[:, None, None]

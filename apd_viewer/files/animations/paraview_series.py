@@ -1,4 +1,4 @@
-"""ParaView series: a PVD that lists a VTU for each shape, written by VTK."""
+"""ParaView series: a PVD file listing one VTU file per shape, written by VTK."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _add(there: vtkDataSetAttributes, arrays: dict[str, np.ndarray]) -> None:
 
 def _write(grid: vtkUnstructuredGrid, path: Path) -> None:
     writer = vtkXMLUnstructuredGridWriter()
-    # By way of memory: of a full disk VTK prints a page, and does not say the reason.
+    # Written via memory: on a full disk VTK prints a page of text without the reason.
     writer.WriteToOutputStringOn()
     writer.SetInputData(grid)
     writer.Write()

@@ -1,1 +1,1 @@
-"""Mesh formats, a module each, and their shared parts."""
+"""Readers and writers of mesh formats, one module each, and shared helpers."""

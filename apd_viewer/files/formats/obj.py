@@ -1,4 +1,4 @@
-"""Wavefront OBJ: vertices and faces in file order; new coordinates in place.
+"""Wavefront OBJ: vertices and faces in file order; coordinates updated in place.
 
 Libraries split vertices at texture seams or drop some of them; a selection made for the file would
 then no longer fit. What is not ``v`` or ``f`` is not read, and comes back as it was; only ``vn`` turns along.
@@ -24,7 +24,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh, Texture
 from apd_viewer.language import tr
 
 _GAP = rb"(?:[ \t]|\\\r?\n)+"
-# Searching for a preceding line end is much faster than for a line start.
+# Searching for a literal line feed is much faster than for a line start.
 _VECTOR = rb"\n[ \t]*%s" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)"
 _POSITION, _NORMAL = (re.compile(_VECTOR % word) for word in (b"v", b"vn"))
 _TEXTURE = re.compile(rb"\n[ \t]*vt" + 2 * (_GAP + rb"(\S+)"))
@@ -49,14 +49,14 @@ class ObjFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Contents besides positions and triangles, in words."""
+        """Names of the contents besides positions and triangles."""
         has = [name for name, word in _EXTRAS if re.search(rb"^[ \t]*%s[ \t]" % word, self.content, re.M)]
         colours = re.search(rb"^[ \t]*v(?:[ \t]+[^\s#]+){6}", self.content, re.MULTILINE)
         return (*has, *([tr("vertex colours")] if colours else []))
 
     @property
     def colors(self) -> np.ndarray | None:
-        """Vertex colours, (n, 3) uint8, if each vertex has one."""
+        """Vertex colours (n, 3) uint8; None unless each vertex has one."""
         text = _lines(self.content)
         first = _ANY_POSITION.search(text)
         if first is None or not _COLORED.match(text, first.start()):
@@ -67,14 +67,14 @@ class ObjFile:
         return text_colors_to_uint8(parse_numbers([word for row in words for word in row]).reshape(-1, 3))
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Normals (k, 3), and which of them each corner has, (m, 3)."""
+        """Normals (k, 3), and the normal index of each corner (m, 3); None without any."""
         text = _lines(self.content)
         words = [word for row in _NORMAL.findall(text) for word in row]
         N = parse_numbers(words).reshape(-1, 3)
         return (N, _normal_of(text, mesh, len(N))) if words else None
 
     def texture(self, mesh: Mesh) -> Texture | None:
-        """Texture by its material files beside the mesh."""
+        """Texture from the material files beside the mesh."""
         text = _lines(self.content)
         words = [word for row in _TEXTURE.findall(text) for word in row]
         if not words or mesh.path is None:
@@ -89,7 +89,7 @@ class ObjFile:
         return joined_texture(parse_numbers(words).reshape(-1, 2), uv_of, each, images)
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """File content with positions ``U`` (n, 3) and turned normals."""
+        """File content with positions ``U`` (n, 3) and rotated normals."""
         text, edits = _lines(self.content), TextEdits(self.content)
         edits.replace_numbers(_spans(_POSITION, text), mesh.V.ravel(), U.ravel())
         normals = [word for words in _NORMAL.findall(text) for word in words]
@@ -101,25 +101,25 @@ class ObjFile:
 
 
 def _lines(content: bytes) -> bytes:
-    """Content framed by line ends."""
+    """Content with line feeds as line ends, and one more at the start and the end."""
     return b"\n%s\n" % with_line_feeds(content)
 
 
 def _spans(pattern: re.Pattern[bytes], text: bytes) -> Iterator[tuple[int, int]]:
-    """Spans of the numbers in the content after its first line end."""
+    """Spans of matched numbers in the content without its leading line feed."""
     for match in pattern.finditer(text):
         yield from ((match.start(k) - 1, match.end(k) - 1) for k in (1, 2, 3))
 
 
 def _normal_of(text: bytes, mesh: Mesh, count: int) -> np.ndarray:
-    """Normals (m, 3) of the corners of the triangles, from 0; -1 for missing ones."""
+    """Normal index (m, 3) of each triangle corner, from 0; -1 where missing."""
     faces = parse_faces(text)
     own = np.where(faces.normal < count, faces.normal, -1)
     return own[faces.polygons.triangle_corners(mesh.V)]
 
 
 def read_obj(content: bytes) -> ParsedMesh:
-    """Positions (n, 3) and triangles (m, 3) of an OBJ file; polygons become triangles.
+    """Positions (n, 3) and triangles (m, 3) of an OBJ file; polygons are split.
 
     Raises
     ------
@@ -158,7 +158,7 @@ _OPTION = re.compile(r"-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-
 
 
 def material_images(text: bytes, mesh: Path, faces: ObjFaces) -> tuple[list[str], np.ndarray]:
-    """Images of the materials, and the one of each polygon, (p,); -1 is none.
+    """Images of the materials, and the image index of each polygon (p,); -1 is none.
 
     The images are named relative to the folder of ``mesh``; raises InputError if a material file is outside.
     """
@@ -175,7 +175,7 @@ def material_images(text: bytes, mesh: Path, faces: ObjFaces) -> tuple[list[str]
 
 
 def _named_images(text: bytes, mesh: Path) -> dict[str, str]:
-    """Image of each material, by its name."""
+    """Image path of each material, by material name."""
     named = {}
     for library in dict.fromkeys(map(_decoded, _LIBRARY.findall(text))):
         content = sibling_content(library, mesh)
@@ -203,11 +203,11 @@ def _decoded(name: bytes) -> str:
 _FACE = re.compile(rb"\nf[ \t]([^\n]*)")
 _FACE_BEGINS = re.compile(rb"\n[ \t]*f[ \t]")
 _CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
-_BEYOND = 1 << 62  # index of no normal
+_BEYOND = 1 << 62  # upper clamp of indices, beyond any normal in a file
 
 
 class ObjFaces(NamedTuple):
-    """Polygons, with the normals and texture coordinates (c,) of their corners.
+    """Polygons, with normal and texture-coordinate indices (c,) of their corners.
 
     Numbers from 0; -1 for missing ones.
     """
@@ -218,7 +218,7 @@ class ObjFaces(NamedTuple):
 
 
 def parse_faces(text: bytes) -> ObjFaces:
-    """Faces of a text framed by line ends.
+    """Faces of an OBJ text with a line feed before and after it.
 
     Raises
     ------
@@ -237,7 +237,7 @@ def parse_faces(text: bytes) -> ObjFaces:
 
 
 def _faces_alike(text: bytes) -> ObjFaces | None:
-    """Faces written alike, much faster; else None."""
+    """Fast path for faces all written in one form; None for mixed forms."""
     face = None if b"\\\n" in text or b"\\\r\n" in text else _FACE.search(text)
     corners = face[1].split() if face else []
     if not corners or not _CORNER.fullmatch(corners[0]):
@@ -247,7 +247,7 @@ def _faces_alike(text: bytes) -> ObjFaces | None:
     if len(faces) != len(_FACE_BEGINS.findall(text)):
         return None
     joined = b"".join(faces).replace(b"/", b" ").replace(b"\nf", b"")
-    # Overflowing numbers become the largest one, and no file has that many vertices.
+    # Overflowing indices become the largest integer, beyond the vertices of any file.
     values = np.fromstring(joined, np.int64, sep=" ").reshape(-1, len(_NUMBER.findall(corners[0]))) - 1
     words, none = corners[0].split(b"/"), np.full(len(values), -1)
     normal = values[:, -1] if len(words) == 3 and words[2] else none
@@ -256,7 +256,7 @@ def _faces_alike(text: bytes) -> ObjFaces | None:
 
 
 def _corners(text: bytes) -> Iterator[tuple[list[int], list[int], list[int]]]:
-    """Vertices, normals and texture coordinates of each face, from 0; -1 is none."""
+    """Vertex, normal and texture-coordinate indices per face, from 0; -1 is none."""
     counts = {"v": 0, "vn": 0, "vt": 0}
     for number, line in _statements(text[1:].decode("utf-8", errors="replace")):
         kind, _, rest = line.partition(" ")
@@ -276,7 +276,7 @@ def _corners(text: bytes) -> Iterator[tuple[list[int], list[int], list[int]]]:
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Statements with their line numbers: continued lines joined, no comments."""
+    """Statements with line numbers; continued lines joined, comments dropped."""
     held, first = "", 0
     for number, line in enumerate(text.split("\n"), start=1):
         words = line.partition("#")[0].replace("\t", " ").strip()
@@ -292,6 +292,6 @@ def _statements(text: str) -> Iterator[tuple[int, str]]:
 
 
 def _index(word: str, count: int) -> int:
-    """Index from 0 of a word such as ``7``, or ``-1`` from the end."""
+    """Zero-based index for a word such as ``7``, or ``-1`` for the last element."""
     number = int(word)
     return number - 1 if number > 0 else count + number if number < 0 else -1

@@ -1,4 +1,4 @@
-"""OFF and its kin: vertices and faces in file order; new coordinates in place."""
+"""OFF and its variants: file order kept; coordinates updated in place."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from apd_viewer.files.formats.text import (
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-# The numbers may follow without a blank, as in the files of ModelNet.
+# Counts may follow the keyword without a space, as in ModelNet files.
 _HEAD = re.compile(rb"(?:ST)?(C?)(N?)(4?n?)OFF(?![A-Za-z_])(.*)", re.DOTALL)
 _COMMENT = re.compile(rb"#[^\n]*")
 
 
 @dataclass(frozen=True)
 class OffFile:
-    """Content of an OFF file, and the spans of its vertices."""
+    """Content of an OFF file, and its vertex rows with their offsets."""
 
     content: bytes
     rows: list[tuple[int, bytes]]
@@ -43,12 +43,12 @@ class OffFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Contents besides positions and triangles, in words."""
+        """Names of the contents besides positions and triangles."""
         return (tr("colours"),) * self.has_colours + (tr("normals"),) * self.has_normals
 
     @property
     def colors(self) -> np.ndarray | None:
-        """Vertex colours, (n, 3) uint8, if it has any."""
+        """Vertex colours (n, 3) uint8; None without any."""
         if not self.has_colours or not self.rows:
             return None
         first = 6 if self.has_normals else 3
@@ -56,13 +56,13 @@ class OffFile:
         return text_colors_to_uint8(parse_numbers([word for row in rows for word in row]).reshape(-1, 3))
 
     def normals(self, _: Mesh) -> None:
-        """None: those of the faces follow from the positions."""
+        """None: normals are computed from the positions."""
 
     def texture(self, _: Mesh) -> None:
         """None: the format has no textures."""
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """File content with positions ``U`` (n, 3) and turned normals."""
+        """File content with positions ``U`` (n, 3) and rotated normals."""
         edits = TextEdits(self.content)
         edits.replace_numbers(self._spans(0), mesh.V.ravel(), U.ravel())
         if self.has_normals:
@@ -73,12 +73,12 @@ class OffFile:
         return edits.edited_content()
 
     def _spans(self, first: int) -> list[tuple[int, int]]:
-        """Spans of three words of every row."""
+        """Spans of the three words from index ``first`` in each vertex row."""
         pattern = re.compile(rb"\s*(?:\S+\s+){%d}(\S+)\s+(\S+)\s+(\S+)" % first)
         spans = []
         for start, row in self.rows:
             match = pattern.match(row)
-            assert match is not None  # it was read
+            assert match is not None  # every row was parsed on reading
             spans += [(start + match.start(k), start + match.end(k)) for k in (1, 2, 3)]
         return spans
 
@@ -121,7 +121,7 @@ def _read(content: bytes, text: bytes) -> ParsedMesh:
 
 
 def _one_row_a_line(text: bytes) -> bytes | None:
-    """Wrapped text of a file without colours, a row on each line again."""
+    """Wrapped text rewritten with one row per line, for a file without colours."""
     text = _COMMENT.sub(lambda match: b" " * len(match[0]), text)
     head, n, m, rows = _header(list(content_lines(text)))
     numbers_of_a_row = ("x", "y", "z", "nx", "ny", "nz")[: 6 if head[2] else 3]
@@ -131,7 +131,7 @@ def _one_row_a_line(text: bytes) -> bytes | None:
 
 
 def _header(rows: list[tuple[int, bytes]]) -> tuple[re.Match[bytes], int, int, list[tuple[int, bytes]]]:
-    """Header, numbers of vertices and faces, and their rows."""
+    """Header match, vertex and face counts, and the rows after the header."""
     head = _HEAD.fullmatch(rows[0][1].strip()) if rows else None
     if head is None:
         raise ValueError(tr("it does not start with OFF"))
@@ -149,7 +149,7 @@ def _header(rows: list[tuple[int, bytes]]) -> tuple[re.Match[bytes], int, int, l
 
 
 def _polygon(line: bytes) -> list[int]:
-    """Vertices of a face: their number, then they; a colour may follow."""
+    """Vertex indices of a face line; a colour may follow them."""
     words = line.split()
     (count,) = parse_integers(words[:1])
     if count < 0 or len(words) < 1 + count:

@@ -1,4 +1,4 @@
-"""3MF: the objects of a build, each where its components and the build put it.
+"""3MF: objects of a build, placed by transforms of build items and components.
 
 Numbers of objects hold within their own part (3MF Core Specification 1.3 and Production Extension 1.1).
 
@@ -28,13 +28,13 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-MOST_BYTES = 1 << 31  # bytes; a larger archive is broken or malicious
-_MOST_VERTICES = LARGEST_FILE // 24  # a position is three doubles
-MOST_OBJECT_USES = 1 << 16  # of objects, a few seconds; components of components multiply
+MOST_BYTES = 1 << 31  # unpacked bytes; a larger archive is broken or malicious
+_MOST_VERTICES = LARGEST_FILE // 24  # 24 bytes per vertex: three doubles
+MOST_OBJECT_USES = 1 << 16  # maximum number of object references, to bound the work for nested components
 _START = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _RELATIONSHIP = "http://schemas.openxmlformats.org/package/2006/relationships Relationship"
-_USUAL = "3D/3dmodel.model"  # the main part where none is named
-# Of a unit of 3MF, the unit in which it is read, and how many of that it is.
+_USUAL = "3D/3dmodel.model"  # default name of the main part
+# For each 3MF unit, the mesh unit and the conversion factor to it.
 _UNITS = {
     "micron": ("mm", 1e-3),
     "millimeter": ("mm", 1.0),
@@ -43,7 +43,7 @@ _UNITS = {
     "foot": ("ft", 1.0),
     "meter": ("m", 1.0),
 }
-_DEEPEST = 100  # components of components
+_DEEPEST = 100  # largest nesting depth of components
 
 
 def read_3mf(content: bytes) -> ParsedMesh:
@@ -64,11 +64,11 @@ def read_3mf(content: bytes) -> ParsedMesh:
     shown: list[ModelObject] = []
     for each, matrix in package.placed():
         shown.append(each)
-        if not len(each.F):  # the ends of beams
+        if not len(each.F):  # a beam lattice has vertices but no triangles
             continue
         if count + len(each.V) > _MOST_VERTICES:
             raise too_large_error(tr("all its components"))
-        with np.errstate(all="ignore"):  # absurd positions are refused later
+        with np.errstate(all="ignore"):  # invalid positions are rejected later
             V.append((each.V @ matrix[:3, :3].T + matrix[:3, 3]) * factor)
             mirrors = np.linalg.det(matrix[:3, :3]) < 0.0
         F.append((each.F[:, [0, 2, 1]] if mirrors else each.F) + count)
@@ -77,7 +77,7 @@ def read_3mf(content: bytes) -> ParsedMesh:
 
 
 def _remarks(shown: list[ModelObject], has_triangles: bool) -> Iterator[str]:
-    """Sentences on things not read; raise InputError if there is nothing else."""
+    """Remarks on unread beams and slices; raises InputError without triangles."""
     if not shown:
         raise ValueError(tr("its build places no object"))
     for there, alone, beside in (
@@ -99,7 +99,7 @@ def _remarks(shown: list[ModelObject], has_triangles: bool) -> Iterator[str]:
 
 
 class _Package:
-    """An archive with its model parts, each read once.
+    """3MF archive with its model parts, each parsed once.
 
     Attributes
     ----------
@@ -116,14 +116,14 @@ class _Package:
         size = sum(entry.file_size for entry in entries)
         if size > min(MOST_BYTES, largest_unpacked_size(len(content))):
             raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
-        # Names of parts are the same in small and large letters (ECMA-376, part 2, 6.2.2).
+        # Part names are case-insensitive (ECMA-376, part 2, 6.2.2).
         self._names = {entry.filename.lower(): entry.filename for entry in entries}
         self._models: dict[str, Model] = {}
         self._main = self._start()
         self.main = self._model(self._main)
 
     def placed(self) -> Iterator[tuple[ModelObject, np.ndarray]]:
-        """Objects of the build and of its components, each with its matrix (4, 4)."""
+        """Objects of the build and its components, with their world matrices (4, 4)."""
         todo = [
             (use, self._main, np.eye(4), frozenset[tuple[str, str]]())
             for use in reversed(self.main.build_items)
@@ -139,14 +139,14 @@ class _Package:
                 )
             if (path, use.object_id) in above or len(above) > _DEEPEST or left < 0:
                 raise ValueError(tr("its components are nested without end"))
-            with np.errstate(all="ignore"):  # absurd positions are refused later
+            with np.errstate(all="ignore"):  # invalid positions are rejected later
                 there = matrix @ use.matrix
             yield found, there
             below = above | {(path, use.object_id)}
             todo += [(component, path, there, below) for component in reversed(found.components)]
 
     def _start(self) -> str:
-        """Name of the main part: the relationships of the package tell it."""
+        """Name of the main model part, from the relationships of the package."""
         targets: list[str] = []
 
         def begin(name: str, told: dict[str, str]) -> None:
@@ -169,20 +169,20 @@ class _Package:
             raise ValueError(tr("its part {part} is missing").format(part=name))
         try:
             return self._archive.read(self._names[name])
-        except ARCHIVE_ERRORS as error:  # or its compression is unknown
+        except ARCHIVE_ERRORS as error:  # damaged, or compressed by an unknown method
             raise ValueError(tr("it is not an archive, or it is damaged")) from error
 
 
 def _part_name(said: str) -> str:
-    """Name of a part in small letters, without the slash at its beginning."""
+    """Part name in lower case, without the leading slash."""
     return posixpath.normpath("/" + unquote(said)).lstrip("/").lower()
 
 
-_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/"  # and the year
+_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/"  # followed by the year of the specification
 _PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/"
 _BEAMS = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/"
 _SLICES = "http://schemas.microsoft.com/3dmanufacturing/slice/"
-# What a model may require: read, said not to be read, or about looks.
+# Accepted required extensions: read, reported as unread, or only about appearance.
 _MAY_REQUIRE = (
     _CORE,
     _PRODUCTION,
@@ -194,7 +194,7 @@ _MAY_REQUIRE = (
 
 
 class ObjectUse(NamedTuple):
-    """An object shown by a component or by the build.
+    """Reference to an object by a component or a build item.
 
     Attributes
     ----------
@@ -223,12 +223,12 @@ class ModelObject:
 
     @cached_property
     def V(self) -> np.ndarray:
-        """Positions (n, 3)."""
+        """Vertex positions (n, 3)."""
         return np.array(self.coordinates, dtype=np.float64).reshape(-1, 3)
 
     @cached_property
     def F(self) -> np.ndarray:
-        """Triangles (m, 3); ValueError if one refers to a missing vertex."""
+        """Triangles (m, 3); raises ValueError if one refers to a missing vertex."""
         F = np.array(self.corners, dtype=np.int64).reshape(-1, 3)
         count = len(self.coordinates) // 3
         if len(F) and not 0 <= F.min() <= F.max() < count:
@@ -241,7 +241,7 @@ class ModelObject:
 
 
 class Model:
-    """A model part, read at once.
+    """Parsed model part: its unit, objects and build items.
 
     Attributes
     ----------
@@ -328,7 +328,7 @@ def _use(attributes: dict[str, str]) -> ObjectUse:
 
 
 def _transform(said: str | None) -> np.ndarray:
-    """Matrix (4, 4) of a transform: twelve numbers, four rows."""
+    """Matrix (4, 4) of a transform attribute of twelve numbers."""
     M = np.eye(4)
     if said is not None:
         try:
@@ -349,7 +349,7 @@ def read_xml(
     on_element: Callable[[str, dict[str, str]], None],
     on_namespace: Callable[[str | None, str | None], None] | None = None,
 ) -> None:
-    """Call ``on_element(name, attributes)`` for each; names are "namespace name".
+    """Call ``on_element(name, attributes)`` per element, named "namespace name".
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Result of a format reader: polygons as triangles, encoding, colours, normals."""
+"""Result of a mesh reader: triangulated polygons, encoding, colours and normals."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from apd_viewer.geometry.mesh.mesh import DerivedOrigin, Mesh, Origin
 from apd_viewer.geometry.mesh.normals import rotated_normals
 from apd_viewer.language import tr, trn
 
-_LONGEST = 1e30  # of a normal; the square of a longer one overflows
+_LONGEST = 1e30  # longest accepted normal; the square of a longer one overflows
 
 
 class ParsedMesh(NamedTuple):
-    """Positions (n, 3), triangles (m, 3) and their file, with sentences on it.
+    """Positions (n, 3), triangles (m, 3) and origin of a mesh file, with remarks.
 
     The ``remarks`` say what is strange about the file, and what it has that was not read. The ``unit`` of
     length is the symbol of the one that the file states; without one it is empty.
@@ -33,7 +33,7 @@ class ParsedMesh(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class EncodedMeshOrigin(DerivedOrigin):
-    """Origin in another encoding than the UTF-8 of its reader.
+    """Origin of a text file decoded to UTF-8 for its reader.
 
     Attributes
     ----------
@@ -44,12 +44,12 @@ class EncodedMeshOrigin(DerivedOrigin):
     encoding: Encoding
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """File content with positions ``U`` (n, 3), in its own encoding."""
+        """File content with positions ``U`` (n, 3), in the encoding of the file."""
         return self.encoding.encode(self.origin.rewritten(mesh, U))
 
 
 def trailing_bytes_remark(size: int) -> tuple[str, ...]:
-    """Remark on the bytes after the last face of a file, if there are any."""
+    """Remark on the bytes after the last face of a file, if any."""
     said = trn(
         "{n:,} byte after the last face that the file declares was not read.",
         "{n:,} bytes after the last face that the file declares were not read.",
@@ -61,7 +61,7 @@ def trailing_bytes_remark(size: int) -> tuple[str, ...]:
 def updated_normals(
     V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray
 ) -> np.ndarray:
-    """Normals ``N`` turned with the surface; zero normals unchanged."""
+    """Normals ``N`` rotated with the surface; zero and huge ones unchanged."""
     good = (np.abs(N) < _LONGEST).all(axis=1)
     if good.all():
         return rotated_normals(V, U, F, N, normal_of)
@@ -76,7 +76,7 @@ def colors_to_uint8(colors: np.ndarray, largest: float) -> np.ndarray:
 
 
 def text_colors_to_uint8(colors: np.ndarray) -> np.ndarray:
-    """Colours (n, 3) of a text file, from 0 to 1 or to 255, as uint8."""
+    """Colours (n, 3) of a text file, in 0 to 1 or 0 to 255, as uint8."""
     return colors_to_uint8(colors, 1.0 if colors.max(initial=0.0) <= 1.0 else 255.0)
 
 
@@ -87,21 +87,21 @@ def linear_to_srgb(colors: np.ndarray) -> np.ndarray:
     return colors_to_uint8(np.where(linear <= 0.0031308, low, high), 1.0)
 
 
-# Faces with more corners than this stay fans.
+# Faces with more corners keep their fan triangulation.
 _MOST_TO_CLIP = 100
-# Total number of ears tried; after that the rest stay fans too.
+# Limit on tested ears in total; further faces keep their fan triangulation.
 _MOST_TRIES = 100_000
 
 
 class Polygons(NamedTuple):
-    """Corners of all faces, (c,) vertices, and face starts, (p + 1,)."""
+    """Polygons as vertex indices (c,) of all corners and face offsets (p + 1,)."""
 
     corner: np.ndarray
     start: np.ndarray
 
     @classmethod
     def from_faces(cls, faces: Sequence[Sequence[int]]) -> Polygons:
-        """Polygons of faces of any size; raises ValueError on impossible vertices."""
+        """Polygons from faces of any size; raises ValueError on indices out of range."""
         sizes = np.fromiter((len(face) for face in faces), np.int64, len(faces))
         start = np.concatenate([[0], np.cumsum(sizes)])
         try:
@@ -112,19 +112,19 @@ class Polygons(NamedTuple):
 
     @classmethod
     def from_array(cls, faces: np.ndarray) -> Polygons:
-        """Faces (p, k) of the same length."""
+        """Polygons from faces (p, k) with equal numbers of corners."""
         corner = np.ascontiguousarray(faces, dtype=np.int64).ravel()
         return cls(corner, np.arange(0, faces.size + 1, max(faces.shape[1], 1)))
 
     def triangles(self, V: np.ndarray) -> np.ndarray:
-        """The triangles (m, 3) of the faces, in their order, by their vertices."""
+        """Triangles (m, 3) of the faces as vertex indices, in face order."""
         sizes = np.diff(self.start)
         if (sizes == 3).all():
             return self.corner.reshape(-1, 3)
         return self.corner[self.triangle_corners(V)]
 
     def triangle_corners(self, V: np.ndarray) -> np.ndarray:
-        """The triangles (m, 3) of the faces, in their order, by places among ``corner``.
+        """Triangles (m, 3) of the faces as indices into ``corner``, in face order.
 
         A fan around the first corner, unless that folds over where the face is not convex.
         """
@@ -138,7 +138,7 @@ class Polygons(NamedTuple):
             tries = 0
             for folded in np.unique(face[_folds(V[self.corner], T, face)]):
                 a, b = self.start[folded], self.start[folded + 1]
-                if b - a <= _MOST_TO_CLIP and tries < _MOST_TRIES:  # more folded faces are a broken file
+                if b - a <= _MOST_TO_CLIP and tries < _MOST_TRIES:  # too many folds mean a broken file
                     ears, tried = _ears(V[self.corner[a:b]])
                     T[first[folded] : first[folded + 1]] = a + ears
                     tries += tried
@@ -146,14 +146,14 @@ class Polygons(NamedTuple):
 
 
 def concatenated(polygons: Sequence[Polygons]) -> Polygons:
-    """Polygons of all parts, one after another."""
+    """Concatenation of several sets of polygons."""
     corner = np.concatenate([np.empty(0, dtype=np.int64), *(part.corner for part in polygons)])
     sizes = np.concatenate([np.empty(0, dtype=np.int64), *(np.diff(part.start) for part in polygons)])
     return Polygons(corner, np.concatenate([[0], np.cumsum(sizes)]))
 
 
 def strip_triangles(strips: np.ndarray) -> np.ndarray:
-    """Triangles (t, 3) of strips (k,) parted by -1, every other one turned round."""
+    """Triangles (t, 3) of strips (k,) separated by -1, every other one reversed."""
     place = np.arange(len(strips))
     begin = np.maximum.accumulate(np.where(strips == -1, place + 1, 0))
     k = np.flatnonzero(begin[2:] <= place[:-2])
@@ -162,8 +162,8 @@ def strip_triangles(strips: np.ndarray) -> np.ndarray:
 
 
 def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
-    """Triangles turned against the area vector of their face, (t,) bool."""
-    with np.errstate(all="ignore"):  # absurd coordinates are refused later
+    """Indices (t,) of triangles opposed to the area vector of their face."""
+    with np.errstate(all="ignore"):  # invalid coordinates are rejected later
         cross = np.cross(X[T[:, 1]] - X[T[:, 0]], X[T[:, 2]] - X[T[:, 0]])
         count = int(face[-1]) + 1 if len(face) else 0
         whole = np.column_stack(
@@ -173,9 +173,9 @@ def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
 
 
 def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
-    """Ear clipping of a polygon (k, 3): triangles (k - 2, 3) and the tries."""
+    """Ear-clipped triangles (k - 2, 3) of a polygon (k, 3), and the ears tested."""
     left, found, tries = np.arange(len(X)), [], 0
-    with np.errstate(all="ignore"):  # absurd coordinates are refused later
+    with np.errstate(all="ignore"):  # invalid coordinates are rejected later
         x = _flattened(X)
         while len(left) > 3:
             ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), None)
@@ -206,5 +206,5 @@ def _is_ear(x: np.ndarray, left: np.ndarray, k: int) -> bool:
 
 
 def _turn(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Twice the area of the triangles a, b, p in the plane, positive to the left."""
+    """Twice the signed area of plane triangles a, b, p; positive for p on the left."""
     return (b[0] - a[0]) * (p[..., 1] - a[1]) - (b[1] - a[1]) * (p[..., 0] - a[0])

@@ -1,4 +1,4 @@
-"""PLY, text or binary: file order kept; new coordinates in place."""
+"""PLY, text or binary: file order kept; coordinates updated in place."""
 
 from __future__ import annotations
 
@@ -44,18 +44,18 @@ _EXTRAS |= {"alpha": tr("transparency")}
 
 @dataclass(frozen=True)
 class PlyFile:
-    """Content of a PLY file with its layout; a ``text`` has each row on a line."""
+    """Content and layout of a PLY file; ``text`` has one row per line."""
 
     content: bytes
     text: bytes
     order: str
     elements: list[PlyElement]
-    starts: list[int]  # of the elements
+    starts: list[int]  # byte offsets of the elements
     suffix = ".ply"
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Contents besides positions and triangles, in words."""
+        """Names of the contents besides positions and triangles."""
         names = {name for element in self.elements for name in element.names}
         found = [what for name, what in _EXTRAS.items() if name in names]
         known = {*AXES, *_NORMAL, *INDEX_PROPERTIES, *_EXTRAS, "green", "blue", "t"}
@@ -63,7 +63,7 @@ class PlyFile:
 
     @property
     def colors(self) -> np.ndarray | None:
-        """Vertex colours, (n, 3) uint8, if it has any."""
+        """Vertex colours (n, 3) uint8; None without any."""
         if not set(_COLORS) <= set(self._scalars):
             return None
         kind = np.dtype(self._scalars[_COLORS[0]])
@@ -72,11 +72,11 @@ class PlyFile:
         )
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Normals (n, 3) of the vertices, and the vertex of each corner, (m, 3)."""
+        """Vertex normals (n, 3), and the vertex of each corner (m, 3); None without any."""
         return (self.columns(self._at, _NORMAL), mesh.F) if set(_NORMAL) <= set(self._scalars) else None
 
     def texture(self, mesh: Mesh) -> Texture | None:
-        """Texture of an image named in a comment, by vertex coordinates."""
+        """Texture from an image named in a comment and per-vertex coordinates."""
         named = re.search(rb"[\r\n]comment TextureFile[ \t]+([^\r\n]+)", self.content[: self.starts[0]])
         uv = next((names for names in _UV if set(names) <= set(self._scalars)), None)
         if named is None or uv is None or mesh.path is None:
@@ -88,7 +88,7 @@ class PlyFile:
         )
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """File content with positions ``U`` (n, 3) and turned normals."""
+        """File content with positions ``U`` (n, 3) and rotated normals."""
         at, kinds = self._at, self._scalars
         if any(kinds[axis][0] != "f" for axis in AXES):
             raise InputError(tr("The file stores integer coordinates only; choose another format."))
@@ -107,7 +107,7 @@ class PlyFile:
 
     @property
     def _at(self) -> int:
-        """Number of the element of the vertices."""
+        """Index of the vertex element."""
         return next(k for k, element in enumerate(self.elements) if element.name == "vertex")
 
     @property
@@ -138,7 +138,7 @@ class PlyFile:
         if not element.has_lists:
             table = np.frombuffer(self.content, element.row_dtype(self.order), element.rows, start)
             columns = np.empty((element.rows, len(names)))
-            with np.errstate(invalid="ignore"):  # NaN is refused later
+            with np.errstate(invalid="ignore"):  # NaN coordinates are rejected later
                 for k, name in enumerate(names):
                     columns[:, k] = table[name]
             return columns

@@ -1,4 +1,4 @@
-"""PLY elements: the header with their names, and their rows, text or binary."""
+"""PLY elements: header parsing, and rows in text or binary."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def strip_faces(strips: Polygons) -> Polygons:
 def _faces_alike(
     content: bytes, start: int, element: PlyElement, order: str, name: str
 ) -> tuple[Polygons, int] | None:
-    """The same, if all rows are as long as the first one."""
+    """Fast path of read_faces for rows of equal length; None if lengths differ."""
     first = next(walk_rows(content, start, element, order))
     lengths = {
         other: (first[f"{other} end"] - first[other]) // np.dtype(kind).itemsize
@@ -77,7 +77,7 @@ def _faces_alike(
 
 
 def walk_rows(content: bytes, start: int, element: PlyElement, order: str) -> Iterator[dict[str, int]]:
-    """Offsets of every property by row ("... end" for list ends, "" for row ends)."""
+    """Property offsets of each row ("... end" for list ends, "" for the row end)."""
     sizes = [
         (
             name,
@@ -120,7 +120,7 @@ def truncation_message(element: PlyElement) -> str:
 def text_rows(
     content: bytes, start: int, element: PlyElement
 ) -> Iterator[list[tuple[bytes, tuple[int, int]]]]:
-    """Words of every row by property, lists joined, with their spans."""
+    """Words of each row by property with their spans; lists are joined."""
     rows = 0
     for begin, end in _text_lines(content, start) if element.rows else ():
         words = [(word[0], *word.span()) for word in _WORD.finditer(content, begin, end)]
@@ -133,14 +133,14 @@ def text_rows(
 
 
 def _text_lines(content: bytes, start: int) -> Iterator[tuple[int, int]]:
-    """Begin and end of the non-empty lines."""
+    """Start and end of each non-empty line."""
     for line in LINE_PATTERN.finditer(content, start):
         if not line[0].isspace():
             yield line.span()
 
 
 def uniform_rows(content: bytes, start: int, element: PlyElement) -> list[list[bytes]] | None:
-    """Words of all rows if equally many in each, else None."""
+    """Words of all rows; None unless every row has the same number of words."""
     end = text_end(content, start, element)
     rows = [words for line in content[start:end].split(b"\n") if (words := line.split())]
     alike = len(rows) == element.rows and all(len(row) == len(rows[0]) for row in rows)
@@ -164,7 +164,7 @@ def _row(words: list[tuple[bytes, int, int]], element: PlyElement) -> list[tuple
 
 
 def one_row_a_line(content: bytes, start: int, elements: Sequence[PlyElement]) -> bytes | None:
-    """Wrapped text of the same length with the words of each row on a line.
+    """Wrapped text rewritten with one row per line, at the same length.
 
     None if there are more words or fewer than the elements have.
     """
@@ -187,7 +187,7 @@ def one_row_a_line(content: bytes, start: int, elements: Sequence[PlyElement]) -
 
 
 def text_end(content: bytes, start: int, element: PlyElement) -> int:
-    """Offset of the line after the rows of an element."""
+    """End offset of the last row of an element."""
     if not element.rows:
         return start
     for row, (_, end) in enumerate(_text_lines(content, start)):
@@ -213,7 +213,7 @@ _ORDER = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 @dataclass
 class PlyElement:
-    """Table of the file; ``properties`` are (name, type of list length, type)."""
+    """Element of a PLY file; ``properties`` are (name, list length type, type)."""
 
     name: str
     rows: int
@@ -231,11 +231,11 @@ class PlyElement:
 
     @property
     def least_row_size(self) -> int:
-        """Least size of a row in bytes."""
+        """Minimum size of a row in bytes."""
         return sum(np.dtype(length or kind).itemsize for _, length, kind in self.properties)
 
     def row_dtype(self, order: str, lengths: dict[str, int] | None = None) -> np.dtype:
-        """A row, if every list has its length of ``lengths``."""
+        """Structured dtype of a row, with list lengths from ``lengths``."""
         columns: list[tuple] = []
         for name, length, kind in self.properties:
             if length is None:
@@ -250,7 +250,7 @@ def read_header(content: bytes) -> tuple[str, list[PlyElement], int]:
     head = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", content[: 1 << 20])
     if not content.startswith(b"ply") or head is None:
         raise ValueError(tr("it has no PLY header"))
-    # Where all lines end in \r alone, a \n behind the last one is the first byte of the rows.
+    # If lines end in \r alone, a \n after the header's last \r is the first byte of the rows.
     is_of_rows = head[1] == b"\r\n" and b"\n" not in content[: head.start(1)]
     order: str | None = None
     elements: list[PlyElement] = []
@@ -275,7 +275,7 @@ def read_header(content: bytes) -> tuple[str, list[PlyElement], int]:
 
 
 def _check(elements: list[PlyElement]) -> None:
-    """Raise ValueError on impossible elements."""
+    """Raise ValueError on invalid elements."""
     for names in ([element.name for element in elements], *(element.names for element in elements)):
         if len(set(names)) < len(names):
             raise ValueError(tr("its header uses one name twice"))

@@ -1,4 +1,4 @@
-"""STL, text or binary: three vertices a triangle; new coordinates in place."""
+"""STL, text or binary: three vertices per triangle; coordinates updated in place."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from apd_viewer.files.formats.text import TextEdits, parse_numbers, with_line_fe
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-_HEAD = 84  # bytes before the first facet of a binary file; the last four are the number of facets
+_HEAD = 84  # header bytes of a binary file; the last four hold the facet count
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-# Of texts in small letters without names of solids, which may be any words, even these.
+# For lower-case text with blanked solid names, since a name may contain any keyword.
 _NAME = re.compile(rb"solid([^\n]*?)(?=\bfacet\s+normal\s+[-+.\d]|\n|\Z)")
 _VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)")
 _NORMAL = re.compile(rb"\bfacet\s+normal\s+(\S+)\s+(\S+)\s+(\S+)")
@@ -25,7 +25,7 @@ _LOOP = re.compile(rb"(?i)\bouter\s+loop\b")
 
 @dataclass(frozen=True)
 class StlFile:
-    """Content of an STL file, with the number of facets if it is binary."""
+    """Content of an STL file, and its facet count if binary."""
 
     content: bytes
     facets: int | None
@@ -33,7 +33,7 @@ class StlFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Contents besides positions and triangles, in words."""
+        """Names of the contents besides positions and triangles."""
         if self.facets is None:
             return ()
         rows = np.frombuffer(self.content, _FACET, self.facets, _HEAD)
@@ -41,11 +41,11 @@ class StlFile:
 
     @property
     def colors(self) -> None:
-        """Vertex colours, not part of the format."""
+        """None: the format has no vertex colours."""
         return
 
     def normals(self, _: Mesh) -> None:
-        """None: those of the faces follow from the positions."""
+        """None: face normals follow from the positions."""
 
     def texture(self, _: Mesh) -> None:
         """None: the format has no textures."""
@@ -59,7 +59,7 @@ class StlFile:
             corners = U.reshape(-1, 3, 3)
             facets["corners"][moved] = corners[moved]
             had = moved & facets["normal"].any(axis=1)
-            # From the corners as written.
+            # Normals follow from the corners as rounded to single precision.
             facets["normal"][had] = _normals(facets["corners"][had].astype(np.float64))
             return bytes(body)
         text, edits = _nameless(self.content), TextEdits(self.content)
@@ -73,7 +73,7 @@ class StlFile:
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:
-    """Unit normals of triangles (k, 3, 3); zero without an area."""
+    """Unit normals (k, 3) of triangles (k, 3, 3); zero for degenerate triangles."""
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.linalg.norm(across, axis=1, keepdims=True)
     return np.divide(across, size, out=np.zeros_like(across), where=size > 0.0)
@@ -104,11 +104,11 @@ def read_stl(content: bytes) -> ParsedMesh:
     ValueError
         If the file cannot be understood, ends too early, or has more facets than it declares.
     """
-    # Some binary files begin with "solid" too, and some texts have zeros behind a name.
+    # Some binary files start with "solid" too, and some texts have null bytes after a name.
     if is_binary_stl(content) or (b"\0" in content[_HEAD:] and not _LOOP.search(content)):
         m, remarks = _binary(content)
         V = np.empty((3 * m, 3))
-        with np.errstate(invalid="ignore"):  # NaN is refused later
+        with np.errstate(invalid="ignore"):  # NaN coordinates are rejected later
             V.reshape(-1, 3, 3)[...] = np.frombuffer(content, _FACET, m, _HEAD)["corners"]
         return ParsedMesh(V, np.arange(3 * m).reshape(-1, 3), StlFile(content, m), remarks)
     V, remarks = _text(_nameless(content))
@@ -116,11 +116,11 @@ def read_stl(content: bytes) -> ParsedMesh:
 
 
 def _binary(content: bytes) -> tuple[int, tuple[str, ...]]:
-    """Number of the facets, and remarks on the bytes behind them."""
+    """Facet count of a binary file, and remarks on trailing bytes."""
     m, size = _declared(content), _FACET.itemsize
     there, more = divmod(max(len(content) - _HEAD, 0), size)
     rest = content[_HEAD + m * size :]
-    is_count_wrong = bool(there) if m == 0 else not more and any(rest)  # zeros fill up; they are no facets
+    is_count_wrong = bool(there) if m == 0 else not more and any(rest)  # trailing zeros are padding
     if there < m or is_count_wrong:
         raise ValueError(
             tr("it declares {declared:,} facets and has {there:,}").format(declared=m, there=there)
@@ -129,12 +129,12 @@ def _binary(content: bytes) -> tuple[int, tuple[str, ...]]:
 
 
 def _nameless(content: bytes) -> bytes:
-    """Text of the same length, in small letters, without the names of its solids."""
+    """Lower-case text of the same length with the names of the solids blanked."""
     return _NAME.sub(lambda match: b"solid" + b" " * len(match[1]), with_line_feeds(content).lower())
 
 
 def _text(content: bytes) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Corners of the facets, and remarks on the end."""
+    """Facet corners (3 m, 3) of a text file, and a remark on a missing endsolid."""
     V, facets = _numbers(_VERTEX, content), len(_FACETS.findall(content))
     ends = {match[1] for match in _END.finditer(content, content.rfind(b"vertex"))}
     if len(V) != 3 * facets or len(V) != len(_VERTICES.findall(content)) or (facets and not ends):

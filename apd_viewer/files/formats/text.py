@@ -1,4 +1,4 @@
-"""Text files: their encodings, and numbers found and replaced in place."""
+"""Text files: encodings, number parsing, and replacement of numbers in place."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 
 from apd_viewer.language import in_quotes, tr
 
-_LONGEST = 40  # characters quoted from a file
-_SAMPLE = 64  # bytes that tell UTF-16 without a mark: every second one of them is zero
+_LONGEST = 40  # maximum number of characters quoted from a file
+_SAMPLE = 64  # bytes checked for UTF-16 without a byte order mark: every second byte is zero
 
 
 class Encoding(NamedTuple):
@@ -22,13 +22,13 @@ class Encoding(NamedTuple):
     codec: str
 
     def encode(self, text: bytes) -> bytes:
-        """Content of the file for a text in UTF-8."""
+        """Encode UTF-8 text in the encoding of the file."""
         return self.mark + (text if self.codec == "utf-8" else text.decode().encode(self.codec))
 
 
 _MARKED = (
     Encoding(codecs.BOM_UTF8, "utf-8"),
-    Encoding(codecs.BOM_UTF32_LE, "utf-32-le"),  # begins with the mark of UTF-16
+    Encoding(codecs.BOM_UTF32_LE, "utf-32-le"),  # before UTF-16, whose mark is a prefix of this one
     Encoding(codecs.BOM_UTF32_BE, "utf-32-be"),
     Encoding(codecs.BOM_UTF16_LE, "utf-16-le"),
     Encoding(codecs.BOM_UTF16_BE, "utf-16-be"),
@@ -36,17 +36,17 @@ _MARKED = (
 
 
 def decoded_text(content: bytes) -> tuple[bytes, Encoding | None]:
-    """Text of a file in UTF-8, and its encoding; None for other content."""
+    """Text of a file as UTF-8 with its encoding; other content as is, with None."""
     encoding = next((each for each in _MARKED if content.startswith(each.mark)), None) or _unmarked(content)
     if encoding is None:
         return content, None
     body = content[len(encoding.mark) :]
     try:
-        # Whatever follows a mark of UTF-8 stays as it is, valid or not.
+        # Bytes after a UTF-8 mark are kept unchanged, even if invalid.
         text = body if encoding.codec == "utf-8" else body.decode(encoding.codec).encode()
     except UnicodeDecodeError:
         return content, None
-    # Binary data may begin with the bytes of a mark, too.
+    # Binary data may happen to start with a byte order mark.
     return (content, None) if b"\0" in text else (text, encoding)
 
 
@@ -60,14 +60,14 @@ def _unmarked(content: bytes) -> Encoding | None:
 
 
 def with_line_feeds(content: bytes) -> bytes:
-    """Content of the same length with a line feed at the end of every line."""
+    """Content with lone carriage returns as line feeds, at the same length."""
     if b"\r" not in content or content.count(b"\r") == content.count(b"\r\n"):
         return content
     return re.sub(rb"\r(?!\n)", b"\n", content)
 
 
 def content_lines(content: bytes) -> Iterator[tuple[int, bytes]]:
-    """Spans and words of the non-empty lines, without comments."""
+    """Offset and text of each non-empty line, without comments."""
     start = 0
     for line in content.split(b"\n"):
         said = line.partition(b"#")[0] if b"#" in line else line
@@ -77,7 +77,7 @@ def content_lines(content: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def parse_numbers(words: Sequence[bytes]) -> np.ndarray:
-    """Numbers (k,) of words; raises ValueError naming the first bad one."""
+    """Parse words as numbers (k,); raises ValueError naming the first invalid word."""
     try:
         return np.array([float(word) for word in words], dtype=np.float64)
     except ValueError:
@@ -86,7 +86,7 @@ def parse_numbers(words: Sequence[bytes]) -> np.ndarray:
 
 
 def parse_integers(words: Sequence[bytes]) -> list[int]:
-    """Whole numbers of words; raises ValueError naming the first bad one."""
+    """Parse words as integers; raises ValueError naming the first invalid word."""
     try:
         return [int(word) for word in words]
     except ValueError:
@@ -95,7 +95,7 @@ def parse_integers(words: Sequence[bytes]) -> list[int]:
 
 
 def excerpt(content: bytes) -> str:
-    """The beginning of a part of a file, within a sentence."""
+    """Quoted beginning of some file content, for an error message."""
     return in_quotes(content.strip().decode(errors="replace")[:_LONGEST])
 
 
@@ -108,7 +108,7 @@ def _names(kind: Callable[[bytes], object], word: bytes) -> bool:
 
 
 class TextEdits:
-    """New words for some places of a file."""
+    """Pending replacements of numbers in a text file."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
@@ -122,7 +122,7 @@ class TextEdits:
                 self._new.append((start, end, number))
 
     def edited_content(self) -> bytes:
-        """The file with all of them."""
+        """File content with all replacements applied."""
         pieces, last = [], 0
         for start, end, number in sorted(self._new):
             pieces += [self._content[last:start], b"%r" % number]
@@ -131,7 +131,7 @@ class TextEdits:
 
 
 class Splice(NamedTuple):
-    """A place, and its new content; of a whole number there, what is added to it."""
+    """Span of a file with its new bytes, or with an increment for its integer."""
 
     start: int
     end: int
@@ -139,7 +139,7 @@ class Splice(NamedTuple):
 
 
 def spliced_content(content: bytes, splices: Iterable[Splice]) -> bytes:
-    """Content with all splices; raises ValueError where two overlap.
+    """Content with all splices applied; raises ValueError if two overlap.
 
     What is added to one number is summed.
     """
@@ -168,7 +168,7 @@ _WORD = re.compile(rb"\S+")
 
 
 def text_values(text: bytes, kind: str) -> np.ndarray:
-    """Values (k,) of a type such as ``i4``: whole, or in double precision.
+    """Values (k,) of a text, as int64 or float64 by a type such as ``i4``.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def text_values(text: bytes, kind: str) -> np.ndarray:
 
 
 def with_replaced_values(text: bytes, old: np.ndarray, new: np.ndarray) -> bytes:
-    """Text with the ``new`` values (k,) where they differ from its ``old`` ones."""
+    """Text with its ``old`` values (k,) replaced by the ``new`` ones if different."""
     edits = TextEdits(text)
     edits.replace_numbers([word.span() for word in _WORD.finditer(text)], old, new)
     return edits.edited_content()

@@ -1,4 +1,4 @@
-"""Images of textures, and several of them in one."""
+"""Texture images, and their combination into one atlas."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.language import tr
 
-# Pixels along each side: what graphics cards of the last ten years take, at a quarter of their memory.
+# Largest side in pixels, supported by graphics cards of the last ten years.
 _LARGEST = 8192
 _BARE = np.full((1, 1, 3), 255, dtype=np.uint8)
 
 
 def sibling_image(named: str, mesh: Path | None) -> np.ndarray:
-    """Image (h, w, 3) uint8 of a file that a mesh names, scaled down if too large.
+    """Image (h, w, 3) uint8 of a file named by a mesh, scaled down if too large.
 
     Raises
     ------
@@ -37,14 +37,14 @@ def sibling_image(named: str, mesh: Path | None) -> np.ndarray:
 
 
 def read_image(content: bytes, name: str) -> np.ndarray:
-    """Image (h, w, 3) uint8 of the content of its file, scaled down if too large.
+    """Image (h, w, 3) uint8 from file content, scaled down if too large.
 
     Raises
     ------
     InputError
         If it cannot be read; ``name`` is that of the image.
     """
-    from PIL import Image  # only where a file has textures: it takes a tenth of a second to load
+    from PIL import Image  # imported on demand: loading takes a tenth of a second
 
     try:
         with without_library_warnings(), Image.open(io.BytesIO(content)) as image:
@@ -99,7 +99,7 @@ def joined_texture(
 
 
 def _joined(images: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """One image of several, and the lower corner and size of each in it, (k, 4)."""
+    """Atlas of several images, with the lower corner and size of each, (k, 4)."""
     columns = math.ceil(math.sqrt(len(images)))
     rows = math.ceil(len(images) / columns)
     side = min(max(max(image.shape[:2]) for image in images), _LARGEST // columns)
@@ -108,13 +108,13 @@ def _joined(images: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     for k, image in enumerate(images):
         top, left = side * (k // columns), side * (k % columns)
         whole[top : top + side, left : left + side] = _resized(image, side)
-        # Half a pixel from the border nothing of the neighbour is blended in.
+        # An inset of half a pixel keeps interpolation from blending in the neighbouring image.
         x, y = (left + 0.5) / whole.shape[1], 1.0 - (top + side - 0.5) / whole.shape[0]
         places.append((x, y, (side - 1) / whole.shape[1], (side - 1) / whole.shape[0]))
     return whole, np.array(places)
 
 
 def _resized(image: np.ndarray, side: int) -> np.ndarray:
-    """The nearest pixels of an image, (side, side, 3)."""
+    """Image resampled to (side, side, 3) by nearest pixels."""
     down, along = (np.arange(side) * n // side for n in image.shape[:2])
     return image[down[:, None], along]

@@ -1,1 +1,1 @@
-"""glTF: scenes read as one surface, and the same file with new coordinates."""
+"""glTF: scenes read as one surface, and rewritten with new coordinates."""

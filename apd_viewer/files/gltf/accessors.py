@@ -1,4 +1,4 @@
-"""Arrays of a glTF file: its accessors, read and written."""
+"""Reading and writing of glTF accessors."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from apd_viewer.files.gltf.scene import document_entry, whole_number
 from apd_viewer.files.storage.regular_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
 
-TRIANGLES, STRIP, FAN = 4, 5, 6  # the modes of a primitive
+TRIANGLES, STRIP, FAN = 4, 5, 6  # primitive modes of glTF
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_PARTS = "indices", "values"  # of a sparse accessor
+_PARTS = "indices", "values"  # keys of a sparse accessor
 _NAMES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 
 
 def accessor_numbers(
     document: dict[str, Any], buffers: list[Any], accessor: object, width: int = 3
 ) -> np.ndarray:
-    """The numbers (n, width) of an accessor as they are meant, as doubles."""
+    """Numbers (n, width) of an accessor as doubles, normalized integers scaled."""
     array = accessor_array(document, buffers, accessor, width)
     if document_entry(document, "accessors", accessor).get("normalized") and array.dtype.kind in "iu":
         return np.maximum(array / np.iinfo(array.dtype).max, -1.0)
-    with np.errstate(invalid="ignore"):  # NaN is refused later
+    with np.errstate(invalid="ignore"):  # NaN coordinates are rejected later
         return array.astype(np.float64)
 
 
@@ -36,7 +36,7 @@ def accessor_colors(document: dict[str, Any], buffers: list[Any], accessor: obje
 
 
 def accessor_array(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:
-    """Numbers (count, width) of an accessor: in the buffer, or a copy if sparse."""
+    """Numbers (count, width) of an accessor: a buffer view, or a copy if sparse."""
     told = document_entry(document, "accessors", accessor)
     kind, count = _kind(told), whole_number(told, "count")
     if told.get("type") != _NAMES[width]:
@@ -57,7 +57,7 @@ def accessor_array(document: dict[str, Any], buffers: list[Any], accessor: objec
 def write_rows(
     document: dict[str, Any], buffers: list[Any], accessor: object, rows: np.ndarray, new: np.ndarray
 ) -> None:
-    """Write those of the rows ``new`` (n, 3) with a true one in ``rows`` (n,).
+    """Write the rows of ``new`` (n, 3) selected by the mask ``rows`` (n,).
 
     Raises
     ------
@@ -86,7 +86,7 @@ def _kind(entry: dict[str, Any]) -> np.dtype[Any]:
 def _sparse(
     document: dict[str, Any], buffers: list[Any], entry: dict[str, Any], width: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Sparse rows (k,) of an accessor, and their numbers (k, width) in the buffer."""
+    """Sparse row indices (k,) of an accessor, and their buffer values (k, width)."""
     sparse = entry["sparse"]
     if not isinstance(sparse, dict) or not all(isinstance(sparse.get(part), dict) for part in _PARTS):
         raise ValueError(tr("a sparse accessor has no indices or no values"))
@@ -108,7 +108,7 @@ def _sparse(
 def _stored(
     document: dict[str, Any], buffers: list[Any], entry: dict[str, Any], count: int, width: int
 ) -> np.ndarray:
-    """Numbers (count, width) in a buffer, of the kind and at the place in ``entry``."""
+    """View (count, width) of buffer numbers, with type and offset from ``entry``."""
     kind, view = _kind(entry), document_entry(document, "bufferViews", entry.get("bufferView"))
     document_entry(document, "buffers", view.get("buffer"))
     buffer = buffers[view["buffer"]]

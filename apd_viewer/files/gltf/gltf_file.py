@@ -1,4 +1,4 @@
-"""A glTF file with new positions, their bounds and normals."""
+"""glTF file rewritten with new positions, bounds and normals."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from apd_viewer.language import tr
 
 
 class VertexBlock(NamedTuple):
-    """Vertices of one accessor as shown at one place.
+    """Vertices of one accessor in one mesh instance.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class VertexBlock(NamedTuple):
 
 @dataclass(frozen=True)
 class GltfFile:
-    """Content of a GLB or glTF file, with the owners of its vertices."""
+    """Content of a GLB or glTF file, with its vertex blocks and primitives."""
 
     content: bytes
     suffix: str
@@ -63,7 +63,7 @@ class GltfFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Contents besides positions and triangles, in words."""
+        """Names of the contents besides positions and triangles."""
         words = {
             "materials": tr("materials"),
             "textures": tr("textures"),
@@ -85,7 +85,7 @@ class GltfFile:
 
     @property
     def colors(self) -> np.ndarray | None:
-        """Vertex colours, (n, 3) uint8, if every part has them."""
+        """Vertex colours (n, 3) uint8; None unless every vertex block has them."""
         if not self.blocks or any(block.color is None for block in self.blocks):
             return None
         return linear_to_srgb(
@@ -112,7 +112,7 @@ class GltfFile:
         return primitive_texture(self.document, self.buffers, self.primitives, mesh)
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """File content with positions ``U`` (n, 3), their bounds and turned normals."""
+        """File content with positions ``U`` (n, 3), their bounds and rotated normals."""
         buffers = [bytearray(buffer) for buffer in self.buffers]
         written: dict[int, np.ndarray] = {}
         touched: list[int] = []
@@ -184,7 +184,7 @@ class GltfFile:
 
 
 def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
-    """Local positions (n, 3) of ``U`` under the inverse of one matrix, or of one each."""
+    """Positions ``U`` (n, 3) in local coordinates of a matrix, or of one per vertex."""
     new = matrix_products(np.linalg.pinv(matrix[..., :3, :3]), U - matrix[..., :3, 3])
     if np.abs(new).max() > np.finfo(np.float32).max:
         raise InputError(tr("A node of the file scales a mesh to zero; choose another format."))
@@ -194,7 +194,7 @@ def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
 
 
 def with_offset(X: np.ndarray, offset: np.ndarray | None) -> np.ndarray:
-    """The sum of two arrays; without the other it is the first."""
+    """``X`` plus an offset; ``X`` itself if the offset is None."""
     return X if offset is None else X + offset
 
 
@@ -205,14 +205,14 @@ _DECODER = json.JSONDecoder()
 
 
 def value_spans(text: str, paths: Sequence[JsonPath]) -> dict[JsonPath, tuple[int, int]]:
-    """Begin and end of the values at ``paths``; missing ones are left out."""
+    """Start and end of the JSON values at ``paths``; missing ones are omitted."""
     found: dict[JsonPath, tuple[int, int]] = {}
     _find(text, _skip(text, 0), set(paths), (), found)
     return found
 
 
 def with_replaced_values(text: str, changes: Sequence[tuple[JsonPath, str]]) -> str:
-    """The text with other values at the paths of ``changes``."""
+    """JSON text with the values at the paths of ``changes`` replaced."""
     found = value_spans(text, [path for path, _ in changes])
     for path, new in sorted(changes, key=lambda change: -found[change[0]][0]):
         begin, end = found[path]
@@ -223,7 +223,7 @@ def with_replaced_values(text: str, changes: Sequence[tuple[JsonPath, str]]) -> 
 def _find(
     text: str, at: int, wanted: set[JsonPath], here: JsonPath, found: dict[JsonPath, tuple[int, int]]
 ) -> int:
-    """Search the value at ``at``; return its end."""
+    """Search the JSON value at offset ``at`` for wanted paths; return its end."""
     if not any(path[: len(here)] == here for path in wanted):
         return _DECODER.raw_decode(text, at)[1]
     if text[at] not in "{[" or here in wanted:
@@ -237,7 +237,7 @@ def _find(
         key: str | int = place
         if is_object:
             key, at = _DECODER.raw_decode(text, at)
-            at = _skip(text, _skip(text, at) + 1)  # the colon
+            at = _skip(text, _skip(text, at) + 1)  # skip the colon
         at = _skip(text, _find(text, at, wanted, (*here, key), found))
         if text[at] == ",":
             at = _skip(text, at + 1)

@@ -1,4 +1,4 @@
-"""glTF: triangles of a scene, at the places of its nodes and instances.
+"""glTF reader: triangles of a scene, transformed by its nodes and instances.
 
 Section 3.7 of the specification of glTF 2.0, and its extension EXT_mesh_gpu_instancing.
 """
@@ -40,7 +40,7 @@ from apd_viewer.files.gltf.scene import (
 from apd_viewer.files.storage.regular_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
 
-MOST_VERTICES = LARGEST_FILE // 24  # vertices: a position is three doubles
+MOST_VERTICES = LARGEST_FILE // 24  # 24 bytes per vertex: three doubles
 
 
 def read_gltf(content: bytes, path: Path) -> ParsedMesh:
@@ -76,7 +76,7 @@ def _of_places(blocks: list[VertexBlock]) -> Iterator[str]:
 
 
 class _Scene:
-    """Vertices and triangles of the places of a scene, one after another."""
+    """Vertices and triangles of all mesh instances of a scene, concatenated."""
 
     def __init__(self, document: dict[str, Any], buffers: list[bytes]) -> None:
         self._document, self._buffers = document, buffers
@@ -86,7 +86,7 @@ class _Scene:
         self._count = 0
 
     def add(self, place: MeshInstance) -> None:
-        """Append the triangles of a mesh at its place."""
+        """Append the triangles of a mesh instance in world coordinates."""
         blocks: dict[object, VertexBlock] = {}
         for part in mesh_primitives(self._document, place.mesh):
             if (mode := part.get("mode", TRIANGLES)) not in (TRIANGLES, STRIP, FAN):
@@ -103,7 +103,7 @@ class _Scene:
             self.pieces.append(PrimitiveTriangles(block.first_vertex, len(F), part))
 
     def _block(self, place: MeshInstance, primitive: dict[str, Any]) -> VertexBlock:
-        """Vertices of a primitive, the next ones of the scene."""
+        """Vertex block of a primitive, following the vertices added so far."""
         given = self._document, self._buffers, primitive
         position, normal = (
             whole_number(primitive["attributes"], "POSITION"),
@@ -133,19 +133,19 @@ class _Scene:
 
 
 def _outwards(F: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """Triangles (t, 3), turned round if a matrix of their vertices mirrors them."""
-    with np.errstate(all="ignore"):  # absurd positions are refused later
+    """Triangles (t, 3), reversed where the matrix of their vertices mirrors them."""
+    with np.errstate(all="ignore"):  # invalid positions are rejected later
         mirrors = np.linalg.det(matrix[..., :3, :3]) < 0.0
     if mirrors.ndim:
         mirrors = mirrors[F[:, 0]]
     return np.where(mirrors[..., None], F[:, [0, 2, 1]], F)
 
 
-_ABSENT = np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), np.ones(3)  # translation, rotation and scale
+_ABSENT = np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), np.ones(3)  # default translation, rotation and scale
 
 
 class MeshInstance(NamedTuple):
-    """A mesh at the place and in the pose of a node.
+    """Instance of a mesh at a node, with its matrix, joints and morph weights.
 
     Attributes
     ----------
@@ -166,7 +166,7 @@ class MeshInstance(NamedTuple):
     def vertex_matrices(
         self, document: dict[str, Any], buffers: list[Any], primitive: dict[str, Any]
     ) -> np.ndarray:
-        """Matrix (4, 4) of the vertices of a primitive, or one each (n, 4, 4) in a skin.
+        """World matrix (4, 4) of a primitive's vertices, or (n, 4, 4) if skinned.
 
         In a skin the matrix of the node itself does not count.
         """
@@ -188,7 +188,7 @@ class MeshInstance(NamedTuple):
     def morph_displacement(
         self, document: dict[str, Any], buffers: list[Any], primitive: dict[str, Any], name: str
     ) -> np.ndarray | None:
-        """Sum (n, 3) of the weighted morph targets of an attribute, if there is any."""
+        """Weighted sum (n, 3) of an attribute's morph targets; None without any."""
         total = None
         for target, weight in zip(list_field(primitive, "targets"), self.weights, strict=False):
             if not isinstance(target, dict):
@@ -206,7 +206,7 @@ class MeshInstance(NamedTuple):
 def mesh_instances(
     document: dict[str, Any], buffers: list[Any], world: dict[int, np.ndarray]
 ) -> Iterator[MeshInstance]:
-    """Meshes of a scene in the order of meshes, nodes and instances."""
+    """Mesh instances of a scene, ordered by mesh, node and instance."""
     shown = [(whole_number(document["nodes"][k], "mesh"), k) for k in world if "mesh" in document["nodes"][k]]
     for mesh, k in sorted(shown):
         node = document["nodes"][k]
@@ -240,14 +240,14 @@ def _instances(document: dict[str, Any], buffers: list[Any], entry: dict[str, An
         raise ValueError(tr("the attributes of its instances are missing, or differ in number"))
     for k in range(counts.pop()):
         own = (usual if column is None else column[k] for column, usual in zip(columns, _ABSENT, strict=True))
-        with np.errstate(all="ignore"):  # absurd positions are refused later
+        with np.errstate(all="ignore"):  # invalid positions are rejected later
             yield trs_matrix(*own)
 
 
 def _joints(
     document: dict[str, Any], buffers: list[Any], skin: object, world: dict[int, np.ndarray]
 ) -> np.ndarray:
-    """Matrices (j, 4, 4) of the joints of a skin, from the pose of its binding."""
+    """Joint matrices (j, 4, 4) of a skin, from its bind pose to the world."""
     told = document_entry(document, "skins", skin)
     names = list_field(told, "joints")
     if not names or not all(isinstance(name, int) and name in world for name in names):
@@ -258,14 +258,14 @@ def _joints(
     inverse = accessor_numbers(document, buffers, told["inverseBindMatrices"], 16)
     if len(inverse) < len(joints):
         raise ValueError(tr("its skin has fewer matrices than joints"))
-    with np.errstate(all="ignore"):  # absurd positions are refused later
+    with np.errstate(all="ignore"):  # invalid positions are rejected later
         return joints @ inverse[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
 
 
 def _influences(
     document: dict[str, Any], buffers: list[Any], attributes: dict[str, Any]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Joints (n,) and weights (n,), those of the vertices one after another."""
+    """Joint indices (n,) and weights (n,) of all vertices, one influence at a time."""
     count, k = whole_number(document_entry(document, "accessors", attributes.get("POSITION")), "count"), 0
     while f"JOINTS_{k}" in attributes:
         J = accessor_array(document, buffers, attributes[f"JOINTS_{k}"], 4)
@@ -282,7 +282,7 @@ COMPRESSED = (
     "KHR_meshopt_compression",
     "MESHOPT_compression",
 )
-# Read, or about looks, light and data beside the geometry.
+# Extensions that are read, or concern only appearance, lights and metadata.
 _READ = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing"}
 _HARMLESS = {
     "AGI_articulations",
@@ -310,7 +310,7 @@ _HARMLESS = {
     "MSFT_packing_occlusionRoughnessMetallic",
     "MSFT_texture_dds",
 }
-_OF_MATERIALS = "KHR_materials_"  # all extensions of this name are
+_OF_MATERIALS = "KHR_materials_"  # prefix of extensions about appearance, all harmless
 
 
 def check_supported(document: dict[str, Any]) -> None:
@@ -328,14 +328,14 @@ def check_supported(document: dict[str, Any]) -> None:
 
 
 def compressed_error(extension: str) -> ValueError:
-    """Error for geometry packed by an extension."""
+    """Error for geometry compressed by an extension."""
     return ValueError(
         tr("it is compressed ({extension}), which is not supported").format(extension=extension)
     )
 
 
 def extension_fields(entry: dict[str, Any], name: str) -> dict[str, Any] | None:
-    """Fields of an entry in an extension; None without any."""
+    """Fields of an entry's extension; None without it."""
     extensions = entry.get("extensions")
     found = extensions.get(name) if isinstance(extensions, dict) else None
     return found if isinstance(found, dict) else None

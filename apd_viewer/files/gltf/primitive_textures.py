@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class PrimitiveTriangles(NamedTuple):
     """Triangles of one primitive, in the order of the mesh."""
 
-    first_vertex: int  # vertex
+    first_vertex: int  # offset of its vertices in the mesh
     triangle_count: int
     primitive: dict[str, Any]
 
@@ -26,7 +26,7 @@ class PrimitiveTriangles(NamedTuple):
 def primitive_texture(
     document: dict[str, Any], buffers: list[bytes], primitives: list[PrimitiveTriangles], mesh: Mesh
 ) -> Texture | None:
-    """Texture of all pieces of a mesh; None without one."""
+    """Texture of all primitives of a mesh; None without any image."""
     uv, uv_of, image_of, done = [np.empty((0, 2))], [], [], 0
     names: list[int] = []
     for piece in primitives:
@@ -50,7 +50,7 @@ def primitive_texture(
 
 
 def _image_of(document: dict[str, Any], primitive: dict[str, Any]) -> tuple[int | None, int | None]:
-    """Image of a primitive, and the accessor of its coordinates."""
+    """Image index of a primitive, and the accessor of its texture coordinates."""
     if "material" not in primitive:
         return None, None
     found = document_entry(document, "materials", primitive["material"]).get("pbrMetallicRoughness", {})
@@ -62,14 +62,14 @@ def _image_of(document: dict[str, Any], primitive: dict[str, Any]) -> tuple[int 
 
 
 def _coordinates(document: dict[str, Any], buffers: list[bytes], accessor: int) -> np.ndarray:
-    """Texture coordinates (n, 2) of an accessor, upwards."""
+    """Texture coordinates (n, 2) of an accessor, with v pointing up."""
     array = accessor_array(document, buffers, accessor, 2)
     uv = array / (np.iinfo(array.dtype).max if array.dtype.kind == "u" else 1.0)
     return np.column_stack([uv[:, 0], 1.0 - uv[:, 1]])
 
 
 def _image(document: dict[str, Any], buffers: list[bytes], k: int, mesh: Mesh) -> np.ndarray:
-    """Image (h, w, 3) of the file, or of one beside it."""
+    """Image (h, w, 3) embedded in the file, or from a file beside it."""
     told = document_entry(document, "images", k)
     name = str(told.get("name") or told.get("uri", ""))[:40] or f"{k + 1}"
     if "bufferView" in told:

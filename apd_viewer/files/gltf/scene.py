@@ -1,4 +1,4 @@
-"""glTF documents: containers, validated lookups, nodes with their matrices.
+"""glTF documents: containers, validated lookups and node matrices.
 
 Every look into the document asks first whether there is what the format promises, or says what is wrong.
 """
@@ -19,7 +19,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import LARGEST_FILE, sibling_content, too_large_error
 from apd_viewer.language import tr
 
-_MOST = 1 << 40  # bytes or numbers
+_MOST = 1 << 40  # largest accepted count of bytes or elements
 
 
 def document_entry(document: dict[str, Any], key: str, k: object) -> dict[str, Any]:
@@ -31,7 +31,7 @@ def document_entry(document: dict[str, Any], key: str, k: object) -> dict[str, A
 
 
 def list_field(entry: dict[str, Any], key: str) -> list[Any]:
-    """List under a key; raises ValueError if it is none."""
+    """List under a key; raises ValueError if the value is not a list."""
     found = entry.get(key, [])
     if not isinstance(found, list):
         raise ValueError(tr("its {key} are not a list").format(key=key))
@@ -39,7 +39,7 @@ def list_field(entry: dict[str, Any], key: str) -> list[Any]:
 
 
 def whole_number(entry: dict[str, Any], key: str, default: int | None = None) -> int:
-    """A number of bytes or things; raises ValueError if it is missing or absurd."""
+    """Non-negative integer field; raises ValueError if missing or out of range."""
     number = entry.get(key, default)
     if isinstance(number, float) and number.is_integer():
         number = int(number)
@@ -49,7 +49,7 @@ def whole_number(entry: dict[str, Any], key: str, default: int | None = None) ->
 
 
 def mesh_primitives(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]:
-    """The primitives of a mesh; all have attributes."""
+    """Primitives of a mesh; raises ValueError if one has no attributes."""
     found = list_field(document_entry(document, "meshes", mesh), "primitives")
     if not all(isinstance(part, dict) and isinstance(part.get("attributes"), dict) for part in found):
         raise ValueError(tr("a mesh primitive has no attributes"))
@@ -62,13 +62,13 @@ def world_matrices(document: dict[str, Any]) -> dict[int, np.ndarray]:
 
 
 def has_other_scenes(document: dict[str, Any], world: dict[int, np.ndarray]) -> bool:
-    """True if a scene shows a mesh by a node outside of ``world``."""
+    """True if another scene shows a mesh at a node not in ``world``."""
     others = (_below(document, _roots(document, k)) for k in range(len(list_field(document, "scenes"))))
     return any("mesh" in document["nodes"][node] for other in others for node in other if node not in world)
 
 
 def _below(document: dict[str, Any], roots: list[Any]) -> dict[int, np.ndarray]:
-    """World matrices (4, 4) of the roots and all nodes below them."""
+    """World matrices (4, 4) of the root nodes and all their descendants."""
     found: dict[int, np.ndarray] = {}
     todo = [(root, np.eye(4)) for root in reversed(roots)]
     while todo:
@@ -76,7 +76,7 @@ def _below(document: dict[str, Any], roots: list[Any]) -> dict[int, np.ndarray]:
         node = document_entry(document, "nodes", k)
         if k in found:
             raise ValueError(tr("its nodes do not form a tree"))
-        with np.errstate(all="ignore"):  # absurd positions are refused later
+        with np.errstate(all="ignore"):  # invalid positions are rejected later
             found[k] = above @ _matrix(node)
         todo += [(child, found[k]) for child in reversed(list_field(node, "children"))]
     return found
@@ -92,7 +92,7 @@ def _roots(document: dict[str, Any], scene: object) -> list[Any]:
 
 
 def _matrix(node: dict[str, Any]) -> np.ndarray:
-    """The matrix (4, 4) of a node to the one above."""
+    """Matrix (4, 4) from a node to its parent."""
     if "matrix" in node:
         return _numbers(node, "matrix", np.eye(4).ravel()).reshape(4, 4).T
     return trs_matrix(
@@ -103,7 +103,7 @@ def _matrix(node: dict[str, Any]) -> np.ndarray:
 
 
 def trs_matrix(translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """Matrix (4, 4) of a translation (3,), a quaternion (x, y, z, w) and factors (3,)."""
+    """Matrix (4, 4) of translation (3,), quaternion (x, y, z, w) and scale (3,)."""
     M = np.eye(4)
     x, y, z, w = rotation
     R = np.array(
@@ -136,17 +136,17 @@ def _is_sane(number: float) -> bool:
 
 def transformed_positions(matrix: np.ndarray, local: np.ndarray) -> np.ndarray:
     """Positions (n, 3) transformed by one matrix (4, 4), or each by its own (n, 4, 4)."""
-    with np.errstate(all="ignore"):  # absurd positions are refused later
+    with np.errstate(all="ignore"):  # invalid positions are rejected later
         return matrix_products(matrix[..., :3, :3], local) + matrix[..., :3, 3]
 
 
 def matrix_products(A: np.ndarray, X: np.ndarray) -> np.ndarray:
-    """Products (n, 3) of the rows of ``X`` with one matrix, or one each (n, 3, 3)."""
+    """Rows of ``X`` (n, 3) multiplied by one matrix, or by one each (n, 3, 3)."""
     return X @ A.T if A.ndim == 2 else np.einsum("nij,nj->ni", A, X)
 
 
 def parse_document(json_content: bytes) -> tuple[str, dict[str, Any]]:
-    """JSON as text, and its content."""
+    """Decoded JSON text, and the parsed document."""
     try:
         text = json_content.decode("utf-8-sig")
         document = json.loads(text)
@@ -158,7 +158,7 @@ def parse_document(json_content: bytes) -> tuple[str, dict[str, Any]]:
                 line=error.lineno, column=error.colno
             )
         ) from None
-    except ValueError:  # numbers of thousands of digits
+    except ValueError:  # raised for integers of thousands of digits
         raise ValueError(tr("its JSON has a number out of range")) from None
     except RecursionError:
         raise ValueError(tr("its JSON is nested too deeply")) from None
@@ -186,7 +186,7 @@ def glb_chunks(content: bytes) -> tuple[bytes, bytes | None]:
 
 
 def read_buffers(document: dict[str, Any], blob: bytes | None, path: Path) -> list[bytes]:
-    """Bytes of all buffers; of those outside the file no more than it may hold."""
+    """Bytes of all buffers, with a size limit on external ones."""
     found: list[bytes] = []
     for k in range(len(list_field(document, "buffers"))):
         told = document_entry(document, "buffers", k)
@@ -214,7 +214,7 @@ def data_uri_content(uri: str) -> bytes:
 
 
 def data_uri(before: str, buffer: bytearray) -> str:
-    """Data URI of a buffer; raises InputError if the one before was none."""
+    """Data URI of a buffer; raises InputError unless ``before`` is a data URI."""
     if not before.startswith("data:"):
         raise InputError(
             tr("The coordinates are in a separate file, {uri}; pack both into a GLB first.").format(
@@ -225,7 +225,7 @@ def data_uri(before: str, buffer: bytearray) -> str:
 
 
 def rewritten_glb(content: bytes, text: str | None, buffer: bytearray | None) -> bytes:
-    """GLB file with another JSON and another binary buffer; None keeps them."""
+    """GLB file with its JSON and binary buffer replaced; None keeps either."""
     head = struct.calcsize("<4sIII4s")
     (length,) = struct.unpack_from("<I", content, 12)
     said, rest = content[head : head + length], bytearray(content[head + length :])
@@ -239,7 +239,7 @@ def rewritten_glb(content: bytes, text: str | None, buffer: bytearray | None) ->
 
 
 def _buffer_of(entry: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
-    """Bytes of a buffer: the binary chunk, a data URI or a file beside."""
+    """Bytes of a buffer: binary chunk, data URI or neighbouring file."""
     uri = entry.get("uri")
     if uri is None:
         if blob is None:

@@ -1,1 +1,1 @@
-"""Selections and transforms on disk, a module a format."""
+"""Readers and writers of selections and transforms."""

@@ -29,9 +29,9 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLE
 from apd_viewer.language import tr
 
 MOST_REGIONS = 8
-# Percent, as accepted by geometry.goals.goals.
+# Limits of a region's target area in percent, as in geometry.goals.goals.
 LEAST_AREA, MOST_AREA = 1.0, 1000.0
-# Control characters and lone surrogates.
+# Unicode categories refused in names: control characters and lone surrogates.
 _UNFIT = ("Cc", "Cs")
 
 
@@ -59,13 +59,13 @@ _REGIONS = _Refusals(
 
 
 def default_name(kind: str, number: int) -> str:
-    """Default name of a part by its number."""
+    """Default name of a handle or region, from its kind and number."""
     return tr("{kind} {number}").format(kind=kind, number=number)
 
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """Labels and regions of the vertices of a mesh, with their names.
+    """Labels and region memberships of mesh vertices, with handle and region names.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class Selection:
         areas: Sequence[float | None] = (),
         same_mesh: bool = True,
     ) -> Selection:
-        """Selection with default names for nameless parts."""
+        """Selection with default names for unnamed handles and regions."""
         if member is None:
             member = np.zeros(len(labels), dtype=np.uint8)
         count = max(1, _last(labels) - HANDLE + 1)
@@ -128,20 +128,20 @@ class Selection:
 
 
 def checked_labels(numbers: np.ndarray, n: int) -> np.ndarray:
-    """Labels (n,) uint8 from a file's numbers; raises InputError on bad ones."""
+    """Labels (n,) uint8 from a file's numbers; raises InputError on invalid ones."""
     last = HANDLE + MOST_HANDLES - 1
     otherwise = tr("It has a label other than 0 (base), 1 (free) and 2 to {last} (handles); correct it.")
     return _codes(numbers, n, last, otherwise.format(last=last))
 
 
 def checked_member(numbers: np.ndarray, n: int) -> np.ndarray:
-    """Regions (n,) uint8 from a file's numbers; raises InputError on bad ones."""
+    """Regions (n,) uint8 from a file's numbers; raises InputError on invalid ones."""
     otherwise = tr("It has a region other than 0 (none) and 1 to {last}; correct it.")
     return _codes(numbers, n, MOST_REGIONS, otherwise.format(last=MOST_REGIONS))
 
 
 def check_vertex_count(found: int, n: int) -> None:
-    """Raise InputError unless a file for ``found`` vertices is one for ``n``."""
+    """Raise InputError unless the vertex count ``found`` in a file equals ``n``."""
     if found != n:
         raise InputError(
             tr(
@@ -186,7 +186,7 @@ _FORMAT, _VERSION = "apd-selection", 1
 
 
 def selection_to_json(mesh: Mesh, selection: Selection) -> bytes:
-    """The file of a selection, with a line for each part."""
+    """JSON file content of a selection, with one line per handle and region."""
     labels, member = selection.labels, selection.member
     about = {"vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
     handles = [
@@ -215,14 +215,14 @@ def _list(parts: Sequence[Mapping[str, object]]) -> str:
 
 
 def _runs(chosen: np.ndarray) -> list[int | list[int]]:
-    """Ids of chosen vertices (n,) bool: runs as [first, last], single ids alone."""
+    """Ids of the vertices in a mask (n,), with consecutive ids as [first, last]."""
     edges = np.diff(chosen.astype(np.int8), prepend=0, append=0)
     first, last = np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist()
     return [a if a == b else [a, b] for a, b in zip(first, last, strict=True)]
 
 
 def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
-    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
+    """Parse a selection; raises ValueError or InputError if it does not fit ``mesh``."""
     said = _object(_loaded(content), tr("it"))
     if said.get("format") != _FORMAT:
         raise ValueError(tr("its format is not “{format}”").format(format=_FORMAT))
@@ -251,7 +251,7 @@ def _loaded(content: bytes) -> object:
         raise ValueError(tr("it is not text in UTF-8")) from None
     except json.JSONDecodeError as error:
         raise ValueError(tr("line {line:,} is not valid JSON").format(line=error.lineno)) from None
-    except (ValueError, RecursionError):  # numbers of thousands of digits, deeply nested brackets
+    except (ValueError, RecursionError):  # integers of thousands of digits, or deeply nested brackets
         raise ValueError(tr("it is not valid JSON")) from None
 
 
@@ -275,7 +275,7 @@ def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
 
 
 def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
-    """True if made for this very mesh; raises InputError on other counts."""
+    """True if the digest matches ``mesh``; raises InputError on different counts."""
     n, m, digest = about.get("vertices"), about.get("faces"), about.get("digest", mesh.digest)
     if type(n) is not int or type(m) is not int or not isinstance(digest, str):
         raise ValueError(tr("the numbers of vertices and faces of its mesh are missing"))
@@ -291,7 +291,7 @@ def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
 
 
 def _member_codes(parts: list[object], n: int, other: int, codes: list[int]) -> np.ndarray:
-    """Codes (n,) uint8: one for the vertices of each part, ``other`` elsewhere."""
+    """Codes (n,) uint8: one per part for its vertices, ``other`` elsewhere."""
     result = np.full(n, other, dtype=np.uint8)
     taken = np.zeros(n, dtype=bool)
     for part, code in zip(parts, codes, strict=True):
@@ -308,7 +308,7 @@ def _member_codes(parts: list[object], n: int, other: int, codes: list[int]) -> 
 
 
 def _ids(runs: object, n: int) -> np.ndarray:
-    """Vertices (k,) int named by ids and runs of ids."""
+    """Vertex ids (k,) from a list of single ids and [first, last] runs."""
     if not isinstance(runs, list):
         raise ValueError(tr("one of its parts has no list of vertices"))
     pairs = [run if isinstance(run, list) else [run, run] for run in runs]
@@ -322,7 +322,7 @@ def _ids(runs: object, n: int) -> np.ndarray:
         )
     first, last = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     lengths = last - first + 1
-    if lengths.sum() > n:  # before the ids exhaust the memory
+    if lengths.sum() > n:  # checked before expansion, to bound the memory
         raise InputError(tr("One of its parts lists a vertex twice; correct it."))
     ends = np.cumsum(lengths)
     return np.arange(lengths.sum()) + np.repeat(last + 1 - ends, lengths)

@@ -54,18 +54,18 @@ from apd_viewer.language import tr
 
 _SIZES = re.compile(rb"\s*(\d{1,18})[ \t]+(\d{1,18})[ \t]*(?:\r\n|\n|\r)")
 _FREE = -1
-_LARGEST = 2.0**31  # more groups than this are an error
+_LARGEST = 2.0**31  # upper limit of group numbers
 
 
 def labels_to_dmat(labels: np.ndarray) -> bytes:
-    """The file of the labels (n,), as text."""
+    """DMAT file content of labels (n,), as text."""
     groups = np.arange(256) - 1
     groups[FREE], groups[BASE] = _FREE, 0
     return "\n".join([f"1 {len(labels)}", *map(str, groups[labels].tolist()), ""]).encode()
 
 
 def selection_from_dmat(content: bytes, mesh: Mesh) -> Selection:
-    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
+    """Parse a selection; raises ValueError or InputError if it does not fit ``mesh``."""
     columns, rows, start = _head(content, 0)
     binary = columns == rows == 0 and len(content) > start
     if binary:
@@ -91,7 +91,7 @@ def _head(content: bytes, start: int) -> tuple[int, int, int]:
 
 
 def _labels(groups: np.ndarray) -> np.ndarray:
-    """Labels (n,) for the group of each vertex, (n,) floats."""
+    """Labels (n,) from the group number of each vertex, (n,) floats."""
     whole = np.isfinite(groups) & (groups == np.rint(groups))
     if not (whole & (groups >= _FREE) & (groups < _LARGEST)).all():
         raise InputError(tr("It has a number other than -1 (free), 0, 1, 2 and so on; correct it."))
@@ -113,7 +113,7 @@ _MOST_NAMES = 100
 
 
 def selection_to_npz(mesh: Mesh, selection: Selection) -> bytes:
-    """The file of a selection."""
+    """NPZ file content of a selection."""
     stream = io.BytesIO()
     np.savez_compressed(
         stream,
@@ -128,7 +128,7 @@ def selection_to_npz(mesh: Mesh, selection: Selection) -> bytes:
 
 
 def selection_from_npz(content: bytes, mesh: Mesh) -> Selection:
-    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
+    """Parse a selection; raises ValueError or InputError if it does not fit ``mesh``."""
     n = len(mesh.V)
     arrays = _arrays(content, 32 * n + (1 << 23))
     if "labels" not in arrays:
@@ -143,7 +143,7 @@ def selection_from_npz(content: bytes, mesh: Mesh) -> Selection:
 
 
 def _arrays(content: bytes, most: int) -> dict[str, np.ndarray]:
-    """Arrays of a selection in the file, unless they unpack to too many bytes."""
+    """Arrays of an NPZ selection; raises ValueError if damaged or too large."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
@@ -160,7 +160,7 @@ def _names(arrays: dict[str, np.ndarray], key: str) -> list[str]:
     if names.dtype.kind != "U" or names.ndim != 1 or len(names) > _MOST_NAMES:
         raise ValueError(tr("its “{key}” are not a list of names").format(key=key))
     codes = np.frombuffer(names.astype(names.dtype.newbyteorder("<")).tobytes(), "<u4")
-    if codes.max(initial=0) > sys.maxunicode:  # Python would decode them to invalid text
+    if codes.max(initial=0) > sys.maxunicode:  # such code points would decode to invalid text
         raise ValueError(tr("its “{key}” are damaged").format(key=key))
     return [str(name) for name in names]
 
@@ -195,7 +195,7 @@ end_header
 
 
 def selection_to_ply(mesh: Mesh, selection: Selection) -> bytes:
-    """The triangles of ``mesh``, with the labels and the regions at its vertices."""
+    """PLY file content of ``mesh`` with labels and regions as vertex properties."""
     rows = np.empty(len(mesh.V), dtype=[("V", "<f8", (3,)), (_LABEL, "u1"), (_REGION, "u1")])
     rows["V"], rows[_LABEL], rows[_REGION] = mesh.V, selection.labels, selection.member
     faces = np.empty(len(mesh.F), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
@@ -204,7 +204,7 @@ def selection_to_ply(mesh: Mesh, selection: Selection) -> bytes:
 
 
 def selection_from_ply(content: bytes, mesh: Mesh) -> Selection:
-    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
+    """Parse a selection; raises ValueError or InputError if it does not fit ``mesh``."""
     file = read_ply(content).origin
     if not isinstance(file, PlyFile):
         raise ValueError(tr("it has no vertices"))
@@ -324,12 +324,12 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
 def _is_file_of(mesh: Mesh, path: Path) -> bool:
     try:
         return mesh.path is not None and path.samefile(mesh.path)
-    except OSError:  # one of them is missing
+    except OSError:  # one of the two files is missing
         return False
 
 
 def _dropped(selection: Selection, written: Selection) -> tuple[str, ...]:
-    """Contents of the selection missing from ``written``."""
+    """Names of selection contents missing from ``written``."""
     renamed, fewer = _lost(selection.handles, written.handles)
     lost = (tr("handle names"),) * renamed + (tr("empty handles"),) * fewer
     if not np.array_equal(selection.member, written.member):
@@ -342,5 +342,5 @@ def _dropped(selection: Selection, written: Selection) -> tuple[str, ...]:
 
 
 def _lost(names: tuple[str, ...], written: tuple[str, ...]) -> tuple[bool, bool]:
-    """True if ``written`` has fewer or other names."""
+    """Flags for renamed and for missing entries in ``written``."""
     return names[: len(written)] != written, len(written) < len(names)

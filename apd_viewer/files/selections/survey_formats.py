@@ -1,4 +1,4 @@
-"""Selections (.sel) and transforms (.def) in the survey's text formats.
+"""Text formats of the Botsch-Sorkine survey: selections (.sel), transforms (.def).
 
 [Botsch & Sorkine 2008, On Linear Variational Surface Deformation Methods]
 """
@@ -23,7 +23,7 @@ _TRANSFORM = tr("{name} is not a transform with four rows of four numbers; choos
 
 
 def read_selection(path: str | Path, n: int) -> np.ndarray:
-    """Labels of ``n`` vertices: 0 base, 1 free, 2 handle, 3 the next handle, ...
+    """Labels of ``n`` vertices: 0 base, 1 free, 2 and above the handles.
 
     Returns
     -------
@@ -47,14 +47,14 @@ def read_selection(path: str | Path, n: int) -> np.ndarray:
 
 
 def labels_to_sel(labels: np.ndarray) -> bytes:
-    """The file of the labels (n,), as :func:`read_selection` reads it."""
+    """File content of labels (n,) in the format of :func:`read_selection`."""
     head = [f"# {len(labels)} vertices, one a line in the order of the mesh's file"]
     head += ["# 0 held (base), 1 free, 2 handle, 3 the next handle and so on"]
     return "\n".join([*head, *map(str, labels.tolist()), ""]).encode()
 
 
 def read_region(path: str | Path, n: int) -> np.ndarray:
-    """Ids of the vertices marked by anything but 0 in a .sel file.
+    """Ids of the vertices with a non-zero number in a .sel file.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def read_region(path: str | Path, n: int) -> np.ndarray:
 
 
 def read_transform(path: str | Path) -> np.ndarray:
-    """The (4, 4) matrix in the file, acting on column vectors (x, y, z, 1).
+    """Read a (4, 4) matrix acting on column vectors (x, y, z, 1).
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""Whole, atomic and locked access to files."""
+"""Atomic file writes, file locks, archives and validated reads."""

@@ -20,9 +20,9 @@ from apd_viewer.language import tr
 _KINDS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 # Errors raised by zipfile, depending on the damage.
 ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OverflowError, OSError)
-# A member larger than this, and this many times larger than the whole archive, is malicious:
-# neither meshes nor shapes compress so well.
-_LARGE, _TIGHTEST = 1 << 26, 200  # bytes, times
+# Limits on a member: it is malicious if larger and with a higher ratio to the archive,
+# since meshes and shapes never compress that well.
+_LARGE, _TIGHTEST = 1 << 26, 200  # in bytes, and as a ratio
 _MAGIC = b"\x93NUMPY\x01\x00"
 _HEADER = re.compile(
     rb"\{'descr': '([<|][a-z]\d)', 'fortran_order': False, 'shape': \((\d{1,15}(?:, ?\d{0,15})*)\), \} *\n"
@@ -30,7 +30,7 @@ _HEADER = re.compile(
 
 
 def npy_content(array: np.ndarray) -> bytes:
-    """An array as the content of a .npy file, in the same byte order on every machine."""
+    """Content of a .npy file for an array, little-endian on every machine."""
     stream = io.BytesIO()
     little = array.astype(array.dtype.newbyteorder("<"), order="C", copy=False)
     np.lib.format.write_array(stream, little, version=(1, 0), allow_pickle=False)
@@ -43,7 +43,7 @@ def write_archive(
     at_once: bool = False,
     finish: Callable[[Path], object] = lambda _: None,
 ) -> None:
-    """Write the members by their names; the same ones give the same file.
+    """Write members to a ZIP archive; equal members give identical files.
 
     ``at_once`` is for a file that is wanted in a moment: not packed, and there before it is on the disk.
     ``finish`` is that of :func:`apd_viewer.files.storage.atomic_file.replacing`.
@@ -62,12 +62,12 @@ def write_archive(
 
 
 def largest_unpacked_size(packed: int) -> int:
-    """Bytes that an archive of ``packed`` bytes may hold; more is malicious."""
+    """Largest unpacked size accepted for an archive of ``packed`` bytes."""
     return max(_LARGE, _TIGHTEST * packed)
 
 
 class Archive:
-    """Archive open for reading; methods raise ValueError where it is broken.
+    """Archive open for reading; methods raise ValueError on damaged content.
 
     Parameters
     ----------
@@ -84,11 +84,11 @@ class Archive:
             raise ValueError(tr("its archive is damaged")) from None
 
     def has_member(self, name: str) -> bool:
-        """True if there is a member of this name."""
+        """True if the archive has a member ``name``."""
         return name in self._zip.NameToInfo
 
     def content(self, name: str) -> bytes:
-        """The content of a member."""
+        """Content of a member."""
         try:
             entry = self._zip.getinfo(name)
         except KeyError:
@@ -107,7 +107,7 @@ class Archive:
         return content
 
     def array(self, name: str, kind: str, shape: tuple[int, ...]) -> np.ndarray:
-        """The array in the member ``name`` with ``.npy`` after it, read-only.
+        """Read-only array in the member ``name`` plus ``.npy``.
 
         Parameters
         ----------

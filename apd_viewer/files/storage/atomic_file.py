@@ -23,15 +23,15 @@ from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 from apd_viewer.language import tr
 
 _PART = ".part"
-_MOST_OF_A_NAME = 40  # a scratch file's name must not be too long where its target's is not
-_LONG_AGO = 3600.0  # s
+_MOST_OF_A_NAME = 40  # characters of a file's name used in its scratch name, to limit its length
+_LONG_AGO = 3600.0  # seconds after which a scratch file is stale
 
 
 @contextmanager
 def replacing_file(
     path: Path, at_once: bool = False, finish: Callable[[Path], object] = lambda _: None
 ) -> Iterator[Path]:
-    """Scratch file, beside ``path`` and moved to it once it is whole.
+    """Context of a scratch file beside ``path``, moved to ``path`` on success.
 
     Whatever goes wrong on the way, the file that was at ``path`` before stays as it was. With ``at_once``
     that holds for whatever becomes of this program, but not where power fails before :func:`flush_to_disk`.
@@ -50,7 +50,7 @@ def replacing_file(
         check_not_circular(path)
         streams = is_stream(path)
         if not streams:
-            path = resolved_path(path)  # a link stays a link
+            path = resolved_path(path)  # replace the file behind a link, not the link
             _clear_away(path)
         # The suffix is kept: writers choose the format by it.
         suffix, folder = _PART + path.suffix, None if streams else path.parent
@@ -76,7 +76,7 @@ def replacing_file(
 
 
 def file_write_error(path: Path, error: OSError) -> InputError:
-    """Sentence on a path and the error of writing there."""
+    """InputError for a failed write to a path."""
     reason = error.strerror or str(error)
     return InputError(
         tr("{path} cannot be written ({reason}); choose another location. Nothing was changed.").format(
@@ -86,7 +86,7 @@ def file_write_error(path: Path, error: OSError) -> InputError:
 
 
 def is_stream(path: Path) -> bool:
-    """True for a pipe or device; raises OSError for a socket, say."""
+    """True for a pipe or character device; raises OSError for a socket or the like."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
@@ -99,7 +99,7 @@ def is_stream(path: Path) -> bool:
 
 
 def _own_output(path: Path) -> int | None:
-    """Descriptor of the standard output or error behind ``path``, or None."""
+    """Descriptor of standard output or error if ``path`` refers to it; else None."""
     for descriptor in (1, 2):
         with contextlib.suppress(OSError):
             if os.path.samestat(os.fstat(descriptor), path.stat()):
@@ -108,17 +108,17 @@ def _own_output(path: Path) -> int | None:
 
 
 def _write_through(scratch: Path, path: Path) -> None:
-    """Write the content of a file to a stream; raises OSError."""
+    """Copy the content of a file to a stream; raises OSError."""
     own = _own_output(path)
     try:
-        # Without waiting for a reader of a pipe: there may never be one.
+        # Opened without waiting for a reader of a pipe, since there may never be one.
         stream = os.open(path, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0)) if own is None else os.dup(own)
     except OSError as error:
         if error.errno == errno.ENXIO:
             error.strerror = tr("no program reads from it")
         raise
     with (
-        contextlib.suppress(BrokenPipeError),  # the reader, such as head, has seen enough
+        contextlib.suppress(BrokenPipeError),  # a reader such as head may close early
         os.fdopen(stream, "wb") as sink,
         scratch.open("rb") as source,
     ):
@@ -132,7 +132,7 @@ def _prefix(path: Path) -> str:
 
 
 def _clear_away(path: Path) -> None:
-    """Remove scratch files of writers killed long ago."""
+    """Remove scratch files left by writers killed over an hour ago."""
     prefix, suffix = _prefix(path), _PART + path.suffix
     with os.scandir(path.parent) as found:
         left = [each for each in found if each.name.startswith(prefix) and each.name.endswith(suffix)]
@@ -143,13 +143,13 @@ def _clear_away(path: Path) -> None:
 
 
 def flush_to_disk(path: Path) -> None:
-    """Return when the content of a file is on the disk; raises OSError."""
+    """Block until the content of a file is on disk; raises OSError."""
     with path.open("rb+") as stream:
         os.fsync(stream.fileno())
 
 
 def _usual_mode(path: Path) -> int:
-    """Permissions of the replaced file, or of a new one."""
+    """Permissions of the file to replace, or the default of a new file."""
     if path.exists():
         return path.stat().st_mode & 0o777
     umask = os.umask(0)
@@ -158,7 +158,7 @@ def _usual_mode(path: Path) -> int:
 
 
 def resolved_path(path: Path) -> Path:
-    """Absolute path behind all links; one in a circle stays as it is.
+    """Absolute path with links resolved; a circular link stays unresolved.
 
     ``Path.resolve`` raises RuntimeError there, before Python 3.13.
     """
@@ -166,12 +166,12 @@ def resolved_path(path: Path) -> Path:
 
 
 def is_circular_link(path: Path) -> bool:
-    """True for a link to itself, also by way of others."""
+    """True for a link to itself, directly or through other links."""
     return os.path.islink(os.path.realpath(path))  # noqa: PTH114, Path raises on names that are too long
 
 
 def check_not_circular(path: Path) -> None:
-    """Raise OSError for a link to itself: a file or folder would replace it."""
+    """Raise OSError for a circular link, since a write would replace it."""
     if is_circular_link(path):
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
 
@@ -214,7 +214,7 @@ def staging_folder(folder: Path) -> Iterator[Path]:
 
 
 def folder_write_error(folder: Path, error: OSError) -> InputError:
-    """Sentence on a folder and the error of writing it."""
+    """InputError for a failed write to a folder."""
     return InputError(
         tr("The folder {folder} cannot be written ({reason}); choose another location.").format(
             folder=folder, reason=error.strerror or error
@@ -223,7 +223,7 @@ def folder_write_error(folder: Path, error: OSError) -> InputError:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder and all above it; raises InputError."""
+    """Create a folder and its parents; raises InputError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -242,7 +242,7 @@ def move_files(scratch: Path, folder: Path) -> None:
 
 
 def _nearest(folder: Path) -> Path:
-    """Nearest existing folder at or above the given one."""
+    """Nearest existing ancestor of a folder, or the folder itself."""
     while not folder.exists() and folder != folder.parent:
         check_not_circular(folder)
         folder = folder.parent
@@ -252,7 +252,7 @@ def _nearest(folder: Path) -> Path:
 
 
 def _locked(scratch: Path) -> FileLock | None:
-    """The lock beside a scratch folder; None on a disk without locks."""
+    """Lock file beside a scratch folder; None if locked or unsupported by the disk."""
     with contextlib.suppress(OSError):
         return acquire_lock(scratch.with_suffix(_LOCK))
     return None
@@ -267,12 +267,12 @@ def _clear_folders_away(folder: Path, process: str = "*") -> None:
 
 
 def remove_scratch_of(process: int, folder: Path) -> None:
-    """Remove what a process of this number, since killed, was filling in ``folder``."""
+    """Remove the scratch folders of a killed process in ``folder``."""
     _clear_folders_away(folder, str(process))
 
 
 def unused_folder(folder: Path, name: str) -> Path:
-    """A path of this name, with a number appended where it exists."""
+    """Unused path of a folder ``name``, with a number appended if it exists."""
     number, path = 1, folder / name
     while path.exists():
         number += 1

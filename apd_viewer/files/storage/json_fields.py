@@ -1,4 +1,4 @@
-"""Checked reading of JSON from damaged or hostile files."""
+"""Validated reading of JSON from damaged or hostile files."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from apd_viewer.language import tr
 
 T = TypeVar("T")
 
-# Larger numbers are errors, and their powers overflow.
+# Largest accepted number; powers of larger ones overflow.
 _LARGEST = 1e60
-_LONGEST = 10_000  # characters
+_LONGEST = 10_000  # maximum number of characters of a text
 
 
 class JsonFields:
-    """Fields of a JSON object; unknown ones are ignored for later versions.
+    """Validated fields of a JSON object; unknown fields are ignored.
 
     All methods raise ValueError, with a phrase, where a field is missing or is something else than it should.
 
@@ -36,7 +36,7 @@ class JsonFields:
 
     @classmethod
     def parse(cls, content: bytes, name: str) -> JsonFields:
-        """Fields of the object in a text."""
+        """Parse a JSON object from UTF-8 text."""
         try:
             return cls(json.loads(content.decode(), parse_constant=_refused), name)
         except (ValueError, RecursionError):
@@ -44,38 +44,38 @@ class JsonFields:
 
     @property
     def raw(self) -> dict[str, Any]:
-        """The object as it was read, to be written again."""
+        """The object as read, for writing it unchanged."""
         return self._said
 
     def has_value(self, key: str) -> bool:
-        """True if the field ``key`` is present and not empty."""
+        """True if the field ``key`` is present and not null."""
         return self._said.get(key) is not None
 
     def nested_fields(self, key: str) -> JsonFields:
-        """The object in a field."""
+        """Fields of the object under a key."""
         return JsonFields(self._said.get(key), key)
 
     def nested_list(self, key: str, most: int) -> list[JsonFields]:
-        """The objects of a list of at most so many."""
+        """List of at most ``most`` objects under a key."""
         return [JsonFields(each, key) for each in self._list(key, most)]
 
     def texts(self, key: str, most: int) -> list[str]:
-        """The texts of a list of at most so many."""
+        """List of at most ``most`` texts under a key."""
         return [self._checked(key, each, str) for each in self._list(key, most)]
 
     def text(self, key: str) -> str:
-        """A text, not an empty one."""
+        """Non-empty text under a key."""
         said = self._checked(key, self._said.get(key), str)
         if not 0 < len(said) <= _LONGEST:
             raise _damaged(key)
         return said
 
     def flag(self, key: str) -> bool:
-        """True or false."""
+        """Boolean under a key."""
         return self._checked(key, self._said.get(key), bool)
 
     def count(self, key: str) -> int:
-        """A whole number of at least zero."""
+        """Non-negative integer under a key."""
         return self._counted(key, self._said.get(key))
 
     def counts(self, key: str, most: int) -> tuple[int, ...]:
@@ -83,14 +83,14 @@ class JsonFields:
         return tuple(self._counted(key, each) for each in self._list(key, most))
 
     def number(self, key: str, least: float = -_LARGEST, most: float = _LARGEST) -> float:
-        """A number within a range."""
+        """Number under a key, within a range."""
         said = self._said.get(key)
         if not _is_grid(said, ()) or not least <= said <= most:  # type: ignore[operator]
             raise _damaged(key)
         return float(said)  # type: ignore[arg-type]
 
     def numbers(self, key: str, *shape: int) -> np.ndarray:
-        """Lists of numbers, within each other as the shape says, as a float array."""
+        """Nested lists of numbers of a given shape, as a float array."""
         said = self._said.get(key)
         if not _is_grid(said, shape):
             raise _damaged(key)
@@ -129,7 +129,7 @@ def _damaged(name: str) -> ValueError:
 
 
 def _refused(word: str) -> object:
-    """Refuse NaN and Infinity, written by Python and invalid in JSON."""
+    """Raise ValueError for NaN and Infinity, written by Python but invalid JSON."""
     raise ValueError(tr("{word} is not a number").format(word=word))
 
 

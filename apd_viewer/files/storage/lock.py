@@ -1,4 +1,4 @@
-"""File locks held for a program's life and released by the system."""
+"""File locks, released by the system when the program ends."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _TAKEN = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
 
 
 class FileLock:
-    """A lock held; see :func:`acquire_lock`.
+    """Lock held on a file; see :func:`acquire_lock`.
 
     Attributes
     ----------
@@ -33,18 +33,18 @@ class FileLock:
 
     @property
     def is_in_place(self) -> bool:
-        """True if its file is still in place."""
+        """True if the locked file still exists at its path."""
         with contextlib.suppress(FileNotFoundError):
             return os.path.samestat(os.fstat(self._stream.fileno()), self.path.stat())
         return False
 
     def release(self) -> None:
-        """Let go of it; the file stays."""
+        """Release the lock and keep its file."""
         self._stream.close()
 
     def remove(self) -> None:
-        """Let go of it and remove the file."""
-        if sys.platform == "win32":  # Windows removes no open file
+        """Release the lock and remove its file."""
+        if sys.platform == "win32":  # Windows cannot remove an open file
             self._stream.close()
         with contextlib.suppress(OSError):
             self.path.unlink()
@@ -72,12 +72,12 @@ def acquire_lock(path: Path) -> FileLock | None:
     lock = FileLock(path, stream)
     if lock.is_in_place:
         return lock
-    lock.release()  # the previous holder has removed it
+    lock.release()  # the previous holder has removed the file
     return None
 
 
 def _lock(descriptor: int) -> None:
-    # Not fcntl.lockf: its locks are lost when another part of the program closes the file.
+    # Not fcntl.lockf: its locks are lost when the program closes any descriptor of the file.
     if sys.platform == "win32":
         msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
     else:

@@ -1,4 +1,4 @@
-"""Files read in silence, with one sentence for those impossible to read.
+"""Reading of regular files only, with one-sentence errors and no library output.
 
 All that anyone names is opened here: a pipe would wait for a writer, and a device may never end.
 
@@ -24,40 +24,40 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
-_LONGEST = 160  # characters of an error message
-# Neither waits for a writer of what has taken the place of a file, nor becomes a terminal's process.
+_LONGEST = 160  # maximum number of characters of an error message
+# Flags against blocking on a pipe and against acquiring a controlling terminal.
 _FLAGS = os.O_RDONLY | sum(
     getattr(os, name, 0) for name in ("O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC", "O_BINARY")
 )
-# What they log goes to handlers of whoever set them up, and is not printed for want of any.
+# Library logs go to handlers of the application; without handlers nothing is printed.
 for _library in ("PIL", "trimesh"):
     logging.getLogger(_library).addHandler(logging.NullHandler())
 
 
 @contextmanager
 def without_library_warnings() -> Iterator[None]:
-    """Keep warnings of libraries off the terminal; errors are said in sentences."""
+    """Suppress warnings of libraries in a context; errors become sentences."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         yield
 
 
 class NotRegularError(OSError):
-    """The error for a pipe, a device or a folder in the place of a file."""
+    """Error for a pipe, device or folder in place of a regular file."""
 
     def __init__(self, path: str | Path) -> None:
         super().__init__(errno.EINVAL, tr("it is no regular file"), str(path))
 
 
 def check_regular(path: str | Path) -> None:
-    """Raise NotRegularError for anything but a regular file, OSError for none."""
-    # By itself, and not on what was opened: to open a device may do something already.
+    """Raise NotRegularError unless ``path`` is a regular file, OSError if missing."""
+    # Checked before opening, since opening a device may already have an effect.
     if not stat.S_ISREG(os.stat(path).st_mode):  # noqa: PTH116, Path raises on names that are too long
         raise NotRegularError(path)
 
 
 def open_regular(path: str | Path, flags: int = 0) -> BinaryIO:
-    """Open a regular file for reading, and nothing else; raises OSError.
+    """Open a regular file for reading; raises OSError for anything else.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def open_regular(path: str | Path, flags: int = 0) -> BinaryIO:
     """
     check_regular(path)
     stream = os.fdopen(os.open(path, _FLAGS | flags), "rb")
-    if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):  # replaced meanwhile
+    if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):  # replaced since the check
         stream.close()
         raise NotRegularError(path)
     return stream
@@ -76,12 +76,12 @@ def open_regular(path: str | Path, flags: int = 0) -> BinaryIO:
 def read_bytes(path: str | Path) -> bytes:
     """Content of a regular file up to its current size; raises OSError."""
     with open_regular(path) as stream:
-        # Files of the kernel are regular, 0 bytes long, and may wait or go on for ever.
+        # Kernel files such as those in /proc are regular with size 0, and may block or be endless.
         return stream.read(os.fstat(stream.fileno()).st_size)
 
 
 def read_content(path: Path) -> bytes:
-    """Content of a file.
+    """Content of a regular file.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def read_content(path: Path) -> bytes:
     """
     try:
         return read_bytes(path)
-    except (FileNotFoundError, ValueError) as error:  # or a name that no file can have
+    except (FileNotFoundError, ValueError) as error:  # missing, or an impossible file name
         raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error
     except NotRegularError as error:
         raise InputError(
@@ -109,28 +109,28 @@ def read_content(path: Path) -> bytes:
 
 
 def one_line_message(error: Exception) -> str:
-    """Error message without text from a broken file."""
+    """Error message on one line, shortened and without unprintable characters."""
     return _shortened(str(error), _LONGEST)
 
 
 def _shortened(text: str, most: int) -> str:
-    """At most so many characters of a text, on one line."""
+    """Text on one line, cut to at most ``most`` characters."""
     said = "".join(sign if sign.isprintable() else " " for sign in text)
     return said if len(said) <= most else said[:most] + "…"
 
 
-# Bytes: 44 million vertices with normals in single precision, far more than can be deformed. What a small
-# file names, or holds packed, may be without end (sparse files, archives made to burst).
+# Bytes: 44 million vertices with normals in single precision, far more than can be deformed. A small file
+# may still name or contain huge data (sparse files, decompression bombs).
 LARGEST_FILE = 1 << 30
-_LONGEST_NAME = 80  # characters quoted from a file
-# Schemes and drives; a file beside needs no colon.
+_LONGEST_NAME = 80  # maximum number of characters quoted from a file
+# Absolute paths, URL schemes and drives; a neighbouring file needs no colon.
 _ELSEWHERE = re.compile(r"[/\\]|[^/\\]*:")
-# No link made since the name was resolved is followed.
+# Refuses links created after the name was resolved.
 _NO_LINKS = getattr(os, "O_NOFOLLOW", 0)
 
 
 def sibling_content(name: str, mesh: Path | None, most: int | None = None) -> bytes | None:
-    """Content of a file that a mesh file names; None if there is no such file.
+    """Content of a file named in a mesh file; None if it does not exist.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def sibling_content(name: str, mesh: Path | None, most: int | None = None) -> by
 
 
 def too_large_error(name: str) -> InputError:
-    """Error for a neighbour or an embedded part beyond :data:`LARGEST`."""
+    """Error for a neighbouring file or embedded data beyond :data:`LARGEST_FILE`."""
     return InputError(
         tr("The file names or holds more than {limit:.0f} GiB ({named}); reduce the mesh first.").format(
             limit=LARGEST_FILE / 2**30, named=_shortened(name, _LONGEST_NAME)
@@ -170,11 +170,11 @@ def too_large_error(name: str) -> InputError:
 
 
 def _resolved(name: str, mesh: Path | None) -> str | None:
-    """Real path of a name; raises InputError if outside, None if it can be no file."""
+    """Real path of a named file, None if invalid; raises InputError if outside."""
     if mesh is None or not name or "\0" in name:
         return None
     slashed = name.replace("\\", "/")
-    # Before the disk is asked: on Windows a look at another computer already tells it who asks.
+    # Checked without disk access: on Windows, probing a network path already reveals the user.
     if _ELSEWHERE.match(slashed) or Path(os.path.normpath(slashed)).parts[:1] == (os.pardir,):
         raise _outside(name, mesh)
     folder = os.path.realpath(mesh.parent)

@@ -1,1 +1,1 @@
-"""Surfaces in files of VTK: XML and legacy."""
+"""Surface meshes in VTK files, XML and legacy."""

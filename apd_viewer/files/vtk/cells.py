@@ -1,4 +1,4 @@
-"""Cells of VTK as polygons."""
+"""Conversion of VTK cells to polygons."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.formats.parsed_mesh import Polygons, strip_triangles
 from apd_viewer.language import tr
 
-# Numbers of VTK's cell types.
+# VTK cell type numbers.
 TRIANGLE, STRIP, POLYGON, PIXEL, QUAD = 5, 6, 7, 8, 9
 _FLAT = (TRIANGLE, STRIP, POLYGON, PIXEL, QUAD)
-_BELOW = (0, 1, 2, 3, 4)  # nothing, vertices and lines: kept in the file and not in the surface
+_BELOW = (0, 1, 2, 3, 4)  # empty cells, vertices and lines: kept in the file but not part of the surface
 _SOLID = (10, 11, 12, 13, 14, 15, 16, 41, 42)
 _CORNERS = {TRIANGLE: 3, PIXEL: 4, QUAD: 4}
 
 
 def point_positions(values: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) of their coordinates (3 n,) in any type of a file."""
-    with np.errstate(invalid="ignore"):  # signalling NaN; refused later
+    """Positions (n, 3) from flat coordinates (3 n,) of any numeric type."""
+    with np.errstate(invalid="ignore"):  # signalling NaN; rejected later
         return values.astype(np.float64).reshape(-1, 3)
 
 
@@ -53,7 +53,7 @@ def check_cell_types(types: np.ndarray) -> None:
 
 
 def cell_faces(cells: Polygons, types: np.ndarray) -> Polygons:
-    """Faces of cells of these types (p,), strips as triangles, in their order.
+    """Faces of cells with given types (p,), in order; strips become triangles.
 
     Raises InputError on cells that are no flat faces, ValueError on impossible ones.
     """
@@ -75,7 +75,7 @@ def cell_faces(cells: Polygons, types: np.ndarray) -> Polygons:
 
 
 def _chosen(cells: Polygons, flat: np.ndarray, strips: np.ndarray) -> Polygons:
-    """The flat ones of the cells, strips as triangles."""
+    """Polygons of the flat cells, with strips split into triangles."""
     corners, sizes, start = [], [], cells.start.tolist()
     for k in np.flatnonzero(flat).tolist():
         own = cells.corner[start[k] : start[k + 1]]

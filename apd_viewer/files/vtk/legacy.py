@@ -1,4 +1,4 @@
-"""Legacy VTK files of surfaces, ``.vtk``: read, and rewritten in place."""
+"""Legacy VTK surface files (``.vtk``): reading, and rewriting in place."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _NORMS = re.compile(rb"NAME L2_NORM_\w*RANGE LOCATION \S+\s+DATA 2 (\S+) (\S+)")
 
 @dataclass(frozen=True)
 class VtkLegacyFile:
-    """Content of a legacy file, and the place of its points."""
+    """Content of a legacy VTK file, and the span of its points."""
 
     content: bytes
     points: LegacyArray
@@ -38,21 +38,21 @@ class VtkLegacyFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Contents besides positions and triangles, in words."""
+        """Names of the contents besides positions and triangles."""
         return self.other_data
 
     @property
     def colors(self) -> None:
-        """None: its data are values, and not colours."""
+        """None: data arrays are values, not colours."""
 
     def normals(self, _: Mesh) -> None:
-        """None: the data of points stay as they are."""
+        """None: point data stay unchanged, including normals."""
 
     def texture(self, _: Mesh) -> None:
         """None: the format has no textures."""
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """File content with positions ``U`` (n, 3); all data as they were."""
+        """File content with positions ``U`` (n, 3); all data arrays unchanged."""
         if np.array_equal(mesh.V, U):
             return self.content
         return spliced_content(self.content, [self._of_points(U.ravel()), *self._norms(U)])
@@ -64,7 +64,7 @@ class VtkLegacyFile:
         return Splice(start, end, retyped_array(old, values).tobytes())
 
     def _norms(self, U: np.ndarray) -> Iterator[Splice]:
-        """Least and largest distance from the origin, where the file has them."""
+        """Updates of the stored range of distances from the origin, if any."""
         size = np.linalg.norm(U, axis=1)
         for found in _NORMS.finditer(self.content, *self.points_metadata):
             yield Splice(*found.span(1), b"%g" % size.min())
@@ -73,7 +73,7 @@ class VtkLegacyFile:
 
 @dataclass
 class _Found:
-    """Parts of the file met so far."""
+    """Sections of the file read so far."""
 
     points: LegacyArray | None = None
     about_points: tuple[int, int] = (0, 0)
@@ -84,7 +84,7 @@ class _Found:
 
 
 def read_vtk(content: bytes) -> ParsedMesh:
-    """Positions (n, 3) and triangles (m, 3) of a legacy file of a surface.
+    """Positions (n, 3) and triangles (m, 3) of a legacy VTK surface file.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def read_vtk(content: bytes) -> ParsedMesh:
 
 
 def _read(reader: LegacyReader, found: _Found, lists_offsets: bool) -> str:
-    """Read up to the data of points and cells; the kind of the data set."""
+    """Read up to the point and cell data; return the kind of the data set."""
     kind = ""
     while (word := reader.peek_word()) and word not in ("POINT_DATA", "CELL_DATA"):
         reader.read_word()
@@ -150,7 +150,7 @@ def _skip_field(reader: LegacyReader) -> None:
 
 
 def _cells(reader: LegacyReader, found: _Found, lists_offsets: bool) -> Polygons:
-    """Cells as offsets and connectivity, or as one list with their sizes."""
+    """Read cells, stored as offsets and connectivity or as one list with sizes."""
     points = 0 if found.points is None else len(found.points.values) // 3
     first, second = reader.read_count(), reader.read_count()
     if not lists_offsets:
@@ -171,7 +171,7 @@ def _named(reader: LegacyReader, name: str, count: int) -> np.ndarray:
 
 
 def _counted(row: np.ndarray, cells: int, points: int) -> Polygons:
-    """Cells of one list (k,) with their sizes among their vertices."""
+    """Polygons from one list (k,) with the size of each cell before its vertices."""
     places, at, said = [], 0, row.tolist()
     for _ in range(cells):
         if at >= len(said) or said[at] < 0:
@@ -202,7 +202,7 @@ def _poly_faces(found: _Found) -> Polygons:
 _WORD, _WORDS = re.compile(rb"\s*(\S+)"), re.compile(rb"\S+")
 _SPACE = re.compile(rb"[^\S\n]*\n?")
 _METADATA_END = re.compile(rb"\n[^\S\n]*\n|\Z")
-# Numbers of a binary file are big-endian; ids were written as int before there were types for them.
+# Binary numbers are big-endian; ids were written as int before VTK had types for them.
 _TYPES = {
     "char": "i1", "signed_char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2",
     "int": "i4", "unsigned_int": "u4", "long": "i8", "unsigned_long": "u8", "float": "f4", "double": "f8",
@@ -212,7 +212,7 @@ _TYPES = {
 
 
 class LegacyArray(NamedTuple):
-    """Values (k,) of an array, and its place in the file.
+    """Values (k,) of an array, and its span in the file.
 
     Attributes
     ----------
@@ -229,7 +229,7 @@ class LegacyArray(NamedTuple):
 
 
 class LegacyReader:
-    """Cursor in a legacy file; raises ValueError where it is damaged.
+    """Cursor in a legacy VTK file; methods raise ValueError on damaged content.
 
     Parameters
     ----------
@@ -245,12 +245,12 @@ class LegacyReader:
         self._binary = is_binary
 
     def peek_word(self) -> str:
-        """The next word in capitals; empty at the end."""
+        """Next word in upper case without advancing; empty at the end."""
         found = _WORD.match(self.content, self.position)
         return "" if found is None else found[1][:40].decode("ascii", "replace").upper()
 
     def read_word(self) -> bytes:
-        """The next word."""
+        """Read the next word."""
         found = _WORD.match(self.content, self.position)
         if found is None:
             raise ValueError(tr("it ends early"))
@@ -258,21 +258,21 @@ class LegacyReader:
         return found[1]
 
     def read_count(self) -> int:
-        """The next word, a whole number from 0."""
+        """Read the next word as a non-negative integer."""
         word = self.read_word()
         if not re.fullmatch(rb"\d{1,18}", word):
             raise ValueError(tr("{text} is not a whole number").format(text=excerpt(word)))
         return int(word)
 
     def read_array(self, count: int, kind: bytes) -> LegacyArray:
-        """The next numbers of a type."""
+        """Read the next ``count`` numbers of a type."""
         name = _TYPES.get(kind.decode("ascii", "replace").lower())
         if name is None:
             raise ValueError(tr("{text} is not a type of numbers").format(text=excerpt(kind)))
         return self._bytes(count, np.dtype(">" + name)) if self._binary else self._text(count, name)
 
     def skip_values(self, count: int, kind: bytes) -> None:
-        """Pass over the next values of a type, which may be texts or bits."""
+        """Skip the next ``count`` values of a type, possibly texts or bits."""
         name = kind.lower()
         if name == b"string":
             self.position = self._behind_line()
@@ -284,20 +284,20 @@ class LegacyReader:
             self.read_array(count, kind)
 
     def _skip_text(self) -> None:
-        """Pass over a line, or over bytes behind their number."""
+        """Skip a line of text, or in a binary file a length and that many bytes."""
         if self.position >= len(self.content):
             raise ValueError(tr("it ends early"))
         if not self._binary:
             self.position = self.content.find(b"\n", self.position) + 1 or len(self.content)
             return
-        size = 8 >> (self.content[self.position] >> 6)  # of the number, by its first two bits
+        size = 8 >> (self.content[self.position] >> 6)  # bytes of the length field, from its first two bits
         number = int.from_bytes(self.content[self.position : self.position + size], "big")
         self.position += size + number % (1 << 8 * size - 2)
 
     def _behind_line(self) -> int:
-        """Place behind the rest of a line without words."""
+        """Offset after the blank rest of a line."""
         space = _SPACE.match(self.content, self.position)
-        assert space is not None  # it matches nothing, too
+        assert space is not None  # the pattern also matches the empty string
         return space.end()
 
     def _bytes(self, count: int, dtype: np.dtype) -> LegacyArray:
@@ -321,12 +321,12 @@ class LegacyReader:
         return LegacyArray(values, start, self.position, True)
 
     def skip_metadata(self) -> tuple[int, int]:
-        """Pass over what is said of an array; where that is."""
+        """Skip the metadata of an array; return their span."""
         if self.peek_word() != "METADATA":
             return self.position, self.position
         start = self.position
         self.read_word()
         found = _METADATA_END.search(self.content, self.position)
-        assert found is not None  # the end of the file matches
+        assert found is not None  # the pattern also matches the end of the file
         self.position = found.end()
         return start, self.position

@@ -18,11 +18,11 @@ from apd_viewer.files.vtk.xml_elements import XmlElement, parse_elements
 from apd_viewer.language import tr
 
 _LEAST_MATCH = 4
-_LONG, _FULL = 15, 255  # of a length: more bytes follow
+_LONG, _FULL = 15, 255  # length values continued in further bytes
 
 
 def decompressed_block(data: bytes, most: int) -> bytes:
-    """Content of a block, at most so many bytes; raises ValueError if damaged."""
+    """Decompress an LZ4 block to at most ``most`` bytes; raises ValueError if damaged."""
     found, place = bytearray(), 0
     try:
         while place < len(data):
@@ -41,7 +41,7 @@ def decompressed_block(data: bytes, most: int) -> bytes:
 
 
 def compressed_block(data: bytes) -> bytes:
-    """A block with the content as it is: valid, and 0.4 % longer."""
+    """Valid LZ4 block with uncompressed content, 0.4 % longer."""
     size = len(data)
     if size < _LONG:
         return bytes([size << 4]) + data
@@ -50,7 +50,7 @@ def compressed_block(data: bytes) -> bytes:
 
 
 def _length(data: bytes, place: int, length: int) -> tuple[int, int]:
-    """A length continued in further bytes, and the place behind it."""
+    """Length continued in further bytes, and the offset after it."""
     if length == _LONG:
         while data[place] == _FULL:
             length += _FULL
@@ -61,7 +61,7 @@ def _length(data: bytes, place: int, length: int) -> tuple[int, int]:
 
 
 def _repeat(found: bytearray, back: int, length: int) -> None:
-    """Append the bytes from so far back, over and over."""
+    """Append ``length`` bytes, repeating the last ``back`` bytes."""
     if not 0 < back <= len(found):
         raise IndexError
     start = len(found) - back
@@ -80,7 +80,7 @@ _ENDS = tr("one of its arrays ends early")
 
 
 class _Codec(NamedTuple):
-    """Packing and unpacking of a block of at most so many bytes."""
+    """Compression and bounded decompression of a block."""
 
     pack: Callable[[bytes], bytes]
     unpack: Callable[[bytes, int], bytes]
@@ -99,13 +99,13 @@ _CODECS = {
 
 @dataclass(frozen=True)
 class _Coded:
-    """Bytes at a place of the file, written as they are or in base64."""
+    """Bytes of a file, stored raw or in base64."""
 
     content: bytes
     in_base64: bool
 
     def taken(self, start: int, size: int) -> tuple[bytes, int]:
-        """So many bytes from a place, and the place behind them."""
+        """Decode ``size`` bytes from offset ``start``; return them and the end offset."""
         length = -(-size // 3) * 4 if self.in_base64 else size
         found = self.content[start : start + length]
         if len(found) < length:
@@ -123,7 +123,7 @@ class _Coded:
 
 
 class XmlArray(NamedTuple):
-    """Values (k,) of an array, in the type of the file, and their place there.
+    """Values (k,) of an array in the type of the file, and their span in the file.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ class XmlArray(NamedTuple):
 
 
 class XmlArrays:
-    """Arrays of a file.
+    """Reader and writer of the data arrays of a VTK XML file.
 
     Parameters
     ----------
@@ -171,12 +171,12 @@ class XmlArrays:
         self._compressor = said.get("compressor", "")
         data = self.root.first_child("AppendedData")
         self._is_raw = data is not None and data.attributes.get("encoding") == "raw"
-        # A file may name one array a thousand times; what it makes is bounded all together.
+        # A file may reference one array many times, so the total size is bounded.
         self._most = largest_unpacked_size(len(content))
         self._left = 2 * len(content)
 
     def read(self, element: XmlElement) -> XmlArray:
-        """Values of a DataArray; raises ValueError if it is damaged."""
+        """Read a DataArray element; raises ValueError if it is damaged."""
         stored = self._stored(element)
         self._left -= stored.end - stored.start
         if self._left < 0:
@@ -216,7 +216,7 @@ class XmlArrays:
         return XmlArray(self._typed(data, kind), start, end, self._header, apart)
 
     def _blocks(self, coded: _Coded, start: int, count: int) -> tuple[bytes, int, int]:
-        """Unpacked bytes, the place behind them, and the bytes of a block."""
+        """Decompressed bytes, the offset after their blocks, and the block size."""
         codec = _CODECS.get(self._compressor)
         if codec is None:
             raise ValueError(tr("its compression is not supported; save it with ZLib or without compression"))
@@ -244,7 +244,7 @@ class XmlArrays:
         return np.frombuffer(data, dtype)
 
     def rewritten(self, element: XmlElement, stored: XmlArray, values: np.ndarray) -> bytes:
-        """Content between ``stored.start`` and ``stored.end`` with other values (k,)."""
+        """File content of an array's span with new ``values`` (k,)."""
         if stored.header is None:
             return with_replaced_values(self.content[stored.start : stored.end], stored.values, values)
         new = retyped_array(stored.values, values)
@@ -264,15 +264,15 @@ class XmlArrays:
 
 
 def retyped_array(old: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Array in the type of ``old`` (k,) with other ``values`` where they differ."""
+    """Copy of ``old`` (k,) in its type, with ``values`` where they differ."""
     changed, new = values != old, old.copy()
-    with np.errstate(all="ignore"):  # what does not fit is noticed as the file is read again
+    with np.errstate(all="ignore"):  # overflow is detected when the file is read back
         new[changed] = values[changed]
     return new
 
 
 def _unpack(codec: _Codec, data: bytes, most: int) -> bytes:
-    """A block of exactly ``most`` bytes."""
+    """Decompress a block to exactly ``most`` bytes; raises ValueError otherwise."""
     try:
         found = codec.unpack(data, most) if most else b""
     except (zlib.error, lzma.LZMAError, EOFError):

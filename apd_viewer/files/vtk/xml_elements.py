@@ -1,4 +1,4 @@
-"""Elements of a VTK XML file with their places, so that parts can be replaced."""
+"""Elements of a VTK XML file with their byte spans, for replacing parts of it."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from xml.parsers import expat
 from apd_viewer.language import in_quotes, tr
 
 _TAG = re.compile(rb"""<(?:[^<>"']|"[^"]*"|'[^']*')*>""")
-_APPENDED = re.compile(rb"<AppendedData\b[^<>]{0,200}>\s{0,200}_")  # bounded: it is searched for
+_APPENDED = re.compile(rb"<AppendedData\b[^<>]{0,200}>\s{0,200}_")  # bounded, to keep the search fast
 _NAMES_UTF16 = re.compile(rb"<\?xml\b[^>]{0,200}\bencoding\s*=\s*.UTF-(?:16|32)", re.IGNORECASE)
-_MOST_DEEP = 100  # elements inside each other; VTK writes 7
+_MOST_DEEP = 100  # largest nesting depth; VTK writes 7 levels
 
 
 @dataclass
 class XmlElement:
-    """An element, and its places in the file.
+    """XML element with its byte offsets in the file.
 
     Attributes
     ----------
@@ -43,21 +43,21 @@ class XmlElement:
     children: list[XmlElement] = field(default_factory=list)
 
     def children_named(self, *names: str) -> list[XmlElement]:
-        """Children with one of the names."""
+        """Children with one of the given names."""
         return [child for child in self.children if child.name in names]
 
     def first_child(self, name: str) -> XmlElement | None:
-        """First child of a name."""
+        """First child with a name; None without any."""
         return next((child for child in self.children if child.name == name), None)
 
     def walk(self) -> Iterator[XmlElement]:
-        """The element, and all below it."""
+        """Iterate over the element and all its descendants."""
         yield self
         for child in self.children:
             yield from child.walk()
 
     def text_span(self, content: bytes) -> tuple[int, int]:
-        """Start and end of its text, before, between or behind its children."""
+        """Start and end of the element's text, before, between or after its children."""
         ends = [child.begin for child in self.children]
         starts = [self.inside, *(child.after for child in self.children)]
         for start, end in zip(starts, [*ends, self.end], strict=True):
@@ -66,7 +66,7 @@ class XmlElement:
         return self.inside, self.inside
 
     def int_attribute(self, name: str) -> int:
-        """Whole number of an attribute, 0 if there is none."""
+        """Integer value of an attribute; 0 if missing or negative."""
         try:
             return max(0, int(self.attributes.get(name, "0")))
         except ValueError:
@@ -74,7 +74,7 @@ class XmlElement:
             raise ValueError(tr("{text} is not a whole number").format(text=said)) from None
 
     def attribute_span(self, content: bytes, name: str) -> tuple[int, int] | None:
-        """Start and end of the value of an attribute in its tag."""
+        """Start and end of an attribute's value in the start tag; None if missing."""
         found = re.search(
             rb"\s%s\s*=\s*(?:\"([^\"]*)\"|'([^']*)')" % name.encode(), content[self.begin : self.inside]
         )
@@ -85,7 +85,7 @@ class XmlElement:
 
 
 def parse_elements(content: bytes) -> tuple[XmlElement, int | None]:
-    """Outermost element of an XML file, and the start of its appended data.
+    """Root element of an XML file, and the start of its appended data.
 
     Raises
     ------
@@ -102,20 +102,20 @@ def parse_elements(content: bytes) -> tuple[XmlElement, int | None]:
 
 
 class _Reader:
-    """Builds elements from the events of the parser."""
+    """Builder of elements from parser events."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
         self._open: list[XmlElement] = []
         self.outermost: XmlElement | None = None
-        # Bytes that can be read so far are not in the encoding that they name: the file was, before.
+        # The declared UTF-16 or UTF-32 is outdated: the content was decoded to UTF-8 before.
         self._parser = expat.ParserCreate("utf-8" if _NAMES_UTF16.match(content) else None)
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
         self._parser.StartDoctypeDeclHandler = self._refuse
 
     def read(self, whole: bool) -> None:
-        """Read the content; only what is before appended data need not be whole."""
+        """Parse the content; it may be incomplete if appended data follow."""
         try:
             self._parser.Parse(self._content, whole)
         except expat.ExpatError as error:
@@ -142,7 +142,7 @@ class _Reader:
     def _end(self, _: str) -> None:
         element = self._open.pop()
         element.end = element.after = max(element.inside, self._parser.CurrentByteIndex)
-        if self._content.startswith(b"</", element.end):  # <a/> has no last tag
+        if self._content.startswith(b"</", element.end):  # <a/> has no end tag
             element.after = self._content.find(b">", element.end) + 1
 
     def _refuse(self, *_: object) -> None:

@@ -1,4 +1,4 @@
-"""VTK XML files of surfaces, ``.vtp`` and ``.vtu``: read, and rewritten in place."""
+"""VTK XML surface files (``.vtp``, ``.vtu``): reading, and rewriting in place."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from apd_viewer.language import tr
 _KINDS = {".vtp": "PolyData", ".vtu": "UnstructuredGrid"}
 _DATA = {"PointData": tr("point data"), "CellData": tr("cell data"), "FieldData": tr("field data")}
 _ARRAYS = "DataArray", "Array"
-_LONGEST = 40  # characters of the names of arrays that are listed
+_LONGEST = 40  # maximum number of characters of the listed array names
 
 
 class _Points(NamedTuple):
-    """Points of a piece: their element and values, and the first of them in the mesh."""
+    """Points of a piece: element, stored values and first vertex in the mesh."""
 
     element: XmlElement
     stored: XmlArray
@@ -34,7 +34,7 @@ class _Points(NamedTuple):
 
 @dataclass(frozen=True)
 class VtkXmlFile:
-    """Content of a VTK XML file, and the places of its points."""
+    """Content of a VTK XML file, and the spans of its points."""
 
     arrays: XmlArrays
     points: tuple[_Points, ...]
@@ -42,7 +42,7 @@ class VtkXmlFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Contents besides positions and triangles, in words."""
+        """Names of the contents besides positions and triangles."""
         found: dict[str, list[str]] = {}
         for element in self.arrays.root.walk():
             for array in element.children_named(*_ARRAYS) if element.name in _DATA else ():
@@ -52,16 +52,16 @@ class VtkXmlFile:
 
     @property
     def colors(self) -> None:
-        """None: its data are values, and not colours."""
+        """None: data arrays are values, not colours."""
 
     def normals(self, _: Mesh) -> None:
-        """None: the data of points stay as they are."""
+        """None: point data stay unchanged, including normals."""
 
     def texture(self, _: Mesh) -> None:
         """None: the format has no textures."""
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """File content with positions ``U`` (n, 3); all data as they were.
+        """File content with positions ``U`` (n, 3); all data arrays unchanged.
 
         Raises
         ------
@@ -88,7 +88,7 @@ class VtkXmlFile:
                 )
 
     def _shifted(self, offset: int, by: int) -> Iterator[Splice]:
-        """Offsets of the arrays behind a longer one."""
+        """Updates of the array offsets after an array of changed length."""
         for element in self.arrays.root.walk() if by else ():
             if element.attributes.get("format") == "appended" and element.int_attribute("offset") > offset:
                 span = element.attribute_span(self.arrays.content, "offset")
@@ -132,7 +132,7 @@ def _read(content: bytes, suffix: str) -> ParsedMesh:
 
 
 def _about_kind(kind: str) -> str:
-    """Sentence about a file of another kind than its name says."""
+    """Error sentence for a VTK data set kind not matching the suffix."""
     suffix = next((suffix for suffix, own in _KINDS.items() if own == kind), None)
     if suffix is not None:
         return tr("The file holds a surface of another kind; give its name the ending {ending}.").format(
@@ -142,7 +142,7 @@ def _about_kind(kind: str) -> str:
 
 
 def _points_of(arrays: XmlArrays, piece: XmlElement) -> tuple[XmlElement | None, XmlArray]:
-    """XmlElement and values of the points; None where a piece has none."""
+    """Element and values of a piece's points; None without any."""
     n, points = piece.int_attribute("NumberOfPoints"), piece.first_child("Points")
     found = points.children_named("DataArray") if points is not None else []
     if not found or not n:
@@ -188,7 +188,7 @@ def _cells(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
 
 
 def _ranges(content: bytes, element: XmlElement, U: np.ndarray) -> Iterator[Splice]:
-    """Least and largest distance from the origin, where the file has them."""
+    """Updates of the stored ranges of distances from the origin, if any."""
     size = np.linalg.norm(U, axis=1)
     ends = [b"%r" % float(size.min()), b"%r" % float(size.max())]
     for name, said in zip(("RangeMin", "RangeMax"), ends, strict=True):

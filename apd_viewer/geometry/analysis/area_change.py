@@ -18,33 +18,33 @@ from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER
 
-# Bins per octave of c; the octaves reach from 2^_LOWEST, mere rounding, to 2^_HIGHEST.
+# Bins per octave of c; octaves range from 2^_LOWEST, the level of rounding, to 2^_HIGHEST.
 _STEPS = 64
 _LOWEST, _HIGHEST = -40, 10
 _BINS = (_HIGHEST - _LOWEST) * _STEPS
-# Exponent and leading mantissa bits of a float make the bin number, plus an offset.
+# Exponent and leading mantissa bits of a float give the bin number, up to an offset.
 _BELOW_STEPS = 52 - int(math.log2(_STEPS))
 _BEFORE = (1023 + _LOWEST) * _STEPS - 1
-_AT_ONCE = 512  # triangles
+_AT_ONCE = 512  # triangles per block
 _PARTS = 4
 
 
 def _edges() -> np.ndarray:
-    """Upper ends of one side's bins in c, ascending from 0, (_BINS + 2,)."""
+    """Upper bin edges of one side in c, ascending from 0, (_BINS + 2,)."""
     octaves = np.repeat(2.0 ** np.arange(_LOWEST, _HIGHEST), _STEPS)
     inner = octaves * (1.0 + np.tile(np.arange(_STEPS) / _STEPS, _HIGHEST - _LOWEST))
     return np.concatenate([[0.0], inner, [2.0**_HIGHEST]])
 
 
 _C = _edges()
-_GROWN, _SHRUNK = _C, _C / (1.0 + _C)  # as changes relative to the area at rest
+_GROWN, _SHRUNK = _C, _C / (1.0 + _C)  # as area changes relative to rest
 _EITHER = np.union1d(_GROWN, _SHRUNK)
 _OCTAVES = np.log2(1.0 + _C)
 
 
 @dataclass(frozen=True, eq=False)
 class LocalChange:
-    """Changes of the triangles' areas, each weighted by its rest area.
+    """Area changes of the triangles, weighted by their rest areas.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class LocalChange:
     below: np.ndarray
 
     def shares(self, edges: np.ndarray) -> np.ndarray:
-        """Surface shares (b,) between ``edges`` (b + 1,) in log2 of the area ratio."""
+        """Surface fractions (b,) between ``edges`` (b + 1,) in log2 of the area ratio."""
         return np.diff(np.interp(edges, _ALL_OCTAVES, self.below))
 
 
@@ -69,7 +69,7 @@ _ALL_OCTAVES = np.concatenate([-_OCTAVES[:0:-1], _OCTAVES])
 
 
 def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
-    """Change of the areas of ``F`` (m, 3) at ``U`` (n, 3) against ``rest`` (m,)."""
+    """Area changes of ``F`` (m, 3) at ``U`` (n, 3) relative to ``rest`` (m,)."""
     parts = np.zeros((_PARTS, 2, _BINS + 1))
     found = np.zeros((_PARTS, 2))
     with cores_for(len(U)):
@@ -93,7 +93,7 @@ def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
 def _sort_in(
     U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, parts: np.ndarray, found: np.ndarray
 ) -> None:
-    """Sort the triangles in parts, each into ``parts[p]`` and ``found[p]``.
+    """Bin the triangles in fixed blocks, each into ``parts[p]`` and ``found[p]``.
 
     There are as many whatever the number of cores, so that the sums are the same.
     """
@@ -103,13 +103,13 @@ def _sort_in(
         found[p, 0], found[p, 1] = _sort_part(U, F[first:end], rest[first:end], least, parts[p])
 
 
-# In three passes over a block of triangles, the second mere arithmetic: three times as fast as
-# in one. Not inlined: inside a parallel loop it would not be vectorized.
+# Three passes over a block of triangles, the second pure arithmetic, are three times as fast as
+# one. Not inlined: inside a parallel loop it would not be vectorized.
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sort_part(
     U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, weights: np.ndarray
 ) -> tuple[float, float]:
-    """Add rest areas to the bins; the total and the largest change."""
+    """Add rest areas to the bins; return the total and the largest change."""
     moved = largest = 0.0
     area, change, ratio = np.empty(_AT_ONCE), np.empty(_AT_ONCE), np.empty(_AT_ONCE)
     bits = change.view(np.int64)

@@ -9,12 +9,12 @@ import numpy as np
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.adjacency import join, root
 
-# Faces at one edge compared with each other.
+# Number of preceding faces at an edge that each face is compared with.
 _MOST_AT_AN_EDGE = 64
 
 
 class Defects(NamedTuple):
-    """Defective places among the triangles ``F`` (m, 3).
+    """Topological defects of the triangles ``F`` (m, 3).
 
     Attributes
     ----------
@@ -41,14 +41,14 @@ class Defects(NamedTuple):
 
 
 def defects(F: np.ndarray, n: int) -> Defects:
-    """Defects of triangles ``F`` (m, 3), each with three different corners."""
+    """Defects of triangles ``F`` (m, 3), each with three distinct corners."""
     F = np.ascontiguousarray(F)
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     low, high = np.minimum(a, b), np.maximum(a, b)
     order = _sorted_by(low, _sorted_by(high, np.arange(len(high)), n), n)
     uses, corner, face, side, doubled, one_sided = _joined(F, low[order], high[order], order)
     edges = np.column_stack([a, b])
-    fans = a[corner == np.arange(len(corner))]  # one corner of each
+    fans = a[corner == np.arange(len(corner))]  # one corner of each fan of triangles
     many = np.flatnonzero(np.bincount(fans, minlength=n) > 1)
     return Defects(
         boundary_edges=edges[order[uses == 1]],
@@ -61,7 +61,7 @@ def defects(F: np.ndarray, n: int) -> Defects:
 
 
 def _fewer(face: np.ndarray, side: np.ndarray) -> np.ndarray:
-    """Triangles of the less common orientation in their part of the surface."""
+    """Triangles of the minority orientation within their connected component."""
     count = np.bincount(2 * face + side, minlength=2 * len(face)).reshape(-1, 2)
     return np.flatnonzero(count[face, side] < count[face, 1 - side])
 
@@ -85,7 +85,7 @@ def _sorted_by(key: np.ndarray, order: np.ndarray, n: int) -> np.ndarray:
 def _joined(
     F: np.ndarray, low: np.ndarray, high: np.ndarray, order: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool]:
-    """Pair the half-edges from ``low`` to ``high``, neighbours in ``order``.
+    """Match half-edges by end vertices ``low`` and ``high``, sorted by ``order``.
 
     Returns
     -------
@@ -145,7 +145,7 @@ def _root_and_side(parent: np.ndarray, side: np.ndarray, k: int) -> tuple[int, i
 
 @njit(cache=True, nogil=True)
 def _agree(parent: np.ndarray, side: np.ndarray, s: int, t: int, same_way: bool) -> bool:
-    """Join two triangles across an edge; False if their orientations contradict."""
+    """Unite two triangles across an edge; False if their orientations conflict."""
     a, turned_a = _root_and_side(parent, side, s)
     b, turned_b = _root_and_side(parent, side, t)
     differ = turned_a ^ turned_b

@@ -1,4 +1,4 @@
-"""Deviation of a shape from its rest shape or a target shape, a value per vertex.
+"""Deviation of a shape from its rest or target shape, one value per vertex.
 
 Ratios are natural logarithms: twice and half are equally far from zero, and zero is no change. A vertex
 without a triangle, or whose triangles had no area at rest, has no value: it is not a number.
@@ -92,7 +92,7 @@ class Deviation:
         return found
 
     def bending(self, U: np.ndarray) -> np.ndarray:
-        """Mean curvature less that at rest, (n,), 1 / mesh units; convex positive."""
+        """Mean curvature minus its rest value, (n,), 1 / mesh units; convex is positive."""
         with cores_for(len(U)):
             return self._curvature(U) - self._rest_curvature
 
@@ -134,7 +134,7 @@ class Deviation:
 
     @cached_property
     def _bare(self) -> np.ndarray:
-        """The vertices without a triangle, (k,) int array."""
+        """Vertices without triangles, (k,) int array."""
         return np.flatnonzero((np.diff(self._patch.start) == 0)[self._named])
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Kernels of the deviation from the rest shape: values, extremes, bytes."""
+"""Kernels of the deviation from the rest shape: values, extremes, colour levels."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def edge_strain(
     out = np.empty(len(representative))
     for v in prange(len(representative)):
         w = representative[v]
-        # Squared largest and smallest ratio: one logarithm a vertex is enough.
+        # Extremes of the squared ratio, so that one logarithm per vertex is enough.
         most, least = 0.0, np.inf
         for e in range(start[w], start[w + 1]):
             for j in (second[e], third[e]):
@@ -108,7 +108,7 @@ def mean_curvature(
                     bx * bx + by * by + bz * bz,
                     ax * bx + ay * by + az * bz,
                 )
-                at_j, at_k = (aa - ab) / double, (bb - ab) / double  # cotangents
+                at_j, at_k = (aa - ab) / double, (bb - ab) / double  # cotangents of the corner angles
                 if ab < 0.0:
                     area += 0.25 * double
                 elif at_j < 0.0 or at_k < 0.0:
@@ -139,14 +139,14 @@ def write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndar
 @parallel()
 def _write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndarray) -> None:
     scale = (127.0 if signed else 254.0) / reach
-    zero = 128.5 if signed else 1.5  # truncated, it is rounded
+    zero = 128.5 if signed else 1.5  # half a level up, as the conversion to integers truncates
     for v in prange(len(values)):
         x = values[v]
         shades[v] = np.uint8(0) if np.isnan(x) else np.uint8(min(max(zero + scale * x, 1.0), 255.0))
 
 
 def extreme_vertices(values: np.ndarray, U: np.ndarray, least_distance: float, most: int) -> np.ndarray:
-    """Vertices of the largest absolute ``values`` (n,), worst first, kept apart.
+    """Separated vertices of the largest absolute ``values`` (n,), largest first.
 
     Parameters
     ----------

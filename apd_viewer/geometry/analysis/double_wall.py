@@ -1,4 +1,4 @@
-"""Double-walled vessels: closed surfaces around a thin wall, not a content."""
+"""Double-walled vessels: closed surfaces enclosing a wall instead of the capacity."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.operators import missing_volume_reason, volume
 from apd_viewer.geometry.picking.picking import block_boxes, ray_hit
 
-# Thickness of a wall, in diagonals: 0.009 for a cup of 1 mm, 0.04 for thick glass, 0.12 for a bottle's body.
+# Largest wall thickness in mesh diagonals: 0.009 for a 1 mm cup, 0.04 thick glass, 0.12 a bottle's body.
 _THIN = 0.05
 
-# The ray casts look at all boxes: 200,000 triangles take about a second.
+# Each ray cast tests all block boxes: 200,000 triangles take about a second.
 _MOST_TRIANGLES = 200_000
 
-# Share of the area whose opposite wall is near and parallel: 0.98 for a cup of 1 mm, with a flat rim.
+# Least area fraction with a near, parallel opposite wall: 0.98 for a 1 mm cup with a flat rim.
 _FACING = 0.8
-_PARALLEL = -0.7  # cosine of the normals
+_PARALLEL = -0.7  # largest cosine between the normals of opposite walls
 
-# Thickness of the tenth and the ninth tenth of the area, in medians.
+# Bounds of the area-weighted 10th and 90th percentile of the thickness, in medians.
 _SPREAD = 0.5, 2.0
 
-# Around the rim the way along the surface to the opposite wall is shorter than so many thicknesses.
+# Near the rim, the path along the surface to the opposite wall is shorter than this many thicknesses.
 _AROUND = 4.0
 
-# How far a rim may leave its plane, in its own diagonals.
+# Largest deviation of a rim from a plane, in diagonals of the rim.
 _UNEVEN = 0.1
 
-# What the outer side holds more than the inner one is the material; rims that are no planes cost some.
+# Tolerance of outer volume = capacity + material, as a fraction of the material: rims are not quite planar.
 _UNACCOUNTED = 0.3
 
 
@@ -60,7 +60,7 @@ class DoubleWall(NamedTuple):
 def double_wall(
     V: np.ndarray, F: np.ndarray, component: np.ndarray, areas: np.ndarray, signed_volume: float
 ) -> DoubleWall | None:
-    """Double wall of a closed surface; None without one.
+    """Double wall of a closed surface; None if it has none.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def double_wall(
     """
     area, is_one = float(areas.sum()), bool((component == component[0]).all())
     if is_one and 2.0 * abs(signed_volume) > _THIN * diagonal(V) * area:
-        return None  # so it is for most meshes
+        return None  # the volume of most meshes is too large for a wall
     parts = (
         [_WallComponent(np.ones(len(F), dtype=bool), signed_volume)]
         if is_one
@@ -101,14 +101,14 @@ def double_wall(
 
 
 class _WallComponent(NamedTuple):
-    """A connected part: its triangles as a mask, and its signed volume."""
+    """Connected component: its triangles as a mask, and its signed volume."""
 
     triangles: np.ndarray
     inside: float
 
 
 def _nested_components(V: np.ndarray, F: np.ndarray, component: np.ndarray) -> list[_WallComponent]:
-    """Two parts with the second inside the first; none otherwise."""
+    """Two components, the second inside the first, or an empty list."""
     names = np.unique(component)
     if len(names) > 2:
         return []
@@ -120,7 +120,7 @@ def _nested_components(V: np.ndarray, F: np.ndarray, component: np.ndarray) -> l
 
 
 def _facing_outward(F: np.ndarray, parts: list[_WallComponent]) -> np.ndarray:
-    """Triangles ``F`` (m, 3) with the wall behind them: an inner part faces inwards."""
+    """Triangles ``F`` (m, 3) facing away from the wall; inner ones face inwards."""
     T = F.copy()
     for k, (triangles, inside) in enumerate(parts):
         if (inside < 0.0) == (k == 0):
@@ -129,7 +129,7 @@ def _facing_outward(F: np.ndarray, parts: list[_WallComponent]) -> np.ndarray:
 
 
 def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: float) -> np.ndarray | None:
-    """One side of a wall as a mask of ``T`` (m, 3); None without a wall."""
+    """Mask of the triangles ``T`` (m, 3) on one side of a wall; None without a wall."""
     normals = np.cross(V[T[:, 1]] - V[T[:, 0]], V[T[:, 2]] - V[T[:, 0]])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
     middles = V[T].mean(axis=1)
@@ -154,7 +154,7 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
 
 
 def _capped(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
-    """Signed volume of a side up to its rims, and their number; NaN if uneven."""
+    """Signed volume of a side with capped rims, and their number; NaN if not planar."""
     if missing_volume_reason(T, len(V)) is None:
         return volume(V, T), 0
     caps = Caps.from_triangles(T, len(V))
@@ -168,7 +168,7 @@ def _capped(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
     return inside, caps.count
 
 
-# The triangles of a rim may be larger than its wall is thick: so many count as near, too.
+# Rim triangles may be larger than the wall thickness: triangles within this many steps also count as near.
 _HOPS = 3
 
 
@@ -181,7 +181,7 @@ def opposite_triangles(
     block_boxes: np.ndarray,
     offset: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance behind the middle of each triangle to another, and its number or -1."""
+    """Distance of the nearest triangle behind each triangle, and its index or -1."""
     away, partner = np.full(len(T), np.inf), np.full(len(T), -1)
     for i in range(len(T)):
         face, distance, _, _ = ray_hit(middles[i] - offset * normals[i], -normals[i], V, T, block_boxes)
@@ -199,7 +199,7 @@ def wall_sides(
     facing: np.ndarray,
     reach: float,
 ) -> np.ndarray:
-    """Number of the side of each triangle; those of a rim are sides of their own."""
+    """Side label of each triangle; rim triangles keep labels of their own."""
     m = len(neighbours)
     side, wall = np.arange(m), np.zeros(m, dtype=np.bool_)
     queue, gone, hops, seen = np.zeros(m, np.int64), np.zeros(m), np.zeros(m, np.int64), np.full(m, -1)
@@ -229,7 +229,7 @@ def wall_sides(
 
 @njit(cache=True, nogil=True)
 def grown_sides(neighbours: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Sides 1 and 2 grown over the triangles of neither, until they meet."""
+    """Sides 1 and 2 grown over the unassigned triangles until they meet."""
     side, queue, end = start.copy(), np.zeros(len(start), np.int64), 0
     for i in range(len(start)):
         if side[i]:

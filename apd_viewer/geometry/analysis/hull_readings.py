@@ -1,4 +1,4 @@
-"""Readings of a shape that depend on its convex hull alone."""
+"""Readings of a shape determined by its convex hull alone."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import as_float, checked, local_origin
 from apd_viewer.language import tr
 
-# Share of a container that convex bodies fill when they lie in it at random: equal spheres at their densest,
-# and the range from the loosest spheres [Onoda & Liniger 1990] to the densest spheroids [Donev et al. 2004].
+# Volume fraction of randomly packed convex bodies: the densest random packing of equal spheres, and the range
+# from the loosest spheres [Onoda & Liniger 1990] to the densest spheroids [Donev et al. 2004].
 PACKING, LOOSEST, DENSEST = 0.64, 0.55, 0.71
-_LITTLE = 1e-9  # of an object: rounding
+_LITTLE = 1e-9  # fraction of an object, to absorb rounding
 
 
 class HullReadings(NamedTuple):
-    """Readings of a convex hull, mesh units; a flat shape has no volume and no width.
+    """Readings of a convex hull, mesh units; a flat shape has no volume or width.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ class HullReadings(NamedTuple):
 
     @property
     def box(self) -> float:
-        """Volume of the smallest box."""
+        """Volume of the smallest bounding box in any orientation."""
         a, b, c = self.sides
         return a * b * c
 
     def bulk(self, packing: float = PACKING) -> float:
-        """Volume that one of many takes in a container, lying at random.
+        """Container volume per object in a random packing.
 
         ``packing`` is the share of the container that they fill.
         """
@@ -58,7 +58,7 @@ class HullReadings(NamedTuple):
 
     @checked
     def count_in(self, container: float, packing: float = PACKING) -> int:
-        """Number of objects in a ``container``, cubic mesh units; 0 of a flat shape."""
+        """Number of objects in a ``container``, cubic mesh units; 0 for a flat shape."""
         return int(container / self.bulk(packing) + _LITTLE) if self.volume > 0.0 else 0
 
 
@@ -66,7 +66,7 @@ def hull_readings(points: np.ndarray) -> HullReadings:
     """Readings of the convex hull of ``points`` (k, 3)."""
     points = points - local_origin(points)
     hull = convex_hull(points)
-    if hull is None:  # its box has no volume either, in whatever way it is turned in its plane
+    if hull is None:  # a flat shape has no box volume, whatever its orientation
         centred = points - points.mean(axis=0)
         along = centred @ np.linalg.svd(centred, full_matrices=False)[2].T
         _, b, c = np.sort(np.ptp(along, axis=0)).tolist()
@@ -74,9 +74,9 @@ def hull_readings(points: np.ndarray) -> HullReadings:
     return HullReadings(hull.volume, minimum_width(hull), smallest_box(hull.corners))
 
 
-_PORTION = 1 << 22  # products of directions with corners at a time
-_ROUNDING = 1e-12  # of the size
-_ENOUGH = 4000  # corners that tell one direction from another
+_PORTION = 1 << 22  # direction-corner products per batch
+_ROUNDING = 1e-12  # relative to the size of the hull
+_ENOUGH = 4000  # corners sufficient for finding a direction
 
 
 class ConvexHull(NamedTuple):
@@ -100,7 +100,7 @@ class ConvexHull(NamedTuple):
 
 def convex_hull(points: np.ndarray) -> ConvexHull | None:
     """Convex hull of ``points`` (k, 3); None if they are flat."""
-    # Imported here: few runs of the program come this way, and the first picture does not wait for scipy.
+    # Imported here: scipy would delay the first picture, and few runs need a convex hull.
     from scipy.spatial import ConvexHull as Qhull
     from scipy.spatial import QhullError
 
@@ -114,7 +114,7 @@ def convex_hull(points: np.ndarray) -> ConvexHull | None:
 
 
 def minimum_width(hull: ConvexHull) -> float:
-    """Least distance of two parallel planes with the hull between them.
+    """Least distance between two parallel planes enclosing the hull.
 
     Exact up to 4,000 corners. Of more, a part finds the direction, and all give the extent along it: never
     less than the minimum, and on a sphere at most 0.1 % more.
@@ -150,7 +150,7 @@ def _narrowest(hull: ConvexHull) -> np.ndarray:
         best = extents.argmin()
         if extents[best] < least:
             least, narrowest = extents[best], middle[best]
-        # Where a third corner is lower still, both halves of the arc are searched.
+        # If a third corner is lower still, both halves of the arc are searched.
         depth = np.einsum("nc,nc->n", corners[lows[:, 0]] - corners[low], middle)
         deeper = depth > rounding
         halves = [
@@ -177,13 +177,13 @@ def _extents(directions: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, n
     return extent / np.linalg.norm(directions, axis=1), low
 
 
-# The search for the smallest box starts from this many orientations and refines the best of them.
+# Starting orientations in the search for the smallest box, and how many of the best are refined.
 _ORIENTATIONS, _BEST = 200, 4
-_NEAR = 0.05  # radians
+_NEAR = 0.05  # size of the initial simplex, radians
 
 
 def box_volume(points: np.ndarray) -> float:
-    """Volume of the box along the axes around the ``points`` (k, 3)."""
+    """Volume of the axis-aligned bounding box of the ``points`` (k, 3)."""
     return float(np.prod(np.ptp(points, axis=0)))
 
 
@@ -193,7 +193,7 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
     No algorithm for it is exact and quick. The search is the same every time, and never worse than the box
     along the axes.
     """
-    # Imported here: few runs of the program come this way, and the first picture does not wait for scipy.
+    # Imported here: scipy would delay the first picture, and few runs need a convex hull.
     from scipy.optimize import minimize
     from scipy.spatial.transform import Rotation
 
@@ -228,5 +228,5 @@ def _principal(corners: np.ndarray) -> np.ndarray:
 
 
 def compactness(volume: float, area: float) -> float:
-    """Isoperimetric ratio ``36 pi V^2 / A^3``: 1 for a ball, else less."""
+    """Isoperimetric ratio ``36 pi V^2 / A^3``: 1 for a ball, less otherwise."""
     return 36.0 * math.pi * volume**2 / area**3

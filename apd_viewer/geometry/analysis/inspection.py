@@ -1,4 +1,4 @@
-"""Contents of a mesh, its peculiarities and their treatment."""
+"""Inspection of a mesh: its contents, defects, and their treatment."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from apd_viewer.language import tr
 
 @dataclass(frozen=True)
 class Inspection:
-    """Counts, readings and findings of a mesh at rest.
+    """Counts, readings and findings of an undeformed mesh.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Inspection:
 
 
 def inspect(mesh: Mesh) -> Inspection:
-    """Inspect the mesh as it came from its file."""
+    """Inspect the undeformed mesh as read from its file."""
     first, inverse = mesh.weld.first, mesh.weld.inverse
     F = inverse[mesh.F]
     why = missing_volume_reason(F, len(first))
@@ -94,7 +94,7 @@ def inspect(mesh: Mesh) -> Inspection:
             *vertex_findings(mesh),
             *face_findings(mesh, areas),
             *topology_findings(mesh, F),
-            *(seam_findings(mesh) if why else ()),  # what encloses a volume has no boundary
+            *(seam_findings(mesh) if why else ()),  # a closed surface has no open seams
             *double_wall_findings(wall),
             *orientation_findings(capped if why else inside, float(areas.sum())),
             *component_findings(mesh, F, piece),

@@ -1,4 +1,4 @@
-"""Findings about a mesh at rest, a sentence each."""
+"""Findings about an undeformed mesh, one sentence each."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, WELD_TOLERANCE
 from apd_viewer.language import tr, trn
 
-# The kinds of the findings about the file, and about separate parts.
+# Kinds of the findings about the file and about separate components.
 _FILE, SEPARATE_COMPONENTS = "file", "separate pieces"
 # Aspect ratio of a sliver: longest edge to height.
 _NEEDLE = 100.0
 
-# Sizes more likely a wrong unit than intended, in any unit.
+# Mesh sizes outside this range suggest a wrong unit, whatever the unit.
 _TINY, _HUGE = 1e-3, 1e6
 
-# A volume below this, of a surface of area one, has the sign of rounding.
+# For a surface of unit area, the sign of a smaller volume is determined by rounding.
 _ROUNDING = 1e-9
 
-# This many sizes from the origin, single precision has lost three digits.
+# At this many mesh sizes from the origin, single precision has lost three digits.
 _FAR = 1e3
 
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """Something unusual about a mesh.
+    """Unusual property of a mesh: a sentence, and the vertices concerned.
 
     Attributes
     ----------
@@ -48,12 +48,12 @@ class Finding:
 
     @classmethod
     def at_vertices(cls, kind: str, sentence: str, vertices: np.ndarray | tuple[()] = ()) -> Finding:
-        """Finding about vertices in any order, repeated or not."""
+        """Finding about vertices, given in any order and possibly repeated."""
         return cls(kind, sentence, frozen(np.unique(np.asarray(vertices, dtype=np.int64))))
 
     @property
     def is_about_file(self) -> bool:
-        """True if the file is strange, and not the mesh in it."""
+        """True if the finding concerns the file, not the mesh in it."""
         return self.kind == _FILE
 
 
@@ -165,14 +165,14 @@ def topology_findings(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
 
 
 def orientation_findings(signed_volume: float | None, area: float) -> Iterator[Finding]:
-    """Finding about a volume ``signed_volume`` that is negative, if there is one."""
+    """Finding about a negative ``signed_volume``, unless it is within rounding."""
     if signed_volume is not None and signed_volume < -_ROUNDING * area**1.5:
         said = tr("The surface is inside out: its faces point inwards, and its volume is negative.")
         yield Finding.at_vertices("inside out", said)
 
 
 def component_findings(mesh: Mesh, F: np.ndarray, component: np.ndarray) -> Iterator[Finding]:
-    """Finding about separate pieces."""
+    """Finding about separate connected components."""
     names, sizes = np.unique(component[F[:, 0]], return_counts=True)
     if len(names) > 1:
         others = np.setdiff1d(names, names[np.argmax(sizes)])

@@ -17,7 +17,7 @@ LABEL, REGION = "apd_label", "apd_region"
 
 
 class Scalars(NamedTuple):
-    """Named columns of a table for the vertices, and of one for the triangles.
+    """Named scalar columns for the vertices and for the triangles.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Scalars(NamedTuple):
 def shape_scalars(
     mesh: Mesh, U: np.ndarray, labels: np.ndarray, member: np.ndarray, target: TargetShape | None = None
 ) -> Scalars:
-    """Scalars of the shape ``U`` (n, 3).
+    """Scalars of the shape ``U`` (n, 3), per vertex and per triangle.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def shape_scalars(
 
 
 def _agreed(codes: np.ndarray, otherwise: int) -> np.ndarray:
-    """The code that all three corners (m, 3) have, or another, (m,)."""
+    """Code common to all three corners (m, 3), or ``otherwise``, (m,)."""
     return np.where((codes == codes[:, :1]).all(axis=1), codes[:, 0], otherwise)
 
 

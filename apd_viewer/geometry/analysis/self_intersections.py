@@ -12,15 +12,15 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 
-# Distances below this, in sizes of the mesh, are contact; and the rounding of a determinant.
+# Distances below this fraction of the mesh size count as contact; relative rounding error of a determinant.
 _TOUCH = 1e-12
 _ROUNDING = 1e-14
-# Pairs per batch: enough for numpy, little memory.
+# Pairs per batch: enough for efficient array operations with little memory.
 _PORTION = 200_000
 
 
 class _Edges(NamedTuple):
-    """Edges of triangles; edge e belongs to ``face[start[e] : start[e + 1]]``."""
+    """Edges of triangles; those at edge e are ``face[start[e] : start[e + 1]]``."""
 
     ends: np.ndarray
     start: np.ndarray
@@ -34,7 +34,7 @@ class _Edges(NamedTuple):
         return cls(np.column_stack([key // n, key % n]), start, np.argsort(edge, kind="stable") // 3)
 
     def with_faces(self, edge: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Index among the given edges (k,) and triangle, for each incident triangle."""
+        """Index into ``edge`` (k,) and triangle index, for each incident triangle."""
         count = self.start[edge + 1] - self.start[edge]
         which = np.repeat(np.arange(len(edge)), count)
         within = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
@@ -78,7 +78,7 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     X = _of_size_one(U, F)
     edges, tree = _Edges.of(F, len(X)), ipctk.LBVH()
     tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
-    near = tree.detect_edge_face_candidates()  # without pairs sharing a vertex
+    near = tree.detect_edge_face_candidates()  # excludes pairs with a common vertex
     pairs = np.array([(pair.edge_id, pair.face_id) for pair in near], dtype=np.int64).reshape(-1, 2)
     found = [np.zeros((0, 2), dtype=np.int64)]
     for first in range(0, len(pairs), _PORTION):
@@ -94,7 +94,7 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
 
 
 def _of_size_one(U: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Positions centred and scaled to one: the library has single precision."""
+    """Positions centred and scaled to unit size, for a single-precision library."""
     used = np.zeros(len(U), dtype=bool)
     used[F.ravel()] = True
     low, high = U[used].min(axis=0), U[used].max(axis=0)
@@ -104,7 +104,7 @@ def _of_size_one(U: np.ndarray, F: np.ndarray) -> np.ndarray:
 
 
 def _heights(X: np.ndarray, T: np.ndarray, *vertices: np.ndarray) -> list[np.ndarray]:
-    """Side of the ``vertices`` (k,) of the planes of ``T`` (k, 3): -1, 0 or 1."""
+    """Sides of the ``vertices`` (k,) relative to the planes of ``T`` (k, 3): -1, 0, 1."""
     a, b, c = (X[T[:, corner]] for corner in range(3))
     normal = np.cross(b - a, c - a)
     twice = np.linalg.norm(normal, axis=1)
@@ -119,7 +119,7 @@ def _heights(X: np.ndarray, T: np.ndarray, *vertices: np.ndarray) -> list[np.nda
 
 
 def _meeting(X: np.ndarray, ends: np.ndarray, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edges ``ends`` (k, 2) piercing ``T`` (k, 3), and edges in their planes."""
+    """Masks of the edges ``ends`` (k, 2) piercing ``T`` (k, 3), and coplanar with it."""
     above, below = _heights(X, T, ends[:, 0], ends[:, 1])
     pierces = above * below < 0.0
     p, q = X[ends[pierces, 0]], X[ends[pierces, 1]]
@@ -130,7 +130,7 @@ def _meeting(X: np.ndarray, ends: np.ndarray, T: np.ndarray) -> tuple[np.ndarray
 
 
 def _overlapping(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
-    """Coplanar pairs of ``S`` (k, 3) and ``T`` (k, 3) with common area."""
+    """Mask of the coplanar pairs of ``S`` (k, 3) and ``T`` (k, 3) with common area."""
     over = (S[:, :, None] == T[:, None, :]).sum(axis=(1, 2)) < 2
     for side in _heights(X, S, *T.T):
         over &= side == 0.0
@@ -150,7 +150,7 @@ def _overlapping(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
 
 
 def use_one_core_for_search() -> None:
-    """Have the library that finds near edges use one core, where it is installed."""
+    """Limit the library for intersection candidates to one core, if installed."""
     try:
         import ipctk  # Imported here: few runs of the program need it.
     except ImportError:

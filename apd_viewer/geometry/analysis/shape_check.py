@@ -1,4 +1,4 @@
-"""Checks of a shape at rest, too slow for every frame."""
+"""Shape checks too slow for every frame."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class ShapeCheck(NamedTuple):
 
     @property
     def box(self) -> float:
-        """Volume of the box along the axes."""
+        """Volume of the axis-aligned bounding box."""
         dx, dy, dz = self.size
         return dx * dy * dz
 
@@ -49,23 +49,23 @@ class ShapeCheck(NamedTuple):
 
 
 def check_shape(U: np.ndarray, F: np.ndarray, handle_turns: HandleTurns | None = None) -> ShapeCheck:
-    """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3), with its turns."""
+    """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3) and its handle turns."""
     points = U[np.unique(F)]
     dx, dy, dz = np.ptp(points, axis=0).tolist()
     turns: tuple[HeldTurn, ...] = ()
     if handle_turns is not None:
-        from apd_viewer.geometry.pose.surface_turns import held_turns  # Imported here: SciPy comes with it.
+        from apd_viewer.geometry.pose.surface_turns import held_turns  # Imported here: it loads SciPy.
 
         turns = held_turns(handle_turns.V, U, F, handle_turns.labels, handle_turns.paths)
     return ShapeCheck(crossings(U, F), (dx, dy, dz), hull_readings(points), turns)
 
 
-# The kind of the finding about seams that can be welded.
+# Kind of the finding about weldable seams.
 SEAMS = "open seams"
 
 
 def seam_findings(mesh: Mesh) -> Iterator[Finding]:
-    """Findings about seams to be welded, and about T-joints."""
+    """Findings about weldable seams and about T-joints."""
     found = Seams.from_mesh(mesh.V, mesh.F, mesh.weld)
     if found.weldable_sentence:
         yield Finding.at_vertices(SEAMS, found.weldable_sentence, found.edges)
@@ -74,7 +74,7 @@ def seam_findings(mesh: Mesh) -> Iterator[Finding]:
 
 
 def double_wall_findings(wall: DoubleWall | None) -> Iterator[Finding]:
-    """Finding about a vessel with an outer and an inner surface."""
+    """Finding about a vessel with outer and inner surfaces."""
     if wall is None:
         return
     said = tr(

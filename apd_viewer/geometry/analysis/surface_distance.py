@@ -13,8 +13,8 @@ from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import vertex_areas
 from apd_viewer.geometry.picking.bounding_hierarchy import BRANCHING, BoundingHierarchy, bounding_hierarchy
 
-_BITS = 3  # of FAN
-# Points per task of a core, and between two checks for cancellation.
+_BITS = 3  # log2 of BRANCHING
+# Points per task of a core, and per check for cancellation.
 _PORTION, _CHECKED = 128, 8192
 
 
@@ -71,7 +71,7 @@ def cancellable_distances(
     V: np.ndarray,
     boxes: BoundingHierarchy,
 ) -> np.ndarray | None:
-    """Distances (k,) of points from a surface; None once ``is_cancelled()``.
+    """Distances (k,) of points from a surface; None if ``is_cancelled()`` was True.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def cancellable_distances(
         if is_cancelled():
             return None
         part = slice(first, first + _CHECKED)
-        with cores_for(len(points)):  # block by block: the window may need the cores in between
+        with cores_for(len(points)):  # acquired per block, as the window may need the cores in between
             write_distances(points[part], first_guesses[part], V, *boxes, found[part], which[part])
     return found
 
@@ -121,9 +121,9 @@ def write_distances(
             px, py, pz = points[i, 0], points[i, 1], points[i, 2]
             x, y, z = px - first_guesses[i, 0], py - first_guesses[i, 1], pz - first_guesses[i, 2]
             best = x * x + y * y + z * z
-            if last >= 0:  # neighbouring points share the nearest triangle
+            if last >= 0:  # neighbouring points often have the same nearest triangle
                 best = min(best, _squared(px, py, pz, V, F[last, 0], F[last, 1], F[last, 2]))
-            # Stackless traversal: after a box comes the largest one starting behind it.
+            # Stackless traversal: a box is followed by the largest one that starts after its end.
             b, size = 0, top
             while b < count:
                 k = level[size] + (b >> (_BITS * size))
@@ -164,7 +164,7 @@ def _squared(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: 
 
 @njit(inline="always")
 def _to_side(dx: float, dy: float, dz: float, ex: float, ey: float, ez: float) -> float:
-    """Squared distance of ``d`` from the segment from the origin to ``e``."""
+    """Squared distance of point ``d`` from the segment from the origin to ``e``."""
     ee = ex * ex + ey * ey + ez * ez
     along = dx * ex + dy * ey + dz * ez
     s = min(max(along / ee, 0.0), 1.0) if ee > 0.0 else 0.0

@@ -21,7 +21,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bounding_hierarchy
 
-# Sizes of two meshes farther apart than by this factor suggest another unit: inches are 25.4 mm.
+# Size ratios beyond this factor suggest different units: an inch is 25.4 mm.
 _ALIKE = 8.0
 
 
@@ -42,7 +42,7 @@ class TargetDistance(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class TargetShape:
-    """Another mesh, for comparison; in the same coordinates and unit of length.
+    """Another mesh for comparison, in the same coordinates and unit of length.
 
     Attributes
     ----------
@@ -52,12 +52,12 @@ class TargetShape:
     mesh: Mesh
 
     def has_same_triangles(self, mesh: Mesh) -> bool:
-        """True if both have the same triangles, so that vertices have the same IDs."""
+        """True if both meshes have the same triangles, and hence the same vertex IDs."""
         other = self.mesh
         return len(other.V) == len(mesh.V) and np.array_equal(other.F, mesh.F)
 
     def distances(self, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False) -> np.ndarray | None:
-        """Distance (n,) of each point of ``U`` (n, 3) from the closest of the target.
+        """Distance (n,) of each point of ``U`` (n, 3) from the target surface.
 
         None if ``is_cancelled()`` has ended it.
         """
@@ -67,14 +67,14 @@ class TargetShape:
         return cancellable_distances(is_cancelled, U, near, self.mesh.V, self._boxes)
 
     def vertex_distances(self, U: np.ndarray) -> np.ndarray:
-        """Distance (n,) of each point of ``U`` (n, 3) from the vertex with the same ID."""
+        """Distance (n,) of each point of ``U`` (n, 3) from the target vertex of its ID."""
         with cores_for(len(U)):
             return displacements(U, self.mesh.V)
 
     def target_distance(
         self, mesh: Mesh, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False
     ) -> TargetDistance | None:
-        """Distance of the shape ``U`` (n, 3) of a mesh; None once ``is_cancelled()``."""
+        """Distance of a mesh's shape ``U`` (n, 3); None if ``is_cancelled()`` was True."""
         closest = self.distances(U, is_cancelled)
         if closest is None:
             return None
@@ -84,11 +84,11 @@ class TargetShape:
         return TargetDistance(distance_summary(closest, U, mesh.F), vertex)
 
     def reverse_distance(self, mesh: Mesh, U: np.ndarray) -> SurfaceDistance:
-        """Distance of the target from the shape ``U`` (n, 3) of a mesh."""
+        """Distance of the target from a mesh's shape ``U`` (n, 3)."""
         return surface_distance(self.mesh.V, self.mesh.F, U, mesh.F)
 
     def size_ratio(self, mesh: Mesh) -> float | None:
-        """Size of the target in sizes of a mesh if that suggests another unit, else None."""
+        """Target size over mesh size if they suggest different units, else None."""
         factor = _size(self.mesh) / _size(mesh)
         return None if 1.0 / _ALIKE < factor < _ALIKE else factor
 
@@ -98,10 +98,10 @@ class TargetShape:
 
     @cached_property
     def _all_used(self) -> bool:
-        """True if every vertex is on the surface."""
+        """True if every vertex of the target belongs to a triangle."""
         return len(np.unique(self.mesh.F)) == len(self.mesh.V)
 
 
 def _size(mesh: Mesh) -> float:
-    """Diagonal of the bounding box of the surface."""
+    """Bounding-box diagonal of the surface."""
     return diagonal(mesh.V[mesh.F.ravel()])

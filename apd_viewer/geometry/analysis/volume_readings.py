@@ -1,4 +1,4 @@
-"""Volumes of a shape, each by its own name."""
+"""Named volumes of a shape."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from apd_viewer.language import tr
 
 
 class VolumeReadings(NamedTuple):
-    """Volumes of a shape, cubic mesh units, and its area.
+    """Volumes of a shape, cubic mesh units, with its area.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class VolumeReadings(NamedTuple):
         thickness: float | None,
         wall: DoubleWall | None = None,
     ) -> VolumeReadings:
-        """Readings with the material of a double wall, or of a ``thickness``, if known."""
+        """Readings, with the material volume of a double wall or ``thickness`` if known."""
         if wall is not None:
             return cls(area, enclosed, openings, hull, wall.material, wall.capacity)
         return cls(area, enclosed, openings, hull, None if thickness is None else area * thickness)
@@ -94,7 +94,7 @@ def volume_readings(U: np.ndarray, F: np.ndarray, *, thickness: float | None = N
 
 
 def mesh_volumes(mesh: Mesh, thickness: float | None) -> VolumeReadings:
-    """Volumes of a mesh at rest; raises InputError unless ``thickness`` is above 0."""
+    """Volumes of an undeformed mesh; raises InputError unless ``thickness`` > 0."""
     if thickness is not None and not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
         raise InputError(tr("Enter a wall thickness greater than 0."))
     found, hull = inspect(mesh), hull_readings(mesh.V[np.unique(mesh.F)])

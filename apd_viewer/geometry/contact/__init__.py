@@ -1,1 +1,1 @@
-"""Contact: near pairs of a surface, their gap energy, and free ways."""
+"""Contact: near pairs of a surface, their gap energy, and collision-free steps."""

@@ -1,4 +1,4 @@
-"""Collision times: how far pairs may go along a way before their gaps close.
+"""Collision times: collision-free fractions of a step for near pairs.
 
 Additive continuous collision detection [Li, Kaufman & Jiang 2021, Codimensional incremental potential
 contact, Algorithm 1]: no step is longer than the gap that is left, divided by the motion of the two parts of
@@ -15,29 +15,29 @@ from apd_viewer.geometry.contact.gap_energy import gap_energy
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel, total
 
-# Smallest fraction of a gap that a step leaves.
+# Smallest fraction of a gap left after a step.
 LEAST_GAP_SHARE = 0.1
-# Of the way that is known to be free, a step takes so much; and a shorter one is none.
+# Fraction of the known collision-free motion used at once; shorter advances end the search.
 _TAKEN = 0.9
 _SHORTEST = 1e-9
 _MOST_STEPS = 400
 _PORTION = 1024
-# A motion of so many gaps, as of neighbours in a sliver, is looked at more closely.
+# Motions of more gaps than this, as of neighbours in slivers, get the finer strain bound.
 _MANY = 8.0
-# Of the moments of four points: what tells those in a plane from others.
+# Ridge relative to the trace of the moments, which are singular for coplanar points.
 _THIN = 1e-12
 
 
 @njit(cache=True, nogil=True)
 def _away(U: np.ndarray, W: np.ndarray, v: int, x: float, y: float, z: float) -> float:
-    """Squared length of what a vertex moves besides a displacement."""
+    """Squared length of a vertex's displacement relative to (x, y, z)."""
     dx, dy, dz = W[v, 0] - U[v, 0] - x, W[v, 1] - U[v, 1] - y, W[v, 2] - U[v, 2] - z
     return dx * dx + dy * dy + dz * dz
 
 
 @njit(cache=True, nogil=True)
 def _relative_motion(U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool) -> float:
-    """Bound of how much nearer the two parts come on the way from ``U`` to ``W``."""
+    """Upper bound of the approach of a pair's two parts from ``U`` to ``W``."""
     a, b, c, d = pair[0], pair[1], pair[2], pair[3]
     x = 0.25 * (W[a, 0] - U[a, 0] + W[b, 0] - U[b, 0] + W[c, 0] - U[c, 0] + W[d, 0] - U[d, 0])
     y = 0.25 * (W[a, 1] - U[a, 1] + W[b, 1] - U[b, 1] + W[c, 1] - U[c, 1] + W[d, 1] - U[d, 1])
@@ -51,7 +51,7 @@ def _relative_motion(U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool
 
 @njit(cache=True, nogil=True)
 def _strain_and_rest(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, float]:
-    """Bounds of how fast the gap of a pair closes: a rate per gap, and one besides.
+    """Bounds of a pair's closing rate: strain rate per gap, and a remainder.
 
     An affine motion ``x + t A x`` shortens no distance faster than by the norm of the symmetric part of
     ``A``. Only what it leaves of the displacements ``D`` (4, 3) brings the two parts of the pair together as
@@ -64,7 +64,7 @@ def _strain_and_rest(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, 
             for b in range(3):
                 moments[a, b] += x[k, a] * x[k, b]
                 affine[a, b] += x[k, a] * d[k, b]
-    # The points may lie in a plane.
+    # Coplanar points make the moments singular.
     ridge = _THIN * (moments[0, 0] + moments[1, 1] + moments[2, 2])
     for a in range(3):
         moments[a, a] += ridge
@@ -85,7 +85,7 @@ def _strain_and_rest(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, 
 
 @njit(cache=True, nogil=True)
 def _centred(X: np.ndarray) -> np.ndarray:
-    """Four points about their centre."""
+    """Four points relative to their centroid."""
     out = np.empty((4, 3))
     for c in range(3):
         centre = 0.25 * (X[0, c] + X[1, c] + X[2, c] + X[3, c])
@@ -114,14 +114,14 @@ def _solve_three(A: np.ndarray, B: np.ndarray) -> None:
 def _free_share(
     U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool, d: float, floor: float, motion: float
 ) -> float:
-    """Share of the way that leaves a part of the distance ``d`` above ``floor``."""
+    """Fraction of a step keeping a tenth of the clearance ``d - floor``."""
     wanted = LEAST_GAP_SHARE * (d - floor)
     X, D, own = np.empty((4, 3)), np.empty((4, 3)), np.arange(4)
     for k in range(4):
         for c in range(3):
             X[k, c] = U[pair[k], c]
             D[k, c] = W[pair[k], c] - X[k, c]
-    # The first step leaves as much as is wanted, but for rounding.
+    # Up to rounding, the first advance leaves the wanted gap.
     share, left, part = 0.0, d - floor, 1.0 - LEAST_GAP_SHARE
     for _ in range(_MOST_STEPS):
         rate = motion
@@ -129,7 +129,7 @@ def _free_share(
             strain, rest = _strain_and_rest(X, D, edges)
             rate = min(motion, strain * (left + floor) + rest)
         if rate == 0.0:
-            return 1.0  # even from below the floor: nothing comes nearer
+            return 1.0  # even with a gap below the floor: the pair does not approach
         step = part * left / max(rate, part * left)
         if step < _SHORTEST:
             return share
@@ -162,7 +162,7 @@ def detect_collisions(
     share: np.ndarray,
     radius: float,
 ) -> tuple[float, int]:
-    """Energy at ``W`` per stiffness, and the number of pairs in the way from ``U``.
+    """Energy per stiffness at ``W``, and number of pairs blocking the step to it.
 
     Parameters
     ----------

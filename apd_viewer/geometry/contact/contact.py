@@ -1,4 +1,4 @@
-"""Contact of a surface with itself and obstacles: gap energy, free ways, springs."""
+"""Contact of a surface with itself and obstacles: energy, steps and springs."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from apd_viewer.geometry.contact.near_pairs import NearPairs
 from apd_viewer.geometry.contact.obstacle_pairs import ObstaclePairs
 from apd_viewer.geometry.linalg.kernels import njit
 
-# Against the mean of the Laplacian's diagonal: settled gaps are 0.75 to 0.8 of the range.
+# Stiffness in mean diagonal entries of the Laplacian; settled gaps are 0.75 to 0.8 of the range.
 _STIFFNESS = 1.0
-# Largest spring of the metric, against the same.
+# Largest spring constant of the metric, in mean diagonal entries of the Laplacian.
 _FIRMEST = 15.0
-# The same between surface and obstacles: they hold what slides along them, too.
+# Largest spring constant between surface and obstacles; lower, as it also resists sliding.
 _FIRMEST_OF_OBSTACLES = 1.0
-# Fraction of its collision-free share that a vertex moves; largest difference between neighbours' shares.
+# Fraction of its collision-free step that a vertex moves; largest difference between neighbours.
 _TAKEN = 0.9
 _RISE = 0.25
 _SWEEPS = 8
-# Parts of a way that is not free within them.
+# Smallest substep tried, as a fraction of the whole step.
 _SHORTEST = 1e-3
 
 
@@ -91,12 +91,12 @@ class Contact:
         self._set_out(V)
 
     def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
-        """Put other obstacles around the surface, which has to :meth:`start_at` anew."""
+        """Replace the obstacles; call :meth:`start_at` afterwards."""
         V, E = self._V, self._pairs.edges
         self.obstacles = [ObstaclePairs(V, self._F, E, obstacle, self._thickness) for obstacle in obstacles]
 
     def can_start_at(self, U: np.ndarray, shifts: np.ndarray | None = None) -> bool:
-        """True if ``U`` (n, 3) intersects no obstacle, and itself no more than at rest.
+        """True if ``U`` (n, 3) intersects no obstacle, and itself only as at rest.
 
         Parameters
         ----------
@@ -107,13 +107,13 @@ class Contact:
         return self.is_clear(U, self.shifts if shifts is None else shifts) and self._may_cross_so(U)
 
     def is_clear(self, U: np.ndarray, shifts: np.ndarray) -> bool:
-        """True if ``U`` (n, 3) intersects no obstacle at shifts (o, 3)."""
+        """True if ``U`` (n, 3) intersects no obstacle displaced by ``shifts`` (o, 3)."""
         placed = self.followers.with_followers(U)
         at_each = zip(self.obstacles, shifts, strict=True)
         return all(pairs.clearance(placed, shift) > 0.0 for pairs, shift in at_each)
 
     def _may_cross_so(self, U: np.ndarray) -> bool:
-        """True if ``U`` (n, 3) crosses itself no more than at rest."""
+        """True if ``U`` (n, 3) intersects itself only as at rest."""
         pairs = crossing_pairs(self.followers.with_followers(U), self._F)
         if pairs is None:
             return True
@@ -125,7 +125,7 @@ class Contact:
         return bool(may_cross.all())
 
     def start_at(self, U: np.ndarray, shifts: np.ndarray | None = None) -> None:
-        """Begin at ``U`` (n, 3) and shifts that :meth:`can_start_at`."""
+        """Start from ``U`` (n, 3) and shifts accepted by :meth:`can_start_at`."""
         placed = self.followers.with_followers(U)
         self._pairs.rebuild_at(placed)
         for pairs, shift in zip(self.obstacles, self.shifts if shifts is None else shifts, strict=True):
@@ -134,7 +134,7 @@ class Contact:
 
     @property
     def shifts(self) -> np.ndarray:
-        """Motion of each obstacle from its place, (o, 3)."""
+        """Displacement of each obstacle from its initial position, (o, 3)."""
         return np.array([pairs.shift for pairs in self.obstacles]).reshape(-1, 3)
 
     @property
@@ -151,7 +151,7 @@ class Contact:
         self._energy = self._energy_ahead = self._energy_found
 
     def accept_shape(self, U: np.ndarray) -> None:
-        """Accept ``U`` as the current shape: an end of the last collision-free step."""
+        """Accept ``U``, either end of the last collision-free step, as the current shape."""
         if self._is_ahead and U is self._ahead:
             for pairs in self._all:
                 pairs.accept_step()
@@ -159,7 +159,7 @@ class Contact:
             self._is_ahead = False
 
     def trial_shares(self, W: np.ndarray) -> np.ndarray | None:
-        """Shares (n,) of the way to ``W`` (n, 3) to try next; None if it is free."""
+        """Fractions (n,) of the step to ``W`` (n, 3) to try; None if collision-free."""
         shares = self._look_ahead(W)
         if shares is None:
             return None
@@ -169,7 +169,7 @@ class Contact:
         return shares
 
     def _look_ahead(self, W: np.ndarray) -> np.ndarray | None:
-        """Free shares (n,) of the way to ``W`` (n, 3); None if all is free."""
+        """Collision-free fractions (n,) of the step to ``W`` (n, 3); None if all of it."""
         self._ahead, self._placed_ahead, self._energy_ahead = self.start, self._placed, self._energy
         self._is_ahead = False
         placed = self.followers.with_followers(W)
@@ -178,11 +178,11 @@ class Contact:
         if blocked:
             return np.min(blocked, axis=0)
         self._ahead, self._placed_ahead, self._energy_ahead = W, placed, self._energy_found
-        self._is_ahead = True  # a new place of obstacles even where W is the start
+        self._is_ahead = True  # obstacles may have moved even if W equals the start
         return None
 
     def move_to(self, W: np.ndarray, shifts: np.ndarray | None = None) -> bool:
-        """Go straight to ``W`` (n, 3); False, and stay, if something is in the way.
+        """Move straight to ``W`` (n, 3); return False, without moving, if blocked.
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class Contact:
         return False
 
     def _goes(self, W: np.ndarray, shifts: np.ndarray) -> bool:
-        """Go straight to ``W`` in parts, as far as the way is free."""
+        """Move straight to ``W`` in substeps; return False once one is blocked."""
         start, before, done, part = self.start, self.shifts, 0.0, 1.0
         while done < 1.0:
             self.examined_parts += 1
@@ -216,11 +216,11 @@ class Contact:
         return True
 
     def energy_at(self, U: np.ndarray) -> float:
-        """Energy at an end of the last collision-free step, in elastic energy units."""
+        """Energy at either end of the last collision-free step, in elastic energy units."""
         return 4.0 * self._stiffness * (self._energy_ahead if U is self._ahead else self._energy)
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
-        """A quarter of the gradient (n, 3) of the energy."""
+        """A quarter of the gradient (n, 3) of the contact energy."""
         placed = self._placed_at(U)
         g, self.touching_pairs, self.least_gap = self._pairs.gradient(placed)
         for pairs in self.obstacles:
@@ -242,11 +242,11 @@ class Contact:
 
     @property
     def may_touch(self) -> bool:
-        """True if pairs may be in touch."""
+        """True if any pairs may be in contact."""
         return any(pairs.may_touch for pairs in self._all)
 
     def springs(self, U: np.ndarray) -> sp.csr_array:
-        """Matrix (n, n + o) of springs between what touches, the obstacles last."""
+        """Matrix (n, n + o) of springs between touching parts, the obstacles last."""
         placed, n = self._placed_at(U), len(U)
         found = []
         for k, pairs in enumerate(self._all):
@@ -264,7 +264,7 @@ class Contact:
             pairs.aim_at(shift)
 
     def pushed_by_obstacles(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
-        """``W`` (n, 3), with what is near obstacles at ``U`` pushed along with them."""
+        """``W`` (n, 3), with vertices near obstacles at ``U`` pushed along with them."""
         for pairs in self.obstacles:
             W = pairs.pushed_by_obstacle(U, W)
         return W
@@ -272,7 +272,7 @@ class Contact:
 
 @njit(cache=True, nogil=True)
 def _smooth(E: np.ndarray, shares: np.ndarray, rise: float, sweeps: int) -> None:
-    """Let the shares of the ends of an edge differ by at most ``rise``."""
+    """Limit the difference of ``shares`` along each edge to ``rise``."""
     for _ in range(sweeps):
         changed = False
         for e in range(len(E)):
@@ -287,7 +287,7 @@ def _smooth(E: np.ndarray, shares: np.ndarray, rise: float, sweeps: int) -> None
             break
 
 
-# Rings of triangles around those that cross.
+# Rings of triangles exempted around intersecting ones.
 _RINGS = 3
 
 
@@ -301,7 +301,7 @@ def is_near_crossing(F: np.ndarray, crossing: np.ndarray, n: int) -> np.ndarray:
 
 
 def exempt_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
-    """Number of the zone of each vertex, from 1; 0 for none.
+    """Exemption zone of each vertex, numbered from 1; 0 for none.
 
     What crosses is in one zone, and so is what is connected with it within a few rings. Zones of different
     places are kept apart.
@@ -331,7 +331,7 @@ def exempt_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
 
 
 def is_within_zone(zone: np.ndarray) -> np.ndarray:
-    """Mask (p,) of pairs of triangles that share a zone, by their corners (p, 2, 3).
+    """Mask (p,) of triangle pairs sharing a zone; zones of their corners (p, 2, 3).
 
     At the rim a triangle of a zone is crossed by those with one corner in it.
     """
@@ -340,24 +340,24 @@ def is_within_zone(zone: np.ndarray) -> np.ndarray:
 
 
 class Followers(Protocol):
-    """Vertices that have no motion of their own, but follow the others."""
+    """Vertices carried along by others, without degrees of freedom of their own."""
 
     @property
     def exempt_groups(self) -> np.ndarray:
         """Vertex groups (z, n) exempt from contact; see :class:`PairSearch`."""
 
     def with_followers(self, U: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3) with the followers where they follow to."""
+        """``U`` (n, 3) with the followers moved along with their carriers."""
 
     def transfer_gradient(self, g: np.ndarray) -> None:
-        """Add the gradient (n, 3) of followers to that of what they follow."""
+        """Add the followers' gradient (n, 3) to the gradient of their carriers."""
 
     def limit_shares(self, shares: np.ndarray) -> None:
-        """Let what they follow go no farther than they do, by shares (n,)."""
+        """Limit the step fractions (n,) of carriers to those of their followers."""
 
 
 class NoFollowers:
-    """No followers.
+    """Empty set of followers.
 
     Parameters
     ----------
@@ -373,7 +373,7 @@ class NoFollowers:
         return U
 
     def transfer_gradient(self, g: np.ndarray) -> None:
-        """Leave the gradient (n, 3) as it is."""
+        """Leave the gradient (n, 3) unchanged."""
 
     def limit_shares(self, shares: np.ndarray) -> None:
-        """Leave the shares (n,) as they are."""
+        """Leave the step fractions (n,) unchanged."""

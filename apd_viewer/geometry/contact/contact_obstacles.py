@@ -1,4 +1,4 @@
-"""Obstacles that a surface touches and does not enter: plates, spheres, capsules."""
+"""Impenetrable obstacles to a surface: plates, spheres, capsules."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import checked, checked_direction, checked_point
 from apd_viewer.language import tr
 
-_PLATE, _CAPSULE = 3, 2  # by the number of their points
-# A plate is a triangle, so large that nothing comes near its sides; in sizes of what it is to stop.
+_PLATE, _CAPSULE = 3, 2  # number of points that define each
+# Circumradius of the triangle that stands for a plate, in extents of the surface it confines.
 _ENDLESS = 30.0
 
 
@@ -63,7 +63,7 @@ class Obstacle:
         return length - self.radius, away / np.maximum(length, np.finfo(float).tiny)[:, None]
 
     def pairs(self, F: np.ndarray, E: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """All pairs (p, 4) with a surface, and which (p,) are of two edges.
+        """All pairs (p, 4) with a surface, and a mask (p,) of the pairs of two edges.
 
         Parameters
         ----------
@@ -83,7 +83,7 @@ class Obstacle:
 
 @checked
 def plate(point: np.ndarray, normal: np.ndarray, size: float) -> Obstacle:
-    """Plane through ``point`` that keeps a surface on the side of ``normal``.
+    """Plane through ``point`` confining a surface to the side of ``normal``.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def sphere(centre: np.ndarray, radius: float) -> Obstacle:
 
 @checked
 def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
-    """Cylinder with round ends around the line from ``a`` to ``b``, both (3,).
+    """Cylinder with round ends around the segment from ``a`` to ``b``, both (3,).
 
     Examples
     --------
@@ -140,6 +140,6 @@ def shifted_obstacles(obstacles: Sequence[Obstacle], shift: np.ndarray) -> Seque
 
 
 def _rows(of_surface: np.ndarray, of_obstacle: range | list[int], after: bool = False) -> np.ndarray:
-    """Rows of vertices of the surface, with the same points of the obstacle in each."""
+    """Rows joining the vertices of each surface element with the obstacle's points."""
     own = np.broadcast_to(np.array(of_obstacle), (len(of_surface), len(of_obstacle)))
     return np.ascontiguousarray(np.hstack([of_surface, own] if after else [own, of_surface]), np.int32)

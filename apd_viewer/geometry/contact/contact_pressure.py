@@ -1,4 +1,4 @@
-"""Pressure of walls in contact on each other."""
+"""Contact pressure between the walls of a mesh."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 
 
 class ContactPressure:
-    """Pressure of the walls of a painted mesh on each other.
+    """Contact pressure between the walls of a painted mesh.
 
     Parameters
     ----------
@@ -41,14 +41,14 @@ class ContactPressure:
 
     @cached_property
     def _is_regarded(self) -> np.ndarray:
-        """Mask of the vertices that are kept apart."""
+        """Mask of the vertices subject to contact."""
         held = np.unique(self._weld.inverse[np.flatnonzero(self._labels != FREE)])
         regarded = self._shape.is_connected_to(held)
         regarded[self._contact.exempt_vertices] = False
         return regarded
 
     def relative_pressure(self, U: np.ndarray) -> np.ndarray:
-        """Share (n,) of the largest pressure at ``U`` (n, 3).
+        """Contact pressure (n,) at ``U`` (n, 3), relative to its maximum.
 
         The pressure is the force of the gaps on a vertex over a third of the area around it. It is NaN where
         nothing is kept apart, and 0 everywhere as long as nothing touches.

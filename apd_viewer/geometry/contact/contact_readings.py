@@ -12,7 +12,7 @@ from apd_viewer.geometry.pose.frame import FrameContact
 
 
 def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dict[str, Any]:
-    """The fields of a frame about contact at ``U`` (n, 3).
+    """Contact fields of a frame at ``U`` (n, 3).
 
     Parameters
     ----------

@@ -13,8 +13,8 @@ from numba import prange
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
-# Below this squared sine of an angle rounding may decide where edges or a triangle are nearest: their ends
-# and sides are looked at as well, and the nearest of all counts.
+# Squared sine of an angle below which rounding may spoil the closest interior points: then edge ends and
+# triangle sides are checked as well, and the smallest distance counts.
 _THIN = 1e-6
 
 
@@ -30,7 +30,7 @@ def _cross(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> 
 
 @njit(cache=True, nogil=True)
 def _on_segment(X: np.ndarray, p: int, a: int, b: int) -> tuple[float, float]:
-    """Squared distance of a point from a segment, and the place on it, 0 to 1."""
+    """Squared distance of a point from a segment, and parameter of the closest point."""
     ux, uy, uz = X[b, 0] - X[a, 0], X[b, 1] - X[a, 1], X[b, 2] - X[a, 2]
     rx, ry, rz = X[p, 0] - X[a, 0], X[p, 1] - X[a, 1], X[p, 2] - X[a, 2]
     length = ux * ux + uy * uy + uz * uz
@@ -45,7 +45,7 @@ def vertex_triangle(X: np.ndarray, p: int, a: int, b: int, c: int) -> tuple[floa
     abx, aby, abz = X[b, 0] - X[a, 0], X[b, 1] - X[a, 1], X[b, 2] - X[a, 2]
     acx, acy, acz = X[c, 0] - X[a, 0], X[c, 1] - X[a, 1], X[c, 2] - X[a, 2]
     apx, apy, apz = X[p, 0] - X[a, 0], X[p, 1] - X[a, 1], X[p, 2] - X[a, 2]
-    # By the normal: differences of products of lengths would cancel in slivers.
+    # Barycentric coordinates by the normal: products of squared lengths would cancel in slivers.
     nx, ny, nz = _cross(abx, aby, abz, acx, acy, acz)
     area = nx * nx + ny * ny + nz * nz
     best, u, v, w = np.inf, 1.0, 0.0, 0.0
@@ -120,7 +120,7 @@ def gap(X: np.ndarray, pair: np.ndarray, is_edge_pair: bool) -> tuple[float, flo
 
 @parallel()
 def gaps(X: np.ndarray, pairs: np.ndarray, is_edge_pair: np.ndarray) -> np.ndarray:
-    """Distances (p,) of pairs (p, 4); ``is_edge_pair`` (p,) tells the kind of each."""
+    """Distances (p,) of pairs (p, 4), of two edges where ``is_edge_pair`` (p,)."""
     found = np.empty(len(pairs))
     for p in prange(len(pairs)):
         found[p] = gap(X, pairs[p], is_edge_pair[p])[0]

@@ -1,4 +1,4 @@
-"""Gap energy: what pushes near parts of a surface apart.
+"""Gap energy: repulsion between near parts of a surface.
 
 A pair with the gap d and the range h has the energy ``h^2 f(d / h)`` with
 
@@ -15,7 +15,7 @@ import numpy as np
 from apd_viewer.geometry.contact.distances import gap
 from apd_viewer.geometry.linalg.kernels import njit
 
-_CLOSED = 1e-12  # smallest ratio of gap to range; anything less counts as this
+_CLOSED = 1e-12  # lower limit of the ratio of gap to range
 
 
 @njit(cache=True, nogil=True)
@@ -48,7 +48,7 @@ def gap_gradient(
     reach: np.ndarray,
     radius: float,
 ) -> tuple[np.ndarray, int, float]:
-    """Gradient (n, 3) of the energy, number of pairs in touch, and least gap.
+    """Gradient (n, 3) of the energy, number of touching pairs, and smallest gap.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def gap_gradient(
 def gap_springs(
     U: np.ndarray, pairs: np.ndarray, is_edge_pair: np.ndarray, reach: np.ndarray, most: float, radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Springs ``k w w^T`` that have the curvature of the energy in all directions.
+    """Isotropic springs ``k w w^T`` with the energy's curvature along the gap.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Contact of a mesh, by what is held of it and how thick its walls are."""
+"""Contact of a mesh from its held vertices and wall thickness."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.mesh.arrays import check_argument
 from apd_viewer.language import tr
 
-# Walls keep this part of the diagonal of the bounding box apart, unless their thickness is known.
+# Default distance kept between walls, as a fraction of the bounding-box diagonal.
 _THICKNESS = 1e-3
-# In the same: with thicker walls every part of the surface is near every other.
+# Largest distance in diagonals: beyond it nearly all parts of the surface would be in range.
 _THICKEST = 0.05
 
 
@@ -28,7 +28,7 @@ def mesh_contact(
     followers: Followers | None = None,
     obstacles: Sequence[Obstacle] = (),
 ) -> Contact:
-    """Contact of what moves with held vertices, of what follows it, and obstacles.
+    """Contact of components with held vertices, their followers, and obstacles.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def mesh_contact(
 
 
 def contact_thickness(diagonal: float, thickness: float | None) -> float:
-    """Distance that walls keep, as asked for or by the diagonal, mesh units.
+    """Distance kept between walls, as given or from the diagonal, mesh units.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""List of near pairs, kept complete along the way of a surface.
+"""List of near pairs, kept complete while a surface moves.
 
 Listed are all pairs that may be in touch; of all others, every pair of near patches keeps a lower bound of
 what their gaps exceed their range by. Only where a step could use that up are two patches searched again.
@@ -16,24 +16,24 @@ from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 
-# In mean edges: how far patches may be apart to keep a bound, how far beyond its need a search looks, and how
-# much nearer two patches may come in one step. Larger values are more pairs, smaller ones more searches.
+# In mean edge lengths: largest distance of patches with a bound, look-ahead of a search, and largest approach
+# of two patches in one step. Larger values mean more pairs, smaller ones more searches.
 _PATCHES_WITHIN = 3.0
 _LOOK_AHEAD = 0.4
 _FARTHEST = 1.0
-# Longer steps are taken in parts: all patches that may meet on the way must be listed.
+# Longest step in mean edge lengths; longer ones are split, so that all patches that may meet are listed.
 _LONGEST = 1.5
-# Bounds that come so near to the range are made exact, so that the next steps have a clearance.
+# Margin above the range, in mean edge lengths, within which exact gaps replace lower bounds.
 _MARGIN = 0.1
-_CORNER = 3.0**0.5  # longest of vectors whose coordinates are at most 1
-# Those that would be searched soon are searched at once.
+_CORNER = 3.0**0.5  # bound of a vector's length by its largest coordinate
+# Fraction of the look-ahead below which a bound triggers a search ahead of need.
 _SOON = 0.5
-# No step goes below the least of these parts: of the longest range, of its own, of the gap once listed.
+# Smallest gap after a step: the least of these fractions of the range, the pair's range and its listed gap.
 _FLOOR, _FLOOR_OF_RANGE, _FLOOR_OF_GAP = 5e-3, 0.1, 0.5
 
 
 class _Listed(NamedTuple):
-    """Listed pairs, by rows: see :class:`FoundPairs`.
+    """Columns of the listed pairs; see :class:`FoundPairs`.
 
     ``low`` bounds the gaps from below; ``reach`` is the range of their energy, ``floor`` the least gap.
     """
@@ -51,12 +51,12 @@ class _Listed(NamedTuple):
         return cls(np.zeros((0, 4), np.int32), np.zeros(0, bool), np.zeros(0, np.int32), no, no, no)
 
     def among(self, kept: np.ndarray) -> _Listed:
-        """Rows of a mask."""
+        """Rows selected by the mask ``kept``."""
         rows = np.flatnonzero(kept)
         return _Listed(*(column.take(rows, axis=0) for column in self))
 
-    def and_also(self, more: _Listed) -> _Listed:
-        """These and more rows."""
+    def joined_with(self, more: _Listed) -> _Listed:
+        """Rows of this list, followed by those of ``more``."""
         return _Listed(*(np.concatenate(columns) for columns in zip(self, more, strict=True)))
 
 
@@ -95,7 +95,7 @@ class NearPairs:
         self.rebuild_at(V)
 
     def rebuild_at(self, U: np.ndarray) -> None:
-        """List the pairs anew at ``U`` (n, 3)."""
+        """Rebuild the list of pairs at ``U`` (n, 3)."""
         self._between, self._bound = np.zeros((0, 2), np.int64), np.zeros(0)
         self._listed = _Listed.none()
         self._paid_at, self._clearance = U, 0.0
@@ -104,7 +104,7 @@ class NearPairs:
         self.accept_step()
 
     def find_free_shares(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
-        """Collision-free shares (n,) of the step from ``U`` to ``W``; None if all is free.
+        """Collision-free fractions (n,) of the step ``U`` to ``W``; None if all of it.
 
         ``U`` is the shape of the last :meth:`rebuild_at` or :meth:`accept_step`.
         """
@@ -133,7 +133,7 @@ class NearPairs:
         return self._energy_after
 
     def accept_step(self) -> None:
-        """Go the free way found last."""
+        """Accept the last collision-free step found."""
         if self._within:
             return
         self._paid_at = self._ahead
@@ -143,23 +143,23 @@ class NearPairs:
         self._clearance = min(*apart, self._unseen - self._moved_after)
 
     def gradient(self, U: np.ndarray) -> tuple[np.ndarray, int, float]:
-        """Gradient (n, 3) of the energy per stiffness, pairs in touch, and least gap."""
+        """Gradient (n, 3) per stiffness, number of touching pairs, and smallest gap."""
         listed = self._listed
         return gap_gradient(U, listed.pairs, listed.edges, listed.low, listed.reach, 0.0)
 
     @property
     def may_touch(self) -> bool:
-        """True if some gap may be in the range of its energy."""
+        """True if some gap may be within the range of the gap energy."""
         return bool((self._listed.low < self._listed.reach).any())
 
     def springs(self, U: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Springs in touch: vertices (p, 4), constants (p,) and weights (p, 4)."""
+        """Springs of touching pairs: vertices (p, 4), constants (p,), weights (p, 4)."""
         touching = self._listed.among(self._listed.low < self._listed.reach)
         k, w = gap_springs(U, touching.pairs, touching.edges, touching.reach, most, 0.0)
         return touching.pairs, k, w
 
     def _pay(self, U: np.ndarray) -> None:
-        """Take what the steps within the clearance have brought nearer from all bounds."""
+        """Reduce all bounds by the approach during steps within the clearance."""
         if U is not self._paid_at:
             approach = self._patches.approach_bounds(self._paid_at, U, self._between)
             self._listed = self._listed._replace(low=self._listed.low - approach[self._listed.owner])
@@ -167,7 +167,7 @@ class NearPairs:
             self._paid_at, self._clearance = U, 0.0
 
     def _spend(self, U: np.ndarray, W: np.ndarray, step: float) -> float | None:
-        """List all pairs that may touch on the way; a share if it is too far at once."""
+        """List all pairs within reach of a step; return a fraction if it is too long."""
         self._pay(U)
         if step > _LONGEST * self._edge:
             return 0.9 * _LONGEST * self._edge / step
@@ -186,7 +186,7 @@ class NearPairs:
         return None
 
     def _list(self, U: np.ndarray, short: np.ndarray) -> None:
-        """List anew the pairs between some of the pairs of patches."""
+        """Renew the listed pairs between the patch pairs in the mask ``short``."""
         rows = np.flatnonzero(short)
         approach, ahead = self._approach[rows], self._look_ahead[rows]
         beyond = approach + np.maximum(ahead, np.minimum(approach, 1.2 * ahead))
@@ -199,10 +199,10 @@ class NearPairs:
         floor = np.minimum(floor, _FLOOR_OF_GAP * found.gap)
         owner = rows[found.owner].astype(np.int32)
         new = _Listed(found.pairs, found.is_edge_pair, owner, found.gap, found.reach, floor)
-        self._listed = self._listed.among(~short[self._listed.owner]).and_also(new)
+        self._listed = self._listed.among(~short[self._listed.owner]).joined_with(new)
 
     def _relist(self, U: np.ndarray, beyond: float) -> None:
-        """Find the pairs of near patches; their bounds and listed pairs stay known."""
+        """Find the near patch pairs, keeping known bounds and listed pairs."""
         self._unseen = beyond
         between, bound = self._patches.near_pairs(self._patches.boxes(U), self._reach + beyond)
         bound -= self._reach
@@ -223,7 +223,7 @@ class NearPairs:
 
 
 def _edges(F: np.ndarray, n: int) -> np.ndarray:
-    """Edges (e, 2) of triangles, each once, its lower end first."""
+    """Unique edges (e, 2) of triangles, lower index first."""
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     key = np.unique(np.minimum(a, b).astype(np.int64) * n + np.maximum(a, b))
     return np.column_stack([key // n, key % n])

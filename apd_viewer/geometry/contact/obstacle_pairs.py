@@ -10,17 +10,17 @@ from apd_viewer.geometry.contact.distances import gaps
 from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 
-# In mean edges: pairs are listed that are so much beyond the range apart.
+# Distance beyond the range within which pairs are listed, in mean edge lengths.
 _LISTED_WITHIN = 6.0
-# No step goes below this part of the range.
+# Smallest gap after a step, as a fraction of the range.
 _FLOOR = 5e-3
-# No step goes below this fraction of an obstacle's initial gap.
+# Smallest gap after a step, as a fraction of an obstacle's initial gap.
 _LEFT = 0.5
-# Bounds that come so near to the range, in ranges, are made exact.
+# Margin above the range, in ranges, within which exact gaps replace lower bounds.
 _MARGIN = 0.5
-# In steps of the obstacle: so far ahead of it vertices go along.
+# Distance ahead of an obstacle within which vertices move along, in lengths of its step.
 _CARRIED = 8.0
-_CORNER = 3.0**0.5  # longest of vectors whose coordinates are at most 1
+_CORNER = 3.0**0.5  # bound of a vector's length by its largest coordinate
 
 
 class ObstaclePairs:
@@ -63,7 +63,7 @@ class ObstaclePairs:
         self._pairs, self._edges = self._all[:0], self._all_edges[:0]
 
     def clearance(self, U: np.ndarray, shift: np.ndarray) -> float:
-        """Least distance from ``U`` (n, 3) at a shift (3,); negative if they intersect."""
+        """Distance of ``U`` (n, 3) from the shifted obstacle; negative if they intersect."""
         return clearance(self.obstacle, shift, U, self._F)
 
     def _stand(self, shift: np.ndarray) -> None:
@@ -71,11 +71,11 @@ class ObstaclePairs:
         self.points = self.points_ahead = self.obstacle.points + shift
 
     def aim_at(self, shift: np.ndarray) -> None:
-        """Go to ``shift`` (3,) from its place on the next way."""
+        """Set the obstacle's displacement (3,) at the end of the next step."""
         self.shift_ahead, self.points_ahead = shift, self.obstacle.points + shift
 
     def rebuild_at(self, U: np.ndarray, shift: np.ndarray | None = None) -> None:
-        """List the pairs anew at ``U`` (n, 3), and at ``shift`` (3,) if given.
+        """Rebuild the list of pairs at ``U`` (n, 3), and at ``shift`` (3,) if given.
 
         It must be clear of ``U``. What is nearer than steps go may stay as near.
         """
@@ -88,7 +88,7 @@ class ObstaclePairs:
         self.accept_step()
 
     def find_free_shares(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
-        """Free shares (n,) of the way from ``U`` to ``W``; None if all is free."""
+        """Collision-free fractions (n,) of the step ``U`` to ``W``; None if all of it."""
         X, Y = self._with(U, self.points), self._with(W, self.points_ahead)
         step = 2.0 * _CORNER * largest_difference(Y, X)
         if step > self._beyond:
@@ -113,30 +113,30 @@ class ObstaclePairs:
         return shares[: len(U)]
 
     def accept_step(self) -> None:
-        """Go the free way found last."""
+        """Accept the last collision-free step found."""
         self._low, self.points, self.shift = self._low_after, self.points_ahead, self.shift_ahead
 
     @property
     def may_touch(self) -> bool:
-        """True if some gap may be in the range of its energy."""
+        """True if some gap may be within the range of the gap energy."""
         return bool((self._low < self._reach).any())
 
     def gradient(self, U: np.ndarray) -> tuple[np.ndarray, int, float]:
-        """Gradient (n, 3) of the energy per stiffness, pairs in touch, and least gap."""
+        """Gradient (n, 3) per stiffness, number of touching pairs, and smallest gap."""
         listed = self._pairs, self._edges, self._low, np.full(len(self._low), self._reach)
         g, touching, least = gap_gradient(self._with(U, self.points_ahead), *listed, self.obstacle.radius)
         self.force = g[len(U) :].sum(axis=0)
         return g[: len(U)], touching, least
 
     def springs(self, U: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Springs in touch: vertices (p, 4), constants (p,) and weights (p, 4)."""
+        """Springs of touching pairs: vertices (p, 4), constants (p,), weights (p, 4)."""
         touching = np.flatnonzero(self._low < self._reach)
         listed = self._pairs[touching], self._edges[touching], np.full(len(touching), self._reach)
         k, w = gap_springs(self._with(U, self.points), *listed, most, self.obstacle.radius)
         return listed[0], k, w
 
     def pushed_by_obstacle(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
-        """``W`` (n, 3), pushed away by the obstacle as it goes ahead.
+        """``W`` (n, 3), pushed ahead of the obstacle in its next motion.
 
         What is next to the obstacle at ``U`` goes along with it, and farther vertices less and less.
         """
@@ -146,7 +146,7 @@ class ObstaclePairs:
         apart, outwards = self.obstacle.distances_and_directions(self.points, U)
         share = np.clip(1.0 - (apart - self._reach) / (_CARRIED * float(np.linalg.norm(move))), 0.0, 1.0)
         wanted = share * np.maximum(outwards @ move, 0.0)
-        # No more than that: what another obstacle pushes this way is not pushed back.
+        # At most wanted, so that the motion by another obstacle towards this one is not undone.
         missing = np.clip(wanted - np.einsum("ij,ij->i", W - U, outwards), 0.0, wanted)
         return W + missing[:, None] * outwards
 
@@ -154,7 +154,7 @@ class ObstaclePairs:
         return np.concatenate([U, points])
 
     def _list(self, X: np.ndarray) -> None:
-        """List the pairs that may be in touch before anything has moved far from ``X``."""
+        """List the pairs within reach of motions from ``X`` up to the list margin."""
         self._bound -= 2.0 * _CORNER * largest_difference(X, self._listed_at)
         near = np.flatnonzero(self._bound < self._reach + self._beyond)
         self._bound[near] = gaps(X, self._all[near], self._all_edges[near]) - self.obstacle.radius
@@ -163,7 +163,7 @@ class ObstaclePairs:
         self._low, self._listed_at = self._bound[near], X
 
 
-_PLATE, _CAPSULE = 3, 2  # by the number of their points
+_PLATE, _CAPSULE = 3, 2  # number of points that define each
 
 
 def clearance(obstacle: Obstacle, shift: np.ndarray, U: np.ndarray, F: np.ndarray) -> float:
@@ -196,14 +196,14 @@ def clearance(obstacle: Obstacle, shift: np.ndarray, U: np.ndarray, F: np.ndarra
 
 
 def _may_be_nearer(U: np.ndarray, F: np.ndarray, away: np.ndarray, least: float) -> np.ndarray:
-    """Mask (m,) of the triangles that may be nearer than any vertex, at ``least``."""
+    """Mask (m,) of triangles possibly nearer than the nearest vertex, at ``least``."""
     edges = U[F] - U[np.roll(F, 1, axis=1)]
     longest = np.sqrt(np.einsum("ijk,ijk->ij", edges, edges).max(axis=1))
     return away[F].min(axis=1) - longest <= least
 
 
 def _least_distance(points: np.ndarray, U: np.ndarray, F: np.ndarray) -> float:
-    """Least distance of one or two points, and of the line between them, from ``F``."""
+    """Distance of a point or segment, given by its ``points``, from triangles ``F``."""
     corners, inverse = np.unique(F, return_inverse=True)
     n, F = len(corners), inverse.reshape(-1, 3)
     X = np.concatenate([U[corners], points])
@@ -217,7 +217,7 @@ def _least_distance(points: np.ndarray, U: np.ndarray, F: np.ndarray) -> float:
 
 
 def _pierced(T: np.ndarray, a: np.ndarray, b: np.ndarray) -> bool:
-    """True if the line from ``a`` to ``b`` goes through a triangle of ``T`` (m, 3, 3).
+    """True if the segment from ``a`` to ``b`` crosses a triangle of ``T`` (m, 3, 3).
 
     By the signs of volumes [Segura & Feito 2001]; where it only touches an edge, distances tell.
     """

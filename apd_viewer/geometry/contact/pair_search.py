@@ -12,17 +12,17 @@ from apd_viewer.geometry.contact.patches import Patches, box_distance, boxes_wit
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
-# Shared by any number of cores: pairs are listed task by task, and summed in that order.
+# Fixed for any number of cores, so that pairs are always listed and summed in the same order.
 _TASKS = 32
-_FIRST_CAPACITY = 5_000  # pairs a task
-# Pairs near each other at rest have a range of this part of that distance: neighbours are silent at rest.
+_FIRST_CAPACITY = 5_000  # pairs per task
+# Range limit as a fraction of a pair's distance at rest, so that neighbours exert no force at rest.
 _OF_REST = 0.25
-# In sizes of the mesh: what is so near at rest touches there, and nothing can keep it apart.
+# Pairs nearer than this at rest, in mesh sizes, already touch and cannot be kept apart.
 _TOUCHES = 1e-9
 
 
 class FoundPairs(NamedTuple):
-    """Near pairs.
+    """Near pairs found by a search.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ class FoundPairs(NamedTuple):
     reach: np.ndarray
 
     def subset(self, mask: np.ndarray) -> FoundPairs:
-        """Rows of a mask."""
+        """Rows selected by a mask."""
         return FoundPairs(*(column[mask] for column in self))
 
 
 class PairSearch:
-    """Near pairs of a surface.
+    """Search for near pairs, vertex and triangle or edge and edge.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class PairSearch:
     def near_pairs(
         self, U: np.ndarray, patch_pairs: np.ndarray, margins: np.ndarray
     ) -> tuple[FoundPairs, np.ndarray]:
-        """Near pairs between pairs (k, 2) of patches, and bounds (k,) of all others.
+        """Near pairs between patch pairs (k, 2), and bounds (k,) for all other pairs.
 
         Near are those whose gaps exceed their range by less than ``margins`` (k,); the bounds are lower ones
         of what the gaps of all others exceed theirs by.
@@ -146,7 +146,7 @@ def _goes_together(exempt_groups: np.ndarray, a: int, b: int, c: int, d: int) ->
 
 @njit(inline="always")
 def _range_of(at_rest: float, reach: float, touches: float) -> float:
-    """Range of the energy of a pair, by its distance at rest."""
+    """Range of a pair's energy from its distance at rest."""
     return min(reach, _OF_REST * at_rest) if at_rest > touches else 0.0
 
 
@@ -157,7 +157,7 @@ def _near(
     estart: np.ndarray, eitem: np.ndarray, E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
     F: np.ndarray, exempt_groups: np.ndarray, most: int, capacity: int, tasks: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Pairs of every task, as many as there is room for, bounds, and their count."""
+    """Pairs found by each task, up to the capacity, with bounds and counts."""
     pairs = np.empty((tasks, capacity, 4), np.int32)
     edges = np.empty((tasks, capacity), np.bool_)
     owner = np.empty((tasks, capacity), np.int32)

@@ -1,4 +1,4 @@
-"""Patches of a surface, and bounds of how much nearer two of them come.
+"""Patches of a surface, and upper bounds of the approach of two patches.
 
 A pair of patches keeps a budget: a lower bound of all gaps between them that are not listed. A way from U to
 W takes from it only what brings the two nearer, so that motion in common costs nothing.
@@ -15,10 +15,10 @@ from scipy.spatial import KDTree
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
-# Larger patches are fewer, and more of what is searched is in vain.
+# Larger patches mean fewer bounds, but more candidate pairs searched in vain.
 _VERTICES_PER_PATCH = 12
-_SWEEPS = 6  # of Lloyd's algorithm
-# Points. Threads for 300 take six times as long as the search by one; of 5,000 they save a quarter.
+_SWEEPS = 6  # iterations of Lloyd's algorithm
+# Points from which threads pay: for 300 they take six times as long as one, for 5,000 a quarter less.
 _WORTH_THREADS = 2000
 _PORTION = 512
 
@@ -145,7 +145,7 @@ def boxes_within(A: np.ndarray, i: int, B: np.ndarray, j: int, gap: float) -> bo
 
 @parallel()
 def _count_near(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> np.ndarray:
-    """Number of boxes within ``gap`` of each, of itself and those after it."""
+    """Number of boxes within ``gap`` of each box, among itself and later ones."""
     count = np.ones(len(order), np.int64)
     for a in prange(len(order)):
         for b in range(a + 1, len(order)):
@@ -160,7 +160,7 @@ def _count_near(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> 
 def _keys_near(
     boxes: np.ndarray, order: np.ndarray, axis: int, gap: float, first: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Keys of these pairs, the lower number in their upper half, and distances."""
+    """Keys of near box pairs, the lower index in the upper 32 bits, and distances."""
     key, apart = np.empty(first[-1], np.int64), np.zeros(first[-1])
     for a in prange(len(order)):
         i, n = order[a], first[a]
@@ -180,7 +180,7 @@ def _keys_near(
 
 @parallel()
 def _motions(U: np.ndarray, W: np.ndarray, start: np.ndarray, item: np.ndarray) -> np.ndarray:
-    """Best infinitesimal rigid motion of every patch, (p, 11).
+    """Best-fitting infinitesimal rigid motion of every patch, (p, 11).
 
     Centre, displacement, angular velocity; then the radius, and the largest displacement that is left.
     """
@@ -224,7 +224,7 @@ def _motions(U: np.ndarray, W: np.ndarray, start: np.ndarray, item: np.ndarray) 
 def _spin(
     a: float, d: float, f: float, xy: float, yz: float, zx: float, mx: float, my: float, mz: float
 ) -> tuple[float, float, float]:
-    """Angular velocity of moments of inertia and momentum, regularised."""
+    """Angular velocity from moments of inertia and angular momentum, regularised."""
     trace = 1e-6 * (a + d + f) + 1e-300
     a, d, f = a + trace, d + trace, f + trace
     c00, c01, c02 = d * f - yz * yz, yz * zx + xy * f, xy * yz + d * zx
@@ -239,7 +239,7 @@ def _spin(
 
 @njit(cache=True, nogil=True)
 def _seen_from(M: np.ndarray, i: int, j: int, turning: int) -> float:
-    """Difference of the displacements of two centres, seen from a patch that turns."""
+    """Relative displacement of two patch centres, seen from the patch ``turning``."""
     x, y, z = M[j, 0] - M[i, 0], M[j, 1] - M[i, 1], M[j, 2] - M[i, 2]
     wx, wy, wz = M[turning, 6], M[turning, 7], M[turning, 8]
     a = M[i, 3] - M[j, 3] + wy * z - wz * y
@@ -250,7 +250,7 @@ def _seen_from(M: np.ndarray, i: int, j: int, turning: int) -> float:
 
 @parallel()
 def _approaches(M: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    """See :meth:`Patches.approaches`; linear in time, so it holds on the whole way."""
+    """See :meth:`Patches.approach_bounds`; linear in time, so valid along the step."""
     bounds = np.empty(len(pairs))
     for e in prange(len(pairs)):
         i, j = pairs[e, 0], pairs[e, 1]

@@ -1,1 +1,1 @@
-"""Elastic energies and the mesh of the solve."""
+"""Elastic energies, and the mesh they are solved on."""

@@ -1,4 +1,4 @@
-"""The cells of Eq. 1: every vertex with the edges around it, as kernels.
+"""Kernels of the cells of Eq. 1: every vertex with its incident edges.
 
     E(U) = sum_i sum_{j in N(i)} w_ij |(u_i - u_j) - R_i (v_i - v_j)|^2                  (Eq. 1)
 
@@ -25,11 +25,11 @@ from apd_viewer.geometry.linalg.rotations import (
 from apd_viewer.geometry.linalg.threads import parallel, total
 
 NO_MOMENTS = np.empty((0, 3, 3))
-# Vertices per task of a core.
+# Vertices per parallel task.
 _PORTION = 32 * LANES
 
 
-# Inlined: a call would count references to every array at every vertex, three times the cost of its work.
+# Inlined: a call would update the reference counts of all arrays, three times the cost of its work.
 @njit(inline="always")
 def _load_cell(
     X: np.ndarray,
@@ -42,7 +42,7 @@ def _load_cell(
     U: np.ndarray,
     S0: np.ndarray,
 ) -> None:
-    """Put ``S_i = S0_i + sum_j w_ij (u_i - u_j)(v_i - v_j)^T`` into a lane."""
+    """Write ``S_i = S0_i + sum_j w_ij (u_i - u_j)(v_i - v_j)^T`` into a lane."""
     s00 = s01 = s02 = s10 = s11 = s12 = s20 = s21 = s22 = 0.0
     if len(S0):
         s00, s01, s02 = S0[i, 0, 0], S0[i, 0, 1], S0[i, 0, 2]
@@ -107,7 +107,7 @@ def local_step(
 
 
 def portion_count(n: int) -> int:
-    """Number of parts that ``n`` cells are divided into."""
+    """Number of portions for ``n`` cells."""
     return (n + _PORTION - 1) // _PORTION
 
 
@@ -121,7 +121,7 @@ def _cell_energy(
     U: np.ndarray,
     q: np.ndarray,
 ) -> float:
-    """The cell's part of Eq. 1."""
+    """Energy of cell ``i`` in Eq. 1."""
     cell = 0.0
     for e in range(start[i], start[i + 1]):
         j = neighbour[e]
@@ -142,7 +142,7 @@ def gauss_seidel_local_step(
     coupling: float,
     q: np.ndarray,
 ) -> None:
-    """The same with ``coupling / (2 deg i) sum_j |R_i - R_j|^2``, Gauss-Seidel.
+    """Gauss-Seidel local step with ``coupling / (2 deg i) sum_j |R_i - R_j|^2``.
 
     Once each, as CGAL does it [Levi & Gotsman 2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
     Animation].
@@ -211,7 +211,7 @@ def right_hand_side(
 def energy(
     start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, q: np.ndarray
 ) -> float:
-    """Eq. 1 at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
+    """Energy of Eq. 1 at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
     n = len(V)
     count = (n + _PORTION - 1) // _PORTION
     energies = np.zeros(count)

@@ -1,4 +1,4 @@
-"""Bending: how differently the triangles around a vertex are turned.
+"""Bending energy: differences of deformation gradients around each vertex.
 
     E(U) = sum_i sum_t w_it |(D_t - mean_i D) - R_i (P_t - mean_i P)|^2,        t the triangles around i
 
@@ -24,15 +24,15 @@ from apd_viewer.geometry.linalg.threads import parallel, total
 from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian, face_areas, well_shaped
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 
-# The larger a cotangent of a triangle, the more a displacement changes its gradient; with less weight it is
-# no stiffer than others.
+# Cotangent above which a triangle gets less weight: its gradient changes more with a displacement, so that
+# it would be stiffer than others.
 _SLENDER = 2.0
-# Vertices per task of a core.
+# Vertices per parallel task.
 _PORTION = 256
 
 
 class Bending:
-    """The triangles around every vertex at rest, and the energy of a change.
+    """Bending energy relative to the rest shape, with a ring of triangles per vertex.
 
     The energy tends to the total area times the integral of the squared principal curvatures, which no
     refinement and no unit of length changes (see :func:`ring_weights`).
@@ -89,7 +89,7 @@ class Bending:
         return (0.5 * K).tocsr()
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
-        """The energy at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
+        """Bending energy at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
         patch, D = self.patch, gradients(U, self.patch.F, self.hat_gradients)
         rest = self.weight, self.inverse, self.mean, self.normals
         return float(_energy(patch.start, patch.corner, *rest, D, q))
@@ -167,7 +167,7 @@ def _energy(
     energies = np.zeros(count)
     for portion in prange(count):
         for i in range(portion * _PORTION, min(len(mean), (portion + 1) * _PORTION)):
-            # What D_t + R_i n_t n_t^T is compared with: the mean of the first, R_i times that of the other.
+            # Reference for D_t + R_i n_t n_t^T: the ring's mean of D_t, plus R_i times that of n_t n_t^T.
             d = np.zeros((3, 3))
             for e in range(start[i], start[i + 1]):
                 t, c = corner[e] // 3, corner[e] % 3
@@ -228,7 +228,7 @@ def corner_sums(
     return out
 
 
-# Below this part of the squared gradients their variance is rounding: all triangles there are alike.
+# Variance of gradients, relative to their mean square, below which it is only rounding error.
 _ALIKE = 1e-9
 
 
@@ -268,7 +268,7 @@ def _tangents(normal: np.ndarray) -> np.ndarray:
     x, y, z = normal
     size = np.sqrt(x * x + y * y + z * z)
     x, y, z = (x / size, y / size, z / size) if size > 0.0 else (0.0, 0.0, 1.0)
-    # Across the axis with which it makes the largest angle.
+    # Perpendicular also to the coordinate axis at the largest angle to the normal.
     a, b, c = abs(x), abs(y), abs(z)
     if a <= b and a <= c:
         u, v, w = 0.0, z, -y

@@ -1,4 +1,4 @@
-"""Bending stiffness of the cells of Eq. 1, an excess in every load.
+"""Bending stiffness of the cells of Eq. 1, and the load excess it causes.
 
 A cell compares its edges with turned straight ones. Bent to a curvature k along the direction u, an edge e
 leaves the tangent plane by ``k (e . u)^2 / 2``, and the best rotation takes only what is linear in e from it:
@@ -17,12 +17,12 @@ from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import cotangents, face_areas
 
-# Of the squared trace: cells whose edges are parallel have no best plane.
+# Determinant relative to the squared trace, below which parallel edges allow no fit.
 _FLAT = 1e-12
 
 
 def load_excess(material: Material, cells: float) -> float | None:
-    """Expected excess of the load of a bent wall: 0.1 for 10 %.
+    """Expected relative excess of the load of a bent wall, 0.1 for 10 %.
 
     None without stiffness: the load is that of the cells alone.
 
@@ -59,7 +59,7 @@ def cell_stiffness(V: np.ndarray, F: np.ndarray) -> float:
     determinant = xx * yy - xy * xy
     sound = determinant > _FLAT * (xx + yy) ** 2
     energy = 0.375 * sums(square * square)
-    # (e . u)^2 is half of each of these, times 1, cos 2t and sin 2t.
+    # (e . u)^2 is half the sum of these, times 1, cos 2t and sin 2t.
     for part, share in ((square, 0.25), (x * x - y * y, 0.125), (2.0 * x * y, 0.125)):
         p, q = sums(part * x), sums(part * y)
         tilted = yy * p * p - 2.0 * xy * p * q + xx * q * q

@@ -101,7 +101,7 @@ class ElasticSurface:
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
-        # Whether the energy is Eq. 1 and nothing else.
+        # True if the energy is Eq. 1 alone.
         more = self.membrane is not None or self._bending is not None or len(soft.ids) > 0
         self._has_cells_alone = not more and material.rigidity == 1.0
         self.factor = self.factorizer(lambda: self.factored_matrix, rest.V[self.free])
@@ -131,12 +131,12 @@ class ElasticSurface:
 
     @property
     def K_ff(self) -> Matrix:
-        """The matrix's rows and columns of the free vertices, (f, f)."""
+        """Block of the global matrix for the free vertices, (f, f)."""
         return self._blocks[0]
 
     @property
     def factored_matrix(self) -> Matrix:
-        """:attr:`K_ff`, made definite where nothing is held.
+        """:attr:`K_ff`, made positive definite if no vertices are held.
 
         Then a shift of the whole is about as firm as its softest change of shape. It costs no energy.
         """
@@ -147,7 +147,7 @@ class ElasticSurface:
 
     @cached_property
     def hessian(self) -> ProjectedHessian:
-        """Approximate Hessian of a surface with a membrane; without, it would be K."""
+        """Approximate Hessian of a surface with a membrane; K for any other surface."""
         assert self.membrane is not None
         others = self.K_ff - self.membrane.K[self.free][:, self.free]
         return ProjectedHessian(self.rest.V, self.free, others, self.membrane)
@@ -166,7 +166,7 @@ class ElasticSurface:
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
         self.U = U
-        self._q = None  # computed on demand, often much later
+        self._q = None  # rotations are computed on demand, often much later
         if self.membrane is not None:
             self.membrane.local_step(U)
 
@@ -227,7 +227,7 @@ class ElasticSurface:
     def positions_along(
         self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
-        """Positions ``U`` plus a share of ``direction`` (f, 3), held at ``targets``."""
+        """Positions ``U`` plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
         return parallel_ops.scattered_rows_along(U, self._place, share, direction, targets)
 
     def local_step(self, U: np.ndarray) -> None:
@@ -239,7 +239,7 @@ class ElasticSurface:
         self._follow_creases()
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Make ``U`` (n, 3) current; its energy without the coupling of the rotations."""
+        """Make ``U`` (n, 3) current; return its energy without rotation coupling."""
         q, self.U = self.q, U
         if self.membrane is not None:
             self.membrane.local_step(U)
@@ -249,7 +249,7 @@ class ElasticSurface:
         return self._energy(energies.sum())
 
     def commit_creases(self) -> None:
-        """Make the flow at the current positions last."""
+        """Make the plastic flow at the current positions permanent."""
         if self.creases:
             self.creases.commit_flow(self.U, self.q)
 
@@ -280,22 +280,22 @@ class ElasticSurface:
 
     @property
     def energy(self) -> float:
-        """The energy of the current positions, without the coupling of the rotations."""
+        """Energy of the current positions, without the coupling of rotations."""
         return self._energy(arap_cells.energy(*self.rest.graph, self.rest.V, self.U, self.q))
 
     def _energy(self, cells: float) -> float:
-        """The energy of the current positions, with that of the cells."""
+        """Energy of the current positions, given the energy of the ``cells``."""
         flat = 0.0 if self.membrane is None else self.membrane.energy
         return self._without_membrane(self.U, self.q, cells) + flat
 
     def energy_at(self, U: np.ndarray) -> float:
-        """Energy at ``U`` (n, 3) near the current positions, without a membrane."""
+        """Energy at ``U`` (n, 3) near the current positions, membrane excluded."""
         q = self.q.copy()
         self._turn_cells(U, q)
         return self._without_membrane(U, q, arap_cells.energy(*self.rest.graph, self.rest.V, U, q))
 
     def _without_membrane(self, U: np.ndarray, q: np.ndarray, cells: float) -> float:
-        """Energy at ``U`` (n, 3) of bending, springs and ``cells`` turned by ``q``."""
+        """Energy at ``U`` (n, 3) of bending, springs and ``cells``, with rotations ``q``."""
         E = self.material.rigidity * cells
         if self._bending is not None:
             E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))
@@ -332,7 +332,7 @@ class ProjectedHessian:
         f, F = len(free), membrane.patch.F
         place = np.full(len(V), -1)
         place[free] = np.arange(f)
-        # Each pair of corners of each triangle.
+        # Block rows and columns for all pairs of corners of the triangles.
         c, d = np.repeat(place[F], 3, axis=1).ravel(), np.tile(place[F], 3).ravel()
         inside = (c >= 0) & (d >= 0)
         entries = constant.tocoo()

@@ -18,7 +18,7 @@ from apd_viewer.language import tr
 
 
 class EnclosedGas:
-    """Gas that a surface encloses, and its energy.
+    """Gas enclosed by a surface, and its energy.
 
     Parameters
     ----------
@@ -41,16 +41,16 @@ class EnclosedGas:
         self._amount = amount * rest.area
 
     def volume_ratio(self, U: np.ndarray) -> float:
-        """Volume at ``U`` (n, 3) over that at rest."""
+        """Volume at ``U`` (n, 3) relative to the rest volume."""
         return self._volume_and_gradient(U)[0] / self._first
 
     def energy(self, U: np.ndarray) -> float:
-        """The energy at ``U`` (n, 3), square mesh units; infinite without a volume."""
+        """Energy at ``U`` (n, 3), square mesh units; infinite for a volume of 0 or less."""
         ratio = self.volume_ratio(U)
         return self._amount * (ratio - 1.0 - float(np.log(ratio))) if ratio > 0.0 else np.inf
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
-        """Gradient at ``U`` (n, 3), (n, 3)."""
+        """Gradient of the energy at ``U`` (n, 3), (n, 3)."""
         volume, g = self._volume_and_gradient(U)
         g *= self._amount * (1.0 / self._first - 1.0 / volume)
         return g

@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Material:
-    """Weights of the terms of the energy.
+    """Weights of the elastic energy, and its yield curvature.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Material:
 
     @property
     def young(self) -> float:
-        """Young's modulus times thickness, with free sides, for small strains.
+        """Young's modulus times thickness at small strains, with free lateral sides.
 
         With strains e and f along and across, a unit of area has the energy
         ``(2 rigidity + shear) (e^2 + f^2) + area (e + f)^2 / 2``, which is least at the f of free sides.

@@ -1,4 +1,4 @@
-"""The membrane: every triangle keeps its shape a little and its area a lot.
+"""Membrane energy: weak resistance to shear, strong resistance to area change.
 
 A triangle's deformation gradient ``D`` (3, 2) maps its rest plane to space; its singular values
 s1 >= s2 are the stretches. Two terms, each a squared distance to the nearest matrix that it would
@@ -24,21 +24,21 @@ from apd_viewer.geometry.linalg.threads import parallel, total
 from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian, well_shaped
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 
-# Twice as many doubles as the widest registers hold: one half proceeds while the other waits for a division.
+# Twice the width of the widest registers: one half proceeds while the other waits for a division.
 LANES = 16
-# Of a lane: D, then T in its place; s1, s2, p, cosine and sine of twice the angle of s1's direction, the last
-# step of Newton's method, 1 where there is a plane, the energy.
+# Rows of a lane: D, later T; s1, s2, p, cosine and sine of twice the angle of s1's direction, last Newton
+# step, 1 for a triangle with a plane and 0 otherwise, energy.
 ROWS = 14
 _S1, _S2, _P, _C, _S, _STEP, _PLANE, _ENERGY = (k * LANES for k in range(6, ROWS))
-# Convergence is quadratic: after such a step only rounding is left.
+# Convergence is quadratic: after so short a step only rounding errors are left.
 _SHORT_STEP = 1e-8
-# A flatter triangle has no plane to open it into.
+# Ratio of stretches below which a triangle has no plane.
 _FLAT = 1e-12
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _stretch(X: np.ndarray) -> None:
-    """Stretches of all lanes, and where Newton's method begins."""
+    """Compute the stretches of all lanes, and the start of Newton's method."""
     for i in range(LANES):
         x0, x1, x2 = X[i], X[2 * LANES + i], X[4 * LANES + i]
         y0, y1, y2 = X[LANES + i], X[3 * LANES + i], X[5 * LANES + i]
@@ -85,7 +85,7 @@ def _pull(X: np.ndarray, shear: float, area: float) -> None:
 
 @njit(cache=True, nogil=True)
 def project_lanes(X: np.ndarray, shear: float, area: float) -> None:
-    """``T = shear R + area P`` for LANES deformation gradients D side by side.
+    """``T = shear R + area P`` for LANES deformation gradients D at a time.
 
     Where a triangle has collapsed, T is ``(shear + area) D``: zero is a subgradient.
 
@@ -107,44 +107,44 @@ def project_lanes(X: np.ndarray, shear: float, area: float) -> None:
 
 
 _NEWTON_STEPS = 20
-# Triangles per task of a core.
+# Triangles per parallel task.
 _PORTION = 32 * LANES
 
 
 @njit(inline="always")
 def larger_stretch(s1: float, s2: float) -> float:
     """Minimiser ``p >= 1`` of ``(p - s1)^2 + (1/p - s2)^2``, for s1 >= s2 >= 0."""
-    # From here Newton's method converges monotonically: the second derivative is positive on the way.
+    # From this start Newton's method converges monotonically: the second derivative stays positive.
     p = max(s1, 1.0)
     for _ in range(_NEWTON_STEPS):
         q = 1.0 / p
         slope = p - s1 - (q - s2) * q * q
         step = slope / (1.0 + (3.0 * q - 2.0 * s2) * q * q * q)
         p -= step
-        # Convergence is quadratic: after such a step only rounding is left.
+        # Convergence is quadratic: after so short a step only rounding errors are left.
         if abs(step) < 1e-8 * p:
             break
     return p
 
 
-# Inlined: a call would count references to every array for every triangle.
+# Inlined: a call would update the reference counts of all arrays for every triangle.
 @njit(inline="always")
 def _load(X: np.ndarray, lane: int, t: int, F: np.ndarray, rest: np.ndarray, U: np.ndarray) -> None:
-    """Put the deformation gradient of triangle ``t`` into a lane."""
+    """Write the deformation gradient of triangle ``t`` into a lane."""
     x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
     i, j, k = F[t, 0], F[t, 1], F[t, 2]
     for a in range(3):
         x = (U[j, a] - U[i, a]) / x1
-        # One that does not count needs finite numbers.
+        # Ignored triangles, with x1 = 0, need finite values.
         X[2 * a * LANES + lane] = x if x1 != 0.0 else 0.0
         X[(2 * a + 1) * LANES + lane] = (U[k, a] - U[i, a] - x * x2) / y2 if x1 != 0.0 else 0.0
 
 
 @njit(inline="always")
 def _store(X: np.ndarray, lane: int, t: int, rest: np.ndarray, cot: np.ndarray, forces: np.ndarray) -> None:
-    """Corner forces of triangle ``t`` from a lane's T."""
+    """Write the corner forces of triangle ``t``, from a lane's T."""
     x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
-    # Corners at (0, 0), (x1, 0), (x2, y2); an edge pulls with its opposite corner's cotangent.
+    # Corners at (0, 0), (x1, 0), (x2, y2); edge forces are weighted by the opposite cotangents.
     ci, cj, ck = 0.25 * cot[t, 0], 0.25 * cot[t, 1], 0.25 * cot[t, 2]
     for a in range(3):
         x, y = X[2 * a * LANES + lane], X[(2 * a + 1) * LANES + lane]
@@ -162,7 +162,7 @@ def _forces(
     area: float,
     forces: np.ndarray,
 ) -> float:
-    """Quarter of the projections' corner forces, into (3 m, 3); the energy."""
+    """Write a quarter of the projections' corner forces; return the energy."""
     count = (len(F) + _PORTION - 1) // _PORTION
     energies = np.empty(count)
     for portion in prange(count):
@@ -182,7 +182,7 @@ def _forces(
 
 @parallel()
 def _gathered(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """The sum of the ``forces`` (3 m, 3) on the corners at every vertex, (n, 3)."""
+    """Sums (n, 3) of the corner ``forces`` (3 m, 3) at every vertex."""
     out = np.empty((len(start) - 1, 3))
     for i in prange(len(out)):
         x = y = z = 0.0
@@ -209,7 +209,7 @@ def _turn(F: np.ndarray, turns: np.ndarray, forces: np.ndarray) -> None:
 
 
 class Membrane:
-    """The triangles of a rest shape, laid flat.
+    """Membrane energy of a surface, with its triangles' rest shapes in the plane.
 
     Parameters
     ----------
@@ -237,7 +237,7 @@ class Membrane:
         self._cot = cotangents(V, F)
         e, f = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
         x1 = np.linalg.norm(e, axis=1)
-        # A needle's deformation gradient is all rounding; the cells of Eq. 1 hold it together.
+        # The deformation gradients of needles are rounding errors; the cells of Eq. 1 still hold them.
         usable = well_shaped(self._cot)
         x1 = np.where(usable, x1, 0.0)
         x2 = np.divide((e * f).sum(axis=1), x1, out=np.zeros_like(x1), where=usable)
@@ -254,7 +254,7 @@ class Membrane:
         self.energy = float(_forces(self.patch.F, self.rest, self._cot, U, *weights, self._forces))
 
     def rotate_projections(self, rotations: np.ndarray) -> None:
-        """Turn the projections by ``rotations`` (n, 4), unit quaternions at the vertices."""
+        """Rotate the projections by unit quaternions ``rotations`` (n, 4) at the vertices."""
         _turn(self.patch.F, rotations, self._forces)
 
     def right_hand_side(self) -> np.ndarray:

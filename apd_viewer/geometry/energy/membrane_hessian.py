@@ -1,4 +1,4 @@
-"""Hessian of the membrane by triangles, its negative eigenvalues clamped.
+"""Membrane Hessian, triangle by triangle, with negative eigenvalues clamped.
 
 The energy of a triangle is a function of the two stretches s1 >= s2 of its deformation gradient
 ``D = U diag(s1, s2) V^T`` alone. Then the modes of its Hessian are known: stretching along the two
@@ -23,9 +23,9 @@ from apd_viewer.geometry.linalg.threads import parallel
 
 # Numbers per triangle: the frame U, the larger stretch's direction in the rest plane, the moduli.
 WIDTH = 18
-# A flatter triangle has no plane to speak of; a narrower gap between two values is rounding.
+# Ratio of stretches below which a triangle has no plane, and relative difference treated as rounding.
 _FLAT = 1e-6
-# Where the nearest triangle of unchanged area ceases to be unique its derivative is infinite.
+# Lower bound: the derivative is infinite where the nearest triangle of equal area is not unique.
 _SHARPEST = 1e-6
 
 
@@ -34,7 +34,7 @@ def _area_slopes(s1: float, s2: float) -> tuple[float, float, float, float, floa
     """Derivatives of ``min_p (p - s1)^2 + (1/p - s2)^2``: f1, f2, f11, f12, f22."""
     p = larger_stretch(s1, s2)
     q = 1.0 / p
-    # The minimiser's own derivatives, by the implicit function theorem.
+    # Derivatives of the minimiser p, by the implicit function theorem.
     bend = max(1.0 + (3.0 * q - 2.0 * s2) * q * q * q, _SHARPEST)
     p1, p2 = 1.0 / bend, -q * q / bend
     return 2.0 * (s1 - p), 2.0 * (s2 - q), 2.0 * (1.0 - p1), -2.0 * p2, 2.0 * (1.0 + q * q * p2)
@@ -53,7 +53,7 @@ def _stretch_moduli(f11: float, f12: float, f22: float, least: float) -> tuple[f
 
 @njit(inline="always")
 def _put_modes(D: np.ndarray, shear: float, area: float, least: float, out: np.ndarray) -> None:
-    """Frame, direction and moduli of ``shear |D - R|^2 + area |D - P|^2`` into (18,)."""
+    """Write frame, direction and moduli of ``shear |D - R|^2 + area |D - P|^2``."""
     x0, x1, x2, y0, y1, y2 = D[0, 0], D[1, 0], D[2, 0], D[0, 1], D[1, 1], D[2, 1]
     a, b, d = x0 * x0 + x1 * x1 + x2 * x2, x0 * y0 + x1 * y1 + x2 * y2, y0 * y0 + y1 * y1 + y2 * y2
     m, h = 0.5 * (a + d), 0.5 * (a - d)
@@ -64,7 +64,7 @@ def _put_modes(D: np.ndarray, shear: float, area: float, least: float, out: np.n
     s2 = det / s1 if s1 > 0.0 else 0.0
     out[:] = 0.0
     if s2 <= _FLAT * s1:
-        # As K has it: the Hessian while the projections are held.
+        # Same as in K: the Hessian with the projections held fixed.
         out[0] = out[4] = out[8] = out[9] = 1.0
         out[11] = out[13] = out[14] = out[16] = out[17] = 2.0 * (shear + area)
         return
@@ -89,7 +89,7 @@ def _put_modes(D: np.ndarray, shear: float, area: float, least: float, out: np.n
 def modes(
     F: np.ndarray, rest: np.ndarray, U: np.ndarray, shear: float, area: float, least: float
 ) -> np.ndarray:
-    """Modes of every triangle at ``U`` (n, 3), (m, 18) float array.
+    """Modes of every triangle's Hessian at ``U`` (n, 3), (m, 18) float array.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def modes(
 
 @njit(inline="always")
 def _hat_gradient(rest: np.ndarray, mode: np.ndarray, c: int) -> tuple[float, float]:
-    """Gradient of corner ``c``'s hat function along the directions of the stretches."""
+    """Gradient of corner ``c``'s hat function along the principal stretch directions."""
     x1, x2, y2 = rest[0], rest[1], rest[2]
     if c == 0:
         gx, gy = -1.0 / x1, (x2 - x1) / (x1 * y2)
@@ -138,7 +138,7 @@ def add_blocks(
     modes: np.ndarray,
     blocks: np.ndarray,
 ) -> None:
-    """Add a quarter of the Hessian by the free vertices' coordinates to ``blocks``.
+    """Add a quarter of the Hessian for the free vertices to ``blocks``.
 
     Parameters
     ----------

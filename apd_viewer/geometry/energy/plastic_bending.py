@@ -1,4 +1,4 @@
-"""Bending that yields: where a surface is bent too far, it keeps a crease.
+"""Plastic bending: a surface bent beyond its yield curvature keeps a crease.
 
 The change of curvature of a ring, B_i, the vector of all ``(D_t - mean_i D) - R_i (P_t - mean_i P)`` in the
 norm of :class:`Bending`, is elastic up to a length r_i that belongs to the yield curvature k:
@@ -34,7 +34,7 @@ _NONE = np.empty((0, 3, 3, 3), np.float32)
 
 
 class PlasticBending:
-    """Bending with a yield curvature; stands in for :class:`Bending`.
+    """Bending with a yield curvature, in place of :class:`Bending`.
 
     Parameters
     ----------
@@ -58,11 +58,11 @@ class PlasticBending:
         self._rest, self._rigidity = rest, rigidity
         self.bending, self.K = rest.bending, rest.bending.K
         self._bound = yield_curvature * self.bending.per_curvature
-        self.forget_flow()
+        self.clear_flow()
         self._U, self._D = rest.V, gradients(rest.V, self.bending.patch.F, self.bending.hat_gradients)
 
-    def forget_flow(self) -> None:
-        """Make the surface free of creases."""
+    def clear_flow(self) -> None:
+        """Remove all creases."""
         self.committed_flow, self.dissipated_energy = _NONE, 0.0
         self._cells: CreasedCells | None = None
         self._creased = np.zeros(len(self._bound), bool)
@@ -73,7 +73,7 @@ class PlasticBending:
         self._q, self._means, self._sizes = (np.empty(0) for _ in range(3))
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
-        """Energy at ``U`` (n, 3), rotations ``q`` (n, 4), and all that flow has taken."""
+        """Stored and dissipated energy at ``U`` (n, 3) with rotations ``q`` (n, 4)."""
         sizes = self._changes(U, q)
         stored = np.minimum(sizes, self._bound)
         E = inner_product(stored, 2.0 * sizes - stored) + self.dissipated_energy
@@ -89,12 +89,12 @@ class PlasticBending:
         return S
 
     def update_flow(self, U: np.ndarray, q: np.ndarray) -> None:
-        """Let the rings flow as they would at ``U`` (n, 3), rotations ``q`` (n, 4)."""
+        """Update the plastic flow of all rings at ``U`` (n, 3), rotations ``q`` (n, 4)."""
         sizes = self._changes(U, q)
         self._elastic = np.divide(self._bound, sizes, out=np.ones(len(sizes)), where=sizes > self._bound)
 
     def right_hand_side(self, q: np.ndarray, scale: float) -> np.ndarray:
-        """Right-hand side for rotations ``q`` (n, 4) and the last flow, (n, 3)."""
+        """Right-hand side (n, 3) for rotations ``q`` (n, 4) and the latest flow."""
         b = self.bending
         rest = b.patch.F, b.weight, b.mean, self._creased, self.committed_flow
         stresses = tensions(*rest, self._elastic, self._D, self._means, 0.5 * scale, q)
@@ -104,7 +104,7 @@ class PlasticBending:
         return pull
 
     def commit_flow(self, U: np.ndarray, q: np.ndarray) -> None:
-        """Make the flow at ``U`` (n, 3) with the rotations ``q`` (n, 4) last."""
+        """Make the flow at ``U`` (n, 3) with the rotations ``q`` (n, 4) permanent."""
         b, E = self.bending, self.energy(U, q)
         self.update_flow(U, q)
         flowing = 1.0 - self._elastic
@@ -152,7 +152,7 @@ def change_sizes(
     means: np.ndarray,
     sizes: np.ndarray,
 ) -> None:
-    """Write ``means`` (n, 3, 3) of ``D_t`` and ``sizes`` (n,) of changes of all rings."""
+    """Write every ring's mean of ``D_t`` (n, 3, 3) and size of its change (n,)."""
     for i in prange(len(mean)):
         d = np.zeros((3, 3))
         for e in range(start[i], start[i + 1]):
@@ -276,7 +276,7 @@ def add_flow(
     creased: np.ndarray,
     kept: np.ndarray,
 ) -> None:
-    """Add ``flowing_i R_i^T B_it`` to what every corner keeps."""
+    """Add ``flowing_i R_i^T B_it`` to the committed flow ``kept`` of every corner."""
     back = q * np.array([1.0, -1.0, -1.0, -1.0])
     for i in prange(len(mean)):
         if flowing[i] > 0.0:
@@ -299,7 +299,7 @@ _PORTION = 256
 
 
 class CreasedCells:
-    """Cells with creases: their difference from those of the flat surface.
+    """Correction of Eq. 1 for cells with creases.
 
     Parameters
     ----------
@@ -335,7 +335,7 @@ class CreasedCells:
         self._v = -edges
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
-        """Difference that they make to Eq. 1 at ``U`` (n, 3), rotations ``q`` (n, 4)."""
+        """Correction of the energy at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
         return float(_energy(self._start, self._neighbour, self._w, self._v, self._d, self._creased, U, q))
 
     def add_moments(self, S: np.ndarray, U: np.ndarray, scale: float) -> None:

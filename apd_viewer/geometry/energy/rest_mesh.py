@@ -1,4 +1,4 @@
-"""A mesh at rest, with everything independent of the held vertices."""
+"""Rest mesh, with all quantities independent of the held vertices."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ShapeMeasures(NamedTuple):
 
 
 class RestMesh:
-    """Rest mesh of a deformation, computed once a mesh.
+    """Rest mesh of a deformation, computed once per mesh.
 
     A mesh far from the origin is solved about its :attr:`centre`: squares of its coordinates would leave no
     digits for its shape. What is called local is relative to it.
@@ -95,23 +95,23 @@ class RestMesh:
 
     @classmethod
     def from_arrays(cls, V: object, F: object, weld: bool = False) -> RestMesh:
-        """Rest mesh of a caller's arrays, checked; with ``weld`` its seams are welded."""
+        """Rest mesh of checked arrays; with ``weld`` its seams are welded."""
         V, F = mesh_arrays(V, F)
         return cls(V, F, Weld.from_positions(V, F, SEAM_TOLERANCE) if weld else None)
 
     @property
     def in_place_tolerance(self) -> float:
-        """Tolerance of held vertices in place, mesh units."""
+        """Distance within which held vertices count as in place, mesh units."""
         return self.weld.in_place_tolerance(self.diagonal)
 
     @cached_property
     def seams(self) -> Seams:
-        """Boundary edges on others without being joined."""
+        """Unjoined coincident boundary edges."""
         return Seams.from_mesh(self.V, self.F, self.weld)
 
     @cached_property
     def missing_volume_reason(self) -> str | None:
-        """Reason for a missing volume, as a phrase; None if there is one."""
+        """Reason for an undefined volume, as a phrase; None if the mesh encloses one."""
         return missing_volume_reason(self.solve_mesh.F, len(self.solve_mesh.V))
 
     @cached_property
@@ -122,7 +122,7 @@ class RestMesh:
 
     @cached_property
     def caps(self) -> Caps | None:
-        """Caps of its openings; None if there are none, or they would not close the mesh."""
+        """Caps of the openings; None if absent or unable to close the mesh."""
         caps = Caps.from_triangles(self.solve_mesh.F, len(self.solve_mesh.V))
         return caps if capped_volume(caps, self.solve_mesh.V, self.solve_mesh.F) is not None else None
 
@@ -138,7 +138,7 @@ class RestMesh:
             return self.measure(self.solve_mesh.V).volume_capped
 
     def measure(self, U: np.ndarray) -> ShapeMeasures:
-        """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""
+        """Readings of the shape ``U`` (k, 3), positions of the solve mesh's vertices."""
         least = SLIVER * self.area / len(self.F)
         F, caps = self.solve_mesh.all_triangles.F, self.caps
         area, volume, change = area_volume_change(U, F, self.face_areas, least)

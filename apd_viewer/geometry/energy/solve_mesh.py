@@ -1,4 +1,4 @@
-"""Rest quantities of the solve: weights, Laplacian, pieces, areas, curvature.
+"""Rest mesh of the solve: edge weights, Laplacian, components, areas, bending.
 
 E(U) = 2 A sum_t max(0, 1 - a_t(U) / (0.3 A_t))^2,        a_t the area, A_t that at rest, A the total
 
@@ -26,15 +26,15 @@ from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import edge_weights, face_areas, laplacian, vertex_areas
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
 
-# A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
-# than it takes to tell where the full one goes.
+# Ratio of vertices between levels; most coarse vertices for a solve without noticeable delay, and fewest
+# for a useful prediction of the fine shape.
 _RATIO = 2.5
 MOST_COARSE_VERTICES = 40_000
 FEWEST_COARSE_VERTICES = 500
 
 
 class SolveMesh:
-    """Rest mesh of the solve.
+    """Rest mesh of the solve, with derived quantities.
 
     Parameters
     ----------
@@ -57,12 +57,12 @@ class SolveMesh:
 
     @cached_property
     def W(self) -> sp.csr_array:
-        """Weights of the edges, (n, n)."""
+        """Matrix of edge weights, (n, n)."""
         return edge_weights(self.V, self.F)
 
     @cached_property
     def L(self) -> sp.csr_array:
-        """Their Laplacian (positive semi-definite, ``L_ij = -w_ij``), (n, n)."""
+        """Laplacian of :attr:`W` (positive semi-definite, ``L_ij = -w_ij``), (n, n)."""
         return laplacian(self.W)
 
     @cached_property
@@ -71,7 +71,7 @@ class SolveMesh:
         return vertex_areas(self.V, self.F)
 
     def is_connected_to(self, fixed: np.ndarray) -> np.ndarray:
-        """Mask (n,) of the surfaces with ``fixed`` vertices (k,); of all without any."""
+        """Mask (n,) of components with ``fixed`` vertices (k,); of all if none are fixed."""
         return np.isin(self.component, self.component[fixed]) if len(fixed) else self.vertex_areas > 0.0
 
     @cached_property
@@ -87,7 +87,7 @@ class SolveMesh:
 
     @cached_property
     def all_triangles(self) -> Patch:
-        """All triangles."""
+        """Patch of all triangles."""
         return Patch(self.F, len(self.V))
 
     @cached_property
@@ -110,12 +110,12 @@ class SolveMesh:
 
     @cached_property
     def area_barrier(self) -> AreaBarrier:
-        """Penalty on triangles of a stiff wall that collapse."""
+        """Penalty on collapsing triangles of a stiff wall."""
         return AreaBarrier(self.V, self.all_triangles.F)
 
     @cached_property
     def coarse_mesh(self) -> SolveMesh:
-        """The mesh of :attr:`decimation`."""
+        """Coarse mesh of :attr:`decimation`."""
         return SolveMesh(self.V[self.decimation.vertices], self.decimation.F, self._thinnings[1:])
 
     @cached_property
@@ -135,15 +135,15 @@ class SolveMesh:
         return np.tile([1.0, 0.0, 0.0, 0.0], (len(self.V), 1))
 
 
-# Half of the weight left single triangles below a fifth of their area. A wall on its way to a smooth shape
-# passes shapes that are squeezed: acting from half of the area on, the penalty led it into dearer folds.
+# Half of this weight left single triangles below a fifth of their area. Acting from half of the area on,
+# the penalty hindered squeezed shapes on the way to a smooth one, and led to folds of higher energy.
 _WEIGHT, _FROM = 2.0, 0.3
-# Below this part of the area at rest a normal is rounding, and the force fades.
+# Fraction of the rest area below which the normal is unreliable, so that the force fades.
 _FLAT = 1e-3
 
 
 class AreaBarrier:
-    """The penalty and its gradient.
+    """Penalty on collapsing triangles, and its gradient.
 
     Parameters
     ----------
@@ -158,12 +158,12 @@ class AreaBarrier:
         self._least, self._weight = _FROM * self._rest, _WEIGHT * areas.sum()
 
     def energy(self, U: np.ndarray) -> float:
-        """The penalty at ``U`` (n, 3), square mesh units."""
+        """Penalty at ``U`` (n, 3), square mesh units."""
         missing = self._collapsing(U)[1]
         return float(self._weight * inner_product(missing, missing))
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
-        """Gradient at ``U`` (n, 3), (n, 3)."""
+        """Gradient of the penalty at ``U`` (n, 3), (n, 3)."""
         (t, missing), out = self._collapsing(U), np.zeros_like(U)
         if len(t):
             F = self._F[t]
@@ -177,7 +177,7 @@ class AreaBarrier:
         return out
 
     def _collapsing(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles that collapse, and how far, from 0 to 1."""
+        """Indices of the collapsing triangles, and degrees of collapse, 0 to 1."""
         areas = face_areas(U, self._F)
         t = np.flatnonzero(areas < self._least)
         return t, 1.0 - areas[t] / self._least[t]

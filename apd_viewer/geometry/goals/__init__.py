@@ -1,1 +1,1 @@
-"""Areas and a volume to be met: goals, and the projection onto them."""
+"""Goals for areas and the volume, and the projection onto them."""

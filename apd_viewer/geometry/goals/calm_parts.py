@@ -1,4 +1,4 @@
-"""Calm parts: levels of vertices by how little of a gesture reaches them.
+"""Calm parts: levels of vertices by the influence of the handles' motion.
 
 A surface that keeps its total area alone pays for a stretch by shrinking everywhere, limbs that have
 nothing to do with the gesture included. What a gesture can reach is told by the harmonic functions h that
@@ -26,17 +26,17 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, SoftConstraints, next_paint_sentence
 
-# Nothing is calm above the first of these powers of ten of the flux of the gesture itself; a bottle that is
-# twisted as a whole stays at half of it. The others are the middles of the levels, the last without an end.
+# Base-10 logarithms of the relative flux. Nothing is calm above the first; a bottle twisted as a whole stays
+# at half the mean flux. The others are the centres of the levels, of which the last is unbounded.
 CALM_LEVELS = (-0.5, -1.0, -2.0, -3.0, -4.0)
 _LEAST_FLUX = 1e-12
-# The integral of |grad h|^2 of a gesture is a number near one, in any unit.
+# Rounding level of the integral of |grad h|^2, which is near one in any unit of length.
 _ROUNDING = 1e-12
-# A level with less than this part of the area keeps what the others keep.
+# Smallest fraction of the total area for a level to get a goal of its own.
 _LEAST_SHARE = 1e-3
-# Triangles below this part of the mean area are rounding, and so are the slopes in them.
+# Fraction of the mean area below which the gradients in a triangle are rounding errors.
 _SLIVER = 1e-4
-# From here on a few steps with the thinned mesh tell as much as a factor of the full matrix.
+# Number of vertices above which a few two-grid steps replace a factorization of the full matrix.
 LARGE = 200_000
 _STEPS = 10
 
@@ -62,13 +62,13 @@ def calm_levels(
         From 0 to 1; 0 in loose parts, which keep their area by themselves, and where all around is held.
     """
     levels = _hats(gesture_flux(solve_mesh, held, handle_of, soft)) * _is_reached(solve_mesh, held)
-    # The level next to the gesture stays whole: two goals there contradict each other in a strong pull.
+    # The level next to the handles is not split: two goals there would conflict in a strong pull.
     found = [*levels[:1], *(part for level in levels[1:] for part in _parts(solve_mesh, level))]
     return np.array([level for level in found if _counts(solve_mesh, level)]).reshape(-1, len(solve_mesh.V))
 
 
 def _parts(solve_mesh: SolveMesh, level: np.ndarray) -> list[np.ndarray]:
-    """Weights of the largest connected part of a ``level`` (n,), and of all others."""
+    """Weights of the largest connected component of a ``level`` (n,), and the rest."""
     within = (level > 0.0)[solve_mesh.F].all(axis=1)
     number = vertex_components(solve_mesh.F[within], len(level))
     largest = number == np.argmax(np.bincount(number, level * solve_mesh.vertex_areas))
@@ -77,12 +77,12 @@ def _parts(solve_mesh: SolveMesh, level: np.ndarray) -> list[np.ndarray]:
 
 
 def _counts(solve_mesh: SolveMesh, level: np.ndarray) -> bool:
-    """True if the area of a ``level`` (n,) is worth a goal."""
+    """True if the area of a ``level`` (n,) is large enough for a goal."""
     return bool(inner_product(level, solve_mesh.vertex_areas) >= _LEAST_SHARE * solve_mesh.vertex_areas.sum())
 
 
 def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarray:
-    """Calmness (n,) of vertices for display: 0 near the gesture, 1 far from it.
+    """Calmness (n,) of vertices for display: 0 in the deforming region, 1 far away.
 
     It is 0 in the gesture and 1 beyond the last level; held vertices and loose parts have none, NaN.
 
@@ -102,16 +102,16 @@ def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarra
     handle_of = np.maximum(labels[fixed[first]].astype(np.int64) - HANDLE + 1, 0)
     drawn, which = np.unique(weld.inverse[soft.ids], return_index=True)
     x = gesture_flux(shape, held, handle_of, soft.subset(which)._replace(ids=drawn))
-    return np.where(_is_free(shape, held), calm_share(x), np.nan)[weld.inverse]
+    return np.where(_is_free(shape, held), calmness_from_flux(x), np.nan)[weld.inverse]
 
 
-def calm_share(x: np.ndarray) -> np.ndarray:
-    """Calmness by :func:`gesture_flux`: 0 near the gesture, 1 past the last level."""
+def calmness_from_flux(x: np.ndarray) -> np.ndarray:
+    """Calmness from :func:`gesture_flux` values, 0 to 1 past the last level."""
     return np.clip((CALM_LEVELS[0] - x) / (CALM_LEVELS[0] - CALM_LEVELS[-1]), 0.0, 1.0)
 
 
 def _hats(x: np.ndarray) -> np.ndarray:
-    """Piecewise linear weights (g, n) of the levels by the flux ``x`` (n,)."""
+    """Piecewise linear level weights (g, n) at the logarithmic flux ``x`` (n,)."""
     middles = np.array(CALM_LEVELS)[::-1]
     return np.array([np.interp(x, middles, row) for row in np.eye(len(middles))])[-2::-1]
 
@@ -119,7 +119,7 @@ def _hats(x: np.ndarray) -> np.ndarray:
 def gesture_flux(
     solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
 ) -> np.ndarray:
-    """Logarithm (n,), base 10, of the gesture's flux against its own mean.
+    """Base-10 logarithm (n,) of the handles' harmonic flux relative to its mean.
 
     Parameters
     ----------
@@ -133,9 +133,9 @@ def gesture_flux(
     squared[size == 0.0] = 0.0
     whole = inner_product(size, squared)
     if whole <= _ROUNDING:
-        return np.zeros(len(V))  # nothing is between a handle and what else is held
+        return np.zeros(len(V))  # no free surface between a handle and other held vertices
     mean = inner_product(size, squared**2) / whole
-    size = size * _is_free(solve_mesh, held)[F].any(axis=1)  # next to what is held, the slope of what is not
+    size = size * _is_free(solve_mesh, held)[F].any(axis=1)  # near held vertices, only triangles that deform
     around = np.maximum(np.bincount(F.ravel(), np.repeat(size, 3), len(V)), 1e-300)
     share = np.bincount(F.ravel(), np.repeat(size * squared, 3), len(V)) / around / mean
     return np.log10(np.maximum(share, _LEAST_FLUX))
@@ -144,7 +144,7 @@ def gesture_flux(
 def _potentials(
     solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
 ) -> np.ndarray:
-    """Harmonic functions (n, h): 1 on a handle, 0 on whatever else is held."""
+    """Harmonic functions (n, h): 1 on a handle, 0 on all other held vertices."""
     n, handles = len(solve_mesh.V), np.arange(1, int(handle_of.max(initial=0)) + 1)
     h = np.zeros((n, len(handles)))
     h[held] = handle_of[:, None] == handles
@@ -171,14 +171,14 @@ def _potentials(
 
 
 def _is_free(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the vertices that are solved for."""
+    """Mask (n,) of the free vertices, the unknowns of the solve."""
     moves = np.isin(solve_mesh.component, solve_mesh.component[held])
     moves[held] = False
     return moves
 
 
 def _is_reached(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the corners of the triangles that can deform."""
+    """Mask (n,) of the corners of deformable triangles."""
     reached = np.zeros(len(solve_mesh.V), dtype=bool)
     reached[solve_mesh.F[_is_free(solve_mesh, held)[solve_mesh.F].any(axis=1)]] = True
     return reached
@@ -190,13 +190,13 @@ def _squared_slopes(V: np.ndarray, F: np.ndarray, h: np.ndarray) -> np.ndarray:
     squared = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
     total = np.zeros(len(F))
     for k in range(h.shape[1]):
-        # The gradient is this, turned by a right angle in the plane and divided by twice the area.
+        # The gradient of h, but for a quarter turn in the plane and a division by twice the area.
         across = sum(h[F[:, c], k, None] * (V[F[:, c - 1]] - V[F[:, c - 2]]) for c in range(3))
         total += np.einsum("ij,ij->i", across, across) / squared
     return total
 
 
-# Of the mean diagonal: keeps coarse unknowns that interpolate nothing from being singular.
+# Shift by this fraction of the mean diagonal: coarse unknowns without fine ones would be singular.
 _SHIFT = 1e-9
 
 

@@ -15,14 +15,14 @@ from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.weighted_areas import row_nonzeros
 
-# Relative to the value at rest; ten times better than promised.
+# Relative to the value at rest; ten times tighter than documented.
 GOAL_TOLERANCE = 1e-10
 _NEWTON_STEPS = 8
-# Relative change of the slopes by a relative miss: about 1, measured.
+# Bound of the relative change of slopes per relative miss, measured as about 1.
 _CURVED = 4.0
-# A step with less than this part of its expected change, or the opposite sign, is not learned from.
+# Steps with less than this fraction of their expected change, or its opposite sign, do not update slopes.
 _PLAUSIBLE = 0.1
-# Directions are recomputed once a goal needs steps so many times longer than at first.
+# Growth of a goal's steps, relative to fresh directions, above which directions are recomputed.
 _FADED = 2.0
 
 
@@ -42,7 +42,7 @@ class ElasticResponse(Protocol):
 
 
 class GoalProjection:
-    """The goals of an elastic surface, and the way to meet them.
+    """Projection of the positions of an elastic surface onto its goals.
 
     Parameters
     ----------
@@ -78,16 +78,16 @@ class GoalProjection:
 
     @property
     def largest_miss(self) -> float:
-        """The largest miss there, relative to the value at rest."""
+        """Largest deviation from a goal at the last positions, relative to the rest value."""
         return _worst(self.values, self._target, self._unit)
 
     @property
     def has_outdated_directions(self) -> bool:
-        """True if the directions are outdated."""
+        """True if the step directions should be recomputed."""
         return _worn(self._inverse, self._inverse_at_first)
 
     def force_stiffness(self, multipliers: np.ndarray, edge: float) -> float:
-        """Rate of change of the multipliers' forces with the shape, against K.
+        """Rate of change of the multipliers' forces with the shape, relative to K.
 
         Parameters
         ----------
@@ -98,7 +98,7 @@ class GoalProjection:
         return self._measures.force_stiffness(multipliers, edge)
 
     def evaluate(self, U: np.ndarray) -> None:
-        """Find values and gradients at ``U`` (n, 3)."""
+        """Compute the goals' values and gradients at ``U`` (n, 3)."""
         self.values = self._measures.values_and_gradients(U, self.g)
 
     def refresh_directions(self, U: np.ndarray) -> None:
@@ -108,7 +108,7 @@ class GoalProjection:
         for y, g in zip(self._y, self.g, strict=True):
             y[free] = self._elastic.solve(g[free])
         slopes = self._slopes()
-        # A goal without free vertices cannot change, and is not waited for.
+        # A goal without free vertices cannot change, and is ignored.
         self._reach = np.where(np.diag(slopes) > 0.0, self._unit, np.inf)
         self._inverse = self._inverse_at_first = self._inverse_of(slopes)
 
@@ -117,7 +117,7 @@ class GoalProjection:
         scale = np.sqrt(np.abs(np.diag(slopes)[movable]))
         scales, block = np.outer(scale, scale), np.ix_(movable, movable)
         inverse = np.zeros_like(slopes)
-        # Dependent goals are met in the sense of least squares.
+        # Dependent goals are met in the least-squares sense.
         inverse[block] = np.linalg.pinv(slopes[block] / scales, rcond=1e-4) / scales
         return inverse
 
@@ -126,19 +126,19 @@ class GoalProjection:
         return parallel_ops.inner_products(self.g, *self._support, self._y).reshape(len(self.g), len(self._y))
 
     def lagrangian_gradient(self, G: np.ndarray, multipliers: np.ndarray, g: np.ndarray) -> np.ndarray:
-        """Slope ``G - sum_k mult_k g_k`` (f, 3), by ``G`` (f, 3) and ``g`` (g, n, 3)."""
+        """Gradient ``G - sum_k mult_k g_k`` (f, 3), for ``G`` (f, 3) and ``g`` (g, n, 3)."""
         return parallel_ops.subtracted_rows(G, multipliers, g, *self._support, self._elastic.free)
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""
         along = parallel_ops.inner_products_at(self._y, self._elastic.free, G)
         slopes = self._slopes()
-        if len(self.goals) > 1:  # steps have told the slope along one line only
+        if len(self.goals) > 1:  # Broyden updates corrected the slopes along one line only
             self._inverse = self._inverse_of(slopes)
         return np.linalg.lstsq(slopes.T, along, rcond=1e-10)[0]
 
     def project(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions near ``U`` (n, 3) meeting the goals, and the steps along each.
+        """Positions near ``U`` (n, 3) meeting the goals, and steps (g,) along directions.
 
         Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
         step has brought [Broyden 1965]: values cost less than gradients. Towards a single goal such a step
@@ -150,7 +150,7 @@ class GoalProjection:
         self.values = self._measures.values(U)
         worst = foreseen = self._worst_that_can_move(self.values)
         share = 1.0
-        fresh = False  # whether gradients and directions are those of U
+        fresh = False  # true once gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
             if worst <= GOAL_TOLERANCE:
                 break
@@ -177,7 +177,7 @@ class GoalProjection:
         return _worst(values, self._target, self._reach)
 
 
-# Kernels, small as they are: every iteration asks for them several times.
+# Compiled although small: every iteration calls them several times.
 
 
 @njit(cache=True, nogil=True)
@@ -201,7 +201,7 @@ def _learned(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.nd
 
 @njit(cache=True, nogil=True)
 def _worn(inverse: np.ndarray, at_first: np.ndarray) -> bool:
-    """True if a goal needs much larger steps than at first."""
+    """True if a goal needs much larger steps than with fresh directions."""
     faded = False
     for i in range(len(inverse)):
         faded |= inverse[i, i] > _FADED * at_first[i, i]
@@ -210,7 +210,7 @@ def _worn(inverse: np.ndarray, at_first: np.ndarray) -> bool:
 
 @njit(cache=True, nogil=True)
 def _worst(values: np.ndarray, targets: np.ndarray, units: np.ndarray) -> float:
-    """The largest of ``|values - targets| / units``; infinite if one is no number."""
+    """Largest of ``|values - targets| / units``; infinite if any is NaN."""
     worst = 0.0
     for i in range(len(values)):
         miss = abs(values[i] - targets[i]) / units[i]

@@ -20,7 +20,7 @@ from apd_viewer.language import in_quotes, tr
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """A named part of a mesh: the triangles with all three corners among its vertices.
+    """Named region of a mesh: the triangles with all corners among its vertices.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Region:
 
 @dataclass(frozen=True)
 class RegionReading:
-    """Area of a region at rest, now, and its target, if any."""
+    """Area of a region at rest and in the current shape, and its target, if any."""
 
     name: str
     area_rest: float
@@ -89,17 +89,17 @@ class Goal:
 
     @property
     def triangle_shares(self) -> np.ndarray:
-        """Part of every triangle that counts, (m,) float32 array."""
+        """Fraction of every triangle included in the goal, (m,) float32 array."""
         return triangle_weights(self.patch.F, self.weight, self.is_smooth)
 
     def relative_miss(self, value: float) -> float:
-        """Signed distance of a value from the target, relative to the value at rest."""
+        """Signed deviation of a value from the target, relative to the rest value."""
         return (value - self.target) / abs(self.rest)
 
     def shortfall_sentence(self, value: float) -> str:
         """Sentence about a value short of the target."""
         reached, wanted = 100.0 * value / self.rest, 100.0 * self.target / self.rest
-        # With enough digits to show the difference.
+        # Enough digits to show the difference.
         digits = next((d for d in range(4, 17) if f"{reached:.{d}g}" != f"{wanted:.{d}g}"), 17)
         return tr("{name} is at {reached:.{digits}g} % instead of {wanted:.4g} %").format(
             name=GOAL_WORDS.get(self.name, self.name), reached=reached, digits=digits, wanted=wanted
@@ -144,7 +144,7 @@ class GoalMeasures:
         return values
 
     def force_stiffness(self, c: np.ndarray, edge: float) -> float:
-        """Stiffness of the forces ``sum_k c_k g_k`` against the Laplacian.
+        """Stiffness of the forces ``sum_k c_k g_k`` relative to the Laplacian.
 
         Goals of areas pull at the same triangles, and may cancel there. The volume counts for its multiplier
         times the length ``edge``.
@@ -153,7 +153,7 @@ class GoalMeasures:
         return area + (0.0 if self._volume is None else abs(float(c[-1])) * edge)
 
     def values_and_gradients(self, U: np.ndarray, g: np.ndarray) -> np.ndarray:
-        """The same; the gradients are written into ``g`` (g, n, 3).
+        """Values (g,) at ``U`` (n, 3); write their gradients into ``g`` (g, n, 3).
 
         Only the :attr:`support` of each is written.
         """
@@ -167,7 +167,7 @@ class GoalMeasures:
 
 
 def region_patch(rest: RestMesh, region: Region) -> Patch:
-    """Triangles of a region, in vertices of the solve."""
+    """Triangles of a region, indexed by the vertices of the solve mesh."""
     if not isinstance(region, Region) or not isinstance(region.name, str) or not region.name:
         raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
     vertices = checked_integers(
@@ -191,7 +191,7 @@ def make_goals(
     regions: Sequence[Region],
     calm: np.ndarray | None = None,
 ) -> tuple[Goal, ...]:
-    """Goals for percentages of the areas and the volume at rest; None is no goal.
+    """Goals for percentages of the rest areas and the rest volume; None for no goal.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def make_goals(
         If a percentage is not a positive number, or there is nothing to measure.
     """
     goals, shape = [], rest.solve_mesh
-    outside = np.ones(len(shape.V))  # what is asked of a region need not agree with its calmness
+    outside = np.ones(len(shape.V))  # calm goals leave out regions with goals of their own
     if area is not None:
         goals.append(_goal("the area", shape, area, rest.area))
     for region in regions:
@@ -249,13 +249,13 @@ def _calm_goals(solve_mesh: SolveMesh, area: float | str, levels: np.ndarray) ->
 def _goal(
     name: str, solve_mesh: SolveMesh, percent: float | str, value: float | None = None, **kind: Any
 ) -> Goal:
-    """The goal of a percentage of its value at rest, measured if it is not known."""
+    """Goal at a percentage of its rest value, measured if ``value`` is None."""
     goal = Goal(name, solve_mesh.all_triangles, 1.0, percentage(percent, name) / 100.0, **kind)
     return goal_at_rest(goal, solve_mesh.V) if value is None else _scaled(goal, value)
 
 
 def goal_at_rest(goal: Goal, V: np.ndarray) -> Goal:
-    """The goal at the same percentage of its value at rest, ``V`` (n, 3)."""
+    """Goal with the same percentage of its value at rest positions ``V`` (n, 3)."""
     return _scaled(goal, float(GoalMeasures((goal,)).values(V)[0]))
 
 

@@ -1,4 +1,4 @@
-"""Percentages of targets, as a number or as text with its sign."""
+"""Target percentages, as a number or as text with a percent sign."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import as_float
 from apd_viewer.language import tr
 
-# Targets beyond these are typing errors.
+# Targets outside these limits are taken for typing errors.
 LEAST_PERCENTAGE, MOST_PERCENTAGE = 1.0, 1000.0
 PERCENT_SIGN = "%"
-# A number below can be meant as a factor: so many times the value at rest is a target too.
+# Smaller numbers could be meant as factors of the rest value instead of percentages.
 _FACTORS = MOST_PERCENTAGE / 100.0
-# Names of the goals; those of regions are the user's.
+# Displayed names of the goals; regions have names given by the user.
 GOAL_WORDS = {"the area": tr("the area"), "the volume": tr("the volume")}
 
 
@@ -42,7 +42,7 @@ def percentage(target: float | str, name: str) -> float:
 
 
 def check_no_factor(value: float, factors: float = _FACTORS) -> None:
-    """Raise InputError on a percentage without sign in the range of factors.
+    """Raise InputError on a percentage without a sign in the range of factors.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def check_no_factor(value: float, factors: float = _FACTORS) -> None:
 
 
 def percentage_text(percent: float | None) -> float | str | None:
-    """The percentage for :func:`percentage`, as text in the range of factors."""
+    """Percentage as input for :func:`percentage`, as text in the range of factors."""
     return percent if percent is None or percent >= _FACTORS else f"{percent!r}{PERCENT_SIGN}"
 
 

@@ -31,11 +31,11 @@ def _store(_: Any, _address: Any, _value: Any) -> Any:
 
 @njit(cache=True)
 def load_acquire(address: int) -> int:
-    """Load the int64 at an address before all that follows."""
+    """Load the int64 at an address with acquire ordering."""
     return _load(address)
 
 
 @njit(cache=True)
 def store_release(address: int, value: int) -> None:
-    """Store the int64 at an address after all that precedes."""
+    """Store an int64 at an address with release ordering."""
     _store(address, value)

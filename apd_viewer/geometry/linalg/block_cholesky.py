@@ -97,7 +97,7 @@ class BlockFactor:
 
 @njit(cache=True, nogil=True)
 def _stack_length(b: np.ndarray, parent: np.ndarray) -> int:
-    """Largest total size of waiting contributions, ``b`` x ``b`` each."""
+    """Largest total size of the pending contributions, ``b`` x ``b`` each."""
     waiting = np.zeros(len(b), np.int64)
     top = most = 0
     for s in range(len(b)):

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
 
-# Columns of a product.
+# Columns per block of a matrix product.
 _BLOCK = 96
 
 
@@ -54,7 +54,7 @@ def condense(front: np.ndarray, inverse: np.ndarray) -> bool:
     return True
 
 
-# Four rows at a time: what is subtracted from is read and written a quarter as often.
+# Four rows at a time: the updated entries are read and written a quarter as often.
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
@@ -128,7 +128,7 @@ def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _invert(A: np.ndarray) -> None:
-    """Invert a positive definite matrix in place, sweep by sweep of some rows."""
+    """Invert a positive definite matrix in place, a block of rows at a time."""
     k = len(A)
     for first in range(0, k, _BLOCK):
         last = min(k, first + _BLOCK)

@@ -1,4 +1,4 @@
-"""Compiled kernels, kept in files from one start to the next.
+"""Compiled kernels, cached in files across starts of the program.
 
 Numba's own cache ends the program where a file of it is damaged, or where none can be written. Here a file
 counts only if it is whole, and made from the same sources for the same processor by the
@@ -23,26 +23,26 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
-from apd_viewer.geometry.signals import kernel_signals  # before the first kernel is compiled
+from apd_viewer.geometry.signals import kernel_signals  # imported before the first kernel is compiled
 from apd_viewer.installation import kernel_folders
 
 _LOGGER = logging.getLogger(__name__)
-# By the dotted names of their functions: all that were imported.
+# All imported kernels, by the dotted names of their functions.
 KERNELS: dict[str, Any] = {}
 _DIGEST = hashlib.sha256().digest_size
 
 
 def njit(cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Compile a kernel as :func:`numba.njit` does, and keep it with ``cache``."""
+    """Compile a kernel as :func:`numba.njit` does; keep it on disk if ``cache``."""
 
     def compiled(function: Callable[..., Any]) -> Any:
         _source_digest(
             inspect.getfile(function)
-        )  # of what is run: an update may replace the file at any time
+        )  # digest of the running code: an update may replace the file at any time
         kernel = numba.njit(**options)(function)
         KERNELS[f"{function.__module__}.{function.__qualname__}"] = kernel
         if cache:
-            # As numba's enable_caching does, which knows no other cache than its own.
+            # As in numba's enable_caching, which supports no cache but its own.
             kernel._cache = KernelCache(function)
         return kernel
 
@@ -50,7 +50,7 @@ def njit(cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], 
 
 
 class KernelCache(_Cache):
-    """Files of a kernel, one for each combination of its arguments' types.
+    """Cache files of a kernel, one for each combination of argument types.
 
     They are read from the first of the folders that has a whole one, and written to the first that takes it.
 
@@ -66,7 +66,7 @@ class KernelCache(_Cache):
 
     @property
     def cache_path(self) -> str:
-        """First folder of the files."""
+        """First of the folders searched for cache files."""
         return str(self._folders()[0])
 
     def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
@@ -77,15 +77,15 @@ class KernelCache(_Cache):
             file = folder / self._file_name(made_for)
             try:
                 return CompileResult._rebuild(target_context, *_payload(file, self._stamp(made_for)))
-            except (OSError, _OtherSourcesError):  # none is there, or this user may not read it
+            except (OSError, _OtherSourcesError):  # missing, outdated, or not readable by this user
                 continue
-            except Exception as error:  # a tuple of its arguments, say, that lies in another module now
+            except Exception as error:  # for example, an argument's class has moved to another module
                 _LOGGER.warning("%s is compiled again: %s", file, error)
         return None
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
-        """Keep the kernel for types ``sig`` in the first folder to take it."""
-        if data.library.has_dynamic_globals:  # addresses of this process
+        """Save the kernel for types ``sig`` in the first writable folder."""
+        if data.library.has_dynamic_globals:  # contains addresses of this process
             return
         made_for = self._made_for(sig, data.codegen)
         refused = ""
@@ -101,13 +101,13 @@ class KernelCache(_Cache):
         _say_that_none_is_kept(refused)
 
     def enable(self) -> None:
-        """Stay enabled."""
+        """Do nothing; the cache is always enabled."""
 
     def disable(self) -> None:
-        """Stay enabled."""
+        """Do nothing; the cache is always enabled."""
 
     def flush(self) -> None:
-        """Keep all files; those of other sources are written anew."""
+        """Keep all files; outdated ones are overwritten at the next compilation."""
 
     def _folders(self) -> list[Path]:
         return kernel_folders(Path(inspect.getfile(self.function)).parent)
@@ -119,7 +119,7 @@ class KernelCache(_Cache):
         return f"{self._name}-{hashlib.sha256(made_for.encode()).hexdigest()[:16]}.nbc"
 
     def _stamp(self, made_for: str) -> bytes:
-        """Digest of all sources of the machine code, kernels within it included."""
+        """Digest of all sources of the machine code, called kernels included."""
         told = hashlib.sha256(f"{self._name} {made_for}".encode())
         for file in sorted(_sources(self.function)):
             told.update(_source_digest(file))
@@ -127,11 +127,11 @@ class KernelCache(_Cache):
 
 
 class _OtherSourcesError(Exception):
-    """A file of a kernel as it was before."""
+    """Cache file compiled from other sources."""
 
 
 def _sources(function: Callable[..., Any]) -> set[str]:
-    """Files with the function and the kernels within it."""
+    """Source files of a function and of the kernels it calls."""
     known = [function]
     for each in known:
         called = (getattr(each.__globals__.get(name), "py_func", None) for name in each.__code__.co_names)
@@ -143,7 +143,7 @@ def _sources(function: Callable[..., Any]) -> set[str]:
 def _source_digest(file: str) -> bytes:
     try:
         return hashlib.sha256(Path(file).read_bytes()).digest()
-    except OSError:  # without sources no file of a kernel fits at another start
+    except OSError:  # without sources, cache files never match at another start
         return uuid4().bytes
 
 
@@ -152,7 +152,7 @@ def _sealed(content: bytes) -> bytes:
 
 
 def _payload(file: Path, stamp: bytes) -> Any:
-    """Contents of a file with a seal and a stamp before them."""
+    """Contents of a cache file, with its seal and stamp checked."""
     sealed = file.read_bytes()
     content = sealed[_DIGEST:]
     if sealed != _sealed(content):
@@ -163,7 +163,7 @@ def _payload(file: Path, stamp: bytes) -> Any:
 
 
 def _write(file: Path, content: bytes) -> None:
-    """Write a file, whole or not at all."""
+    """Write a file atomically."""
     file.parent.mkdir(parents=True, exist_ok=True)
     unfinished = file.with_name(f"{file.name}.{uuid4().hex[:8]}.part")
     try:

@@ -13,7 +13,7 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.threads import parallel, total, totals
 
-# A step over which the slope fell says nothing that a minimum can be sought by.
+# Smallest relative curvature of a remembered step: without positive curvature it leads to no minimum.
 _BENDS = 1e-10
 
 
@@ -34,7 +34,7 @@ class LbfgsMemory:
     """
 
     def __init__(self, count: int, length: int) -> None:
-        # One more than are remembered: the step under way.
+        # One slot more than remembered steps, for the step in progress.
         shape = length + 1, 3 * count
         self._steps, self._changes = np.empty(shape, np.float32), np.empty(shape, np.float32)
         self._length, self._next = length, 0
@@ -46,17 +46,17 @@ class LbfgsMemory:
         return len(self._order)
 
     def clear(self) -> None:
-        """Start again."""
+        """Forget all steps."""
         self._order.clear()
 
-    def note_step(self, before: np.ndarray, after: np.ndarray, rows: np.ndarray) -> None:
-        """Note the step between ``rows`` (count,) of two shapes, both (n, 3)."""
+    def record_step(self, before: np.ndarray, after: np.ndarray, rows: np.ndarray) -> None:
+        """Record the step between ``rows`` (count,) of two shapes, both (n, 3)."""
         used = set(self._order)
         self._next = next(slot for slot in range(self._length + 1) if slot not in used)
         subtract_rows(after, before, rows, self._steps[self._next])
 
     def store_gradients(self, slope: np.ndarray, before: np.ndarray) -> None:
-        """Remember the last step with the slopes (count, 3) after and before it.
+        """Complete the recorded step with the gradients (count, 3) after and before it.
 
         A step over which the slope fell is left out.
         """
@@ -99,9 +99,9 @@ class LbfgsMemory:
         return way, add_combination(way.ravel(), second, self._steps, order, flat)
 
 
-# Numbers per task of a core: those of one array stay in its cache while another is passed over.
+# Numbers per parallel task: a portion of one array stays in cache while another one is read.
 _PORTION = 6144
-# Sums within a portion may be in any order that is the same each time.
+# Sums within a portion may be reordered, but in the same order each time.
 _SUMS = {"contract", "reassoc", "nsz"}
 
 
@@ -116,7 +116,7 @@ def subtract_rows(A: np.ndarray, B: np.ndarray, rows: np.ndarray, out: np.ndarra
 
 @parallel(fastmath=_SUMS)
 def subtract(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) -> np.ndarray:
-    """Write ``A - B`` into ``out``, all (m,), and return three products.
+    """Write ``A - B`` into ``out``, all (m,), and return three inner products.
 
     Those of ``A - B`` with ``step`` (m,), of ``step`` with itself, and of ``A - B`` with itself.
     """
@@ -138,7 +138,7 @@ def subtract(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) ->
 
 @parallel(fastmath=_SUMS)
 def products(steps: np.ndarray, changes: np.ndarray, order: np.ndarray, slot: int) -> np.ndarray:
-    """Products (2 k,) of steps with a slot's change, then of changes with its step."""
+    """Inner products (2 k,) of steps with a slot's change, and changes with its step."""
     count = (steps.shape[1] + _PORTION - 1) // _PORTION
     sums = np.zeros((count, 2 * len(order)))
     for portion in prange(count):
@@ -155,7 +155,7 @@ def products(steps: np.ndarray, changes: np.ndarray, order: np.ndarray, slot: in
 
 @parallel(fastmath=_SUMS)
 def dots(A: np.ndarray, order: np.ndarray, X: np.ndarray) -> np.ndarray:
-    """Products (k,) with ``X`` (m,)."""
+    """Inner products (k,) of rows of ``A`` with ``X`` (m,)."""
     count = (len(X) + _PORTION - 1) // _PORTION
     sums = np.zeros((count, len(order)))
     for portion in prange(count):

@@ -33,13 +33,13 @@ from apd_viewer.geometry.linalg import parallel_ops, supernodal
 from apd_viewer.geometry.linalg.supernodes import Supernodes
 
 _log = logging.getLogger(__name__)
-# With fewer unknowns a supernodal factor saves nothing.
+# Smallest number of unknowns for which a supernodal factor saves time.
 FEWEST_SUPERNODAL_UNKNOWNS = 3000
-# More numbers in the factor for each of the matrix mean that the positions of the unknowns tell nothing.
+# Largest ratio of factor to matrix entries; above it, ordering the unknowns by position has failed.
 _MOST_FILL = 60
-# Of a known solution: so inaccurate steps would lead nowhere.
+# Relative error of a known solution above which a factor is too inaccurate for descent steps.
 LARGEST_RELATIVE_ERROR = 1e-2
-# Of the self-check: single precision leaves about 1e-6.
+# Relative error allowed in the self-check; single precision leaves about 1e-6.
 _WRONG = 1e-4
 
 
@@ -62,7 +62,7 @@ class Factor(Metric, Protocol):
 
     @property
     def is_in_other_process(self) -> bool:
-        """True if factored in another process, and dispensable meanwhile."""
+        """True if factored in another process, with other work possible meanwhile."""
 
     @property
     def seconds(self) -> float:
@@ -70,7 +70,7 @@ class Factor(Metric, Protocol):
 
 
 Matrix: TypeAlias = csr_array
-# Given what makes the matrix, and the positions (n, 3) of its unknowns.
+# Called with a function returning the matrix, and the positions (n, 3) of its unknowns.
 Factorizer: TypeAlias = Callable[[Callable[[], Matrix], np.ndarray], Factor]
 
 
@@ -163,7 +163,7 @@ def _supernodal(
 
 @cache
 def supernodal_works() -> bool:
-    """True if kernels compiled for this processor solve a system that is known."""
+    """True if kernels compiled for this processor solve a known system."""
     size = 24
     line = diags_array([np.ones(size - 1), np.ones(size - 1)], offsets=[-1, 1])
     couplings = kron(line, eye_array(size)) + kron(eye_array(size), line)
@@ -230,7 +230,7 @@ class SupernodalFactor:
         self._scratch = np.empty((n, 3), np.float32), np.empty((len(self._work), top, 3), np.float32), columns
 
     def _shared_out(self) -> tuple[np.ndarray, np.ndarray]:
-        """Tasks in the order of the cores, and where those of each core begin."""
+        """Tasks ordered by core, and the first position of each core's tasks."""
         cores = numba.get_num_threads()
         if cores not in self._shares:
             core_of, load = np.empty(len(self._work), dtype=np.int64), np.zeros(cores)
@@ -261,7 +261,7 @@ class SupernodalFactor:
 
 
 def _in_threes(B: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Solutions (n, k) for ``B`` (n, k), of three columns at a time."""
+    """Solutions (n, k) for ``B`` (n, k), three columns at a time."""
     if B.shape[1] == 3:
         return solve(np.ascontiguousarray(B))
     X = np.zeros((len(B), -(-B.shape[1] // 3) * 3))

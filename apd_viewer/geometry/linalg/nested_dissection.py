@@ -11,9 +11,9 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
 
-# Parts of so few unknowns are not cut any more.
+# Largest number of unknowns of a part left uncut.
 _LEAF = 10
-# No half is less than this part of the whole: many vertices may lie in the plane of a cut.
+# Smallest fraction of vertices in either half; many vertices may lie in the plane of a cut.
 _LEAST_HALF = 0.25
 
 
@@ -50,7 +50,7 @@ def dissect(
 def _dissected(
     V: np.ndarray, start: np.ndarray, column: np.ndarray, leaf: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The order; the first place and the parent of each group, parents first."""
+    """Order of elimination, and the start and parent of each group, parents first."""
     n = len(V)
     order, side, first, parent = np.arange(n), np.full(n, -1), np.empty(n, np.int64), np.empty(n, np.int64)
     heights, arranged, graph = np.empty(n), np.empty(n, np.int64), (start, column)
@@ -98,7 +98,7 @@ def _take_sides(
         height = V[vertices[k], axis]
         above += height > middle
         at += height == middle
-    # All at the height of the cut go to one side: a plane cuts grids along their lines.
+    # All vertices at the height of the cut go to the same side, so that grids are cut along their lines.
     includes = abs(2 * (above + at) - n) <= abs(2 * above - n)
     for k in range(n):
         height = V[vertices[k], axis]
@@ -131,7 +131,7 @@ def _smallest(x: np.ndarray, k: int) -> float:
 
 @njit(cache=True, nogil=True)
 def _has_neighbour(graph: tuple[np.ndarray, np.ndarray], v: int, side: np.ndarray, label: int) -> bool:
-    """True if ``v`` has a neighbour with a label."""
+    """True if ``v`` has a neighbour labelled ``label``."""
     start, column = graph
     for e in range(start[v], start[v + 1]):  # noqa: SIM110 -- numba knows no any()
         if side[column[e]] == label:
@@ -143,7 +143,7 @@ def _has_neighbour(graph: tuple[np.ndarray, np.ndarray], v: int, side: np.ndarra
 def _count_borders(
     graph: tuple[np.ndarray, np.ndarray], vertices: np.ndarray, side: np.ndarray, label: int
 ) -> tuple[int, int]:
-    """Number of the lower and of the upper half with neighbours in the other one."""
+    """Numbers of vertices of each half with neighbours in the other one."""
     lower = upper = 0
     for v in vertices:
         if _has_neighbour(graph, v, side, 2 * label + 1 - side[v]):

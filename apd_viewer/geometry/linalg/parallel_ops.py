@@ -11,12 +11,12 @@ from scipy.sparse import csr_array
 
 from apd_viewer.geometry.linalg.threads import parallel, totals
 
-# Rows per task of a core.
+# Rows per parallel task.
 _PORTION = 2048
 
 
 def inner_product(a: np.ndarray, b: np.ndarray) -> float:
-    """Inner product of long vectors (n,); that of BLAS is split by its threads."""
+    """Inner product of long vectors (n,), independent of the number of BLAS threads."""
     return float(np.einsum("i,i->", a, b))
 
 
@@ -121,7 +121,7 @@ def plus_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
 
 @parallel()
 def largest_difference(A: np.ndarray, B: np.ndarray) -> float:
-    """The largest difference of two coordinates of ``A`` and ``B`` (n, 3)."""
+    """Largest difference of two coordinates of ``A`` and ``B`` (n, 3)."""
     count = (len(A) + _PORTION - 1) // _PORTION
     largest = np.zeros(count)
     for portion in prange(count):
@@ -164,7 +164,7 @@ def scattered_rows(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarra
 def scattered_rows_along(
     U: np.ndarray, place: np.ndarray, share: float, A: np.ndarray, B: np.ndarray
 ) -> np.ndarray:
-    """``U`` (n, 3) plus a share of ``A``, or ``B``; rows as in :func:`scattered_rows`."""
+    """``U`` (n, 3) plus ``share A``, or rows of ``B``, as in :func:`scattered_rows`."""
     out = np.empty_like(U)
     for i in prange(len(U)):
         k = place[i]
@@ -183,7 +183,7 @@ def scattered_rows_along(
 def subtracted_rows(
     X: np.ndarray, c: np.ndarray, A: np.ndarray, start: np.ndarray, which: np.ndarray, rows: np.ndarray
 ) -> np.ndarray:
-    """``X`` (f, 3) less ``rows`` of ``sum_k c_k A_k``.
+    """``X`` (f, 3) minus ``rows`` of ``sum_k c_k A_k``.
 
     ``A`` is as in :func:`~apd_viewer.geometry.linalg.parallel_ops.products`.
     """

@@ -23,16 +23,16 @@ from apd_viewer.geometry.linalg.threads import parallel
 # Matrices side by side: twice as many doubles as the widest registers hold, so that one
 # half proceeds while the other waits for a division.
 LANES = 16
-# Of a lane: S, quaternion, square of half the last step.
+# Rows of a lane: S, quaternion, square of half the last step.
 ROWS = 14
 _NEWTON_STEPS = 8
 # Half a step, squared. Convergence is cubic: after a step of 1e-5 the error is at rounding level.
 _SHORT_STEP = 0.25e-10
 _UNCERTIFIED = -1.0
-# Below this the maximum is nearly ambiguous, and Newton's linear systems lose their digits.
+# Relative pivot below which the maximum is nearly ambiguous and Newton's systems lose accuracy.
 _POSITIVE = 1e-6
 _JACOBI_SWEEPS = 12
-# Jacobi sweeps converge quadratically too: off-diagonals of this size cannot change a digit.
+# Jacobi sweeps converge quadratically too: off-diagonal entries of this size are below rounding.
 _JACOBI_DONE = 1e-20
 
 
@@ -58,7 +58,7 @@ def _newton_step(X: np.ndarray) -> None:
         m21 = r02 * s01 + r12 * s11 + r22 * s21
         m22 = r02 * s02 + r12 * s12 + r22 * s22
 
-        # H = L D L^T; a pivot that is not clearly positive is no certificate.
+        # H = L D L^T; only clearly positive pivots certify the maximum.
         floor = _POSITIVE * (
             abs(s00) + abs(s01) + abs(s02) + abs(s10) + abs(s11) + abs(s12) + abs(s20) + abs(s21) + abs(s22)
         )
@@ -200,14 +200,14 @@ def quaternion_to_matrix(q: np.ndarray, R: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True)
 def load_rotation(X: np.ndarray, i: int, q: np.ndarray) -> None:
-    """Make ``q`` (4,) the start of lane ``i``."""
+    """Load ``q`` (4,) as the initial rotation of lane ``i``."""
     for a in range(4):
         X[(9 + a) * LANES + i] = q[a]
 
 
 @njit(cache=True, nogil=True)
 def store_rotation(X: np.ndarray, i: int, q: np.ndarray) -> None:
-    """Write the answer of lane ``i`` into ``q`` (4,)."""
+    """Write the resulting rotation of lane ``i`` into ``q`` (4,)."""
     for a in range(4):
         q[a] = X[(9 + a) * LANES + i]
 
@@ -254,7 +254,7 @@ def blended_rotations(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np
         w = x = y = z = 0.0
         for k in range(near.shape[1]):
             j, share = near[i, k], weight[i, k]
-            # q and -q are one rotation: take the sign of the first.
+            # q and -q are the same rotation: align signs with the first.
             f = near[i, 0]
             side = q[f, 0] * q[j, 0] + q[f, 1] * q[j, 1] + q[f, 2] * q[j, 2] + q[f, 3] * q[j, 3]
             share = share if side >= 0.0 else -share

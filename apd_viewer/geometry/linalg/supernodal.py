@@ -18,7 +18,7 @@ from apd_viewer.geometry.linalg.threads import parallel
 
 
 def row_length(width: np.ndarray) -> np.ndarray:
-    """Length of the rows of a panel for so many columns: whole vectors."""
+    """Length of a panel's rows, ``width`` rounded up to whole vectors."""
     return (width + 7) // 8 * 8
 
 
@@ -109,7 +109,7 @@ def _eliminate(
 
 @njit(cache=True, nogil=True)
 def _write_panel(out: np.ndarray, front: np.ndarray, inverse: np.ndarray) -> None:
-    """Write ``[W | S]``, its rows filled up with zeros."""
+    """Write ``[W | S]``, its rows padded with zeros."""
     k, b = len(inverse), len(front) - len(inverse)
     for i in range(k):
         for j in range(b):
@@ -144,7 +144,7 @@ def _add_contribution(front: np.ndarray, given: np.ndarray, at: np.ndarray, late
 
 
 _ONE, _TWO, _THREE, _FOUR = (np.uintp(k) for k in (1, 2, 3, 4))
-# Sums may be in any order that is the same each time.
+# Sums may be reordered, but in the same order each time.
 _SUMS = {"contract", "reassoc", "nsz"}
 
 
@@ -291,7 +291,7 @@ def _backward(
             t[b + j], u[b + j], v[b + j] = x[i + j, 0], x[i + j, 1], x[i + j, 2]
         for j in range(k + b, w):
             t[j] = u[j] = v[j] = zero
-        # From the last row to the first, as the supernodes: the memory is read steadily in one direction.
+        # From the last row to the first, like the supernodes, so that memory is read in one direction.
         p = panel[s] + k * w
         while end > i + _ONE:
             p1 = p - w

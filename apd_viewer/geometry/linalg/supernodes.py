@@ -13,12 +13,12 @@ import numpy as np
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.nested_dissection import dissect
 
-# No task has more than this part of the unknowns.
+# Largest fraction of the unknowns in one task.
 _LARGEST_TASK = 1.0 / 4.0
 
 
 class Supernodes:
-    """Order of elimination, its supernodes, and the places that they fill.
+    """Order of elimination, its supernodes, and their fill-in.
 
     Parameters
     ----------
@@ -56,17 +56,17 @@ class Supernodes:
 
     @property
     def own(self) -> np.ndarray:
-        """Number of the unknowns of each supernode, (g,) int64 array."""
+        """Numbers of unknowns of the supernodes, (g,) int64 array."""
         return np.diff(self.first)
 
     @property
     def width(self) -> np.ndarray:
-        """Number of its own and of those that they are coupled with, (g,) int64 array."""
+        """Numbers of own and coupled unknowns of the supernodes, (g,) int64 array."""
         return self.own + np.diff(self.begin)
 
     @property
     def fill(self) -> int:
-        """Numbers that are kept of the factor."""
+        """Number of stored entries of the factor."""
         return int(self.own @ self.width)
 
 
@@ -86,7 +86,7 @@ def _tasks(own: np.ndarray, parent: np.ndarray, largest: float) -> tuple[np.ndar
         rank[s] = below
         below += 1
         if parent[s] < 0 or unknowns[parent[s]] > largest:
-            # Small subtrees in a row are one task.
+            # Consecutive small subtrees share one task.
             if filled > 0 and filled + unknowns[s] > largest:
                 bounds.append(below - size[s])
                 filled = 0
@@ -102,7 +102,7 @@ def _tasks(own: np.ndarray, parent: np.ndarray, largest: float) -> tuple[np.ndar
 def _ranked(
     rank: np.ndarray, order: np.ndarray, first: np.ndarray, parent: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Order, first places and parents of supernodes in another order."""
+    """Order, starts and parents of the supernodes, sorted by ``rank``."""
     own = np.diff(first)
     supernodes = np.argsort(rank)
     moved = np.append(0, np.cumsum(own[supernodes]))
@@ -131,7 +131,7 @@ def couplings(
     start: np.ndarray,
     column: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Places after its own that each supernode is coupled with, in compressed rows."""
+    """Later positions coupled with each supernode, in compressed rows."""
     groups, n = len(first) - 1, len(order)
     begin, later, seen = np.zeros(groups + 1, np.int64), np.empty(4 * n, np.int64), np.full(n, -1)
     for s in range(groups):

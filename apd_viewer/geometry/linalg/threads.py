@@ -1,4 +1,4 @@
-"""Thread rule of parallel kernels: one caller at a time, enough work a core.
+"""Threading of parallel kernels: one caller at a time, enough work per core.
 
 Where numba finds neither OpenMP nor TBB, it ends the process if two threads are in parallel kernels at once.
 So every kernel is compiled by :func:`parallel`, which lets one caller in at a time.
@@ -26,7 +26,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numba
 import numpy as np
-import scipy.linalg.cython_blas  # noqa: F401  # what numba calls: it must be there to be limited
+import scipy.linalg.cython_blas  # noqa: F401  # used by numba: it must be loaded before it can be limited
 from threadpoolctl import ThreadpoolController
 
 from apd_viewer.geometry.linalg.kernels import njit
@@ -85,7 +85,7 @@ def totals(parts: np.ndarray) -> np.ndarray:
 
 @contextmanager
 def cores_for(n: int) -> Iterator[None]:
-    """Limit parallel kernels within to the cores for ``n`` vertices; signals wait."""
+    """Context with parallel kernels on the cores for ``n`` vertices; signals deferred."""
     with DEFERRED_SIGNALS, _ONE_AT_A_TIME:
         before = numba.get_num_threads()
         numba.set_num_threads(before if n >= _WORTH_WAKING else 1)
@@ -97,7 +97,7 @@ def cores_for(n: int) -> Iterator[None]:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Limit BLAS to one thread within; signals wait."""
+    """Context with BLAS limited to one thread; signals deferred."""
     with DEFERRED_SIGNALS, _ONE_AT_A_TIME, _libraries().limit(limits=1, user_api="blas"):
         yield
 
@@ -108,5 +108,5 @@ def _libraries() -> ThreadpoolController:
 
 
 def use_one_core() -> None:
-    """Run the parallel kernels that this thread calls from now on by one core."""
+    """Run all further parallel kernels called from this thread on one core."""
     numba.set_num_threads(1)

@@ -21,9 +21,9 @@ from apd_viewer.geometry.mesh.adjacency import opposite_half_edges, vertex_compo
 from apd_viewer.geometry.mesh.arrays import mesh_arrays
 from apd_viewer.language import tr
 
-# Nearer to a corner than this a point is the corner: slivers around it would spoil the angles there.
+# Barycentric distance at which a point counts as a corner: slivers around it would spoil the angles.
 _CORNER = 1e-6
-_ROOM = 1e-9  # of the length of the first path, for rounding
+_ROOM = 1e-9  # rounding tolerance relative to the length of the first path
 
 
 def geodesic_path(
@@ -85,7 +85,7 @@ def path_length(path: np.ndarray) -> float:
 def _with_points(
     V: np.ndarray, F: np.ndarray, places: Sequence[SurfacePoint], ends: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, list[tuple[int, int]]]:
-    """The mesh with the points as vertices, and a face and corner for each of them."""
+    """Mesh with the points inserted as vertices, and a face and corner of each."""
     corners = []
     for place, end in zip(places, ends, strict=True):
         weights = np.array(place.weights)
@@ -101,7 +101,7 @@ def _with_points(
 
 
 def _first_path(V: np.ndarray, F: np.ndarray, start: int, end: int) -> np.ndarray:
-    """Vertices of the shortest path along edges and across them."""
+    """Vertices of the shortest path along edges and across pairs of triangles."""
     i, j = F.ravel(), np.roll(F, -1, axis=1).ravel()
     opposite = opposite_half_edges(F, len(V)).ravel()
     pairs = np.flatnonzero(opposite > np.arange(len(opposite)))
@@ -110,7 +110,7 @@ def _first_path(V: np.ndarray, F: np.ndarray, start: int, end: int) -> np.ndarra
     ends = np.sort(np.column_stack([np.append(i, p), np.append(j, q)]), axis=1)
     lengths = np.append(np.linalg.norm(V[i] - V[j], axis=1), across)
     usable = np.isfinite(lengths) & (ends[:, 0] != ends[:, 1])
-    # The same pair comes from both triangles of an edge, and would be added up.
+    # Both triangles of an edge give the same pair, and csr_array would add up the two lengths.
     key = ends[:, 0] * len(V) + ends[:, 1]
     order = np.lexsort((lengths, key))
     order = order[usable[order]]
@@ -126,7 +126,7 @@ def _first_path(V: np.ndarray, F: np.ndarray, start: int, end: int) -> np.ndarra
 
 
 def _across(A: np.ndarray, B: np.ndarray, P: np.ndarray, Q: np.ndarray) -> np.ndarray:
-    """Distances of corners P and Q unfolded about the edges AB; infinite off them."""
+    """Distances of corners P, Q unfolded about edges AB; infinite beyond their ends."""
     edge = B - A
     long = np.linalg.norm(edge, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -141,7 +141,7 @@ def _across(A: np.ndarray, B: np.ndarray, P: np.ndarray, Q: np.ndarray) -> np.nd
 
 
 def _within_reach(V: np.ndarray, F: np.ndarray, ends: np.ndarray, most: float) -> np.ndarray:
-    """Triangles (m,) bool that a path of length ``most`` between the ends can meet."""
+    """Mask (m,) of triangles within reach of a path of length ``most`` between ends."""
     detour = sum(np.linalg.norm(V - end, axis=1) for end in ends)
     T = V[F]
     longest = np.linalg.norm(T - np.roll(T, -1, axis=1), axis=2).max(axis=1)
@@ -155,7 +155,7 @@ def _straightened(
     """Geodesic homotopic to the path through the vertices ``first``."""
     import potpourri3d  # Imported here: few runs of the program need it.
 
-    # Of a vertex where pieces touch no more is known than its place: the path may take any way past it.
+    # Vertices duplicated by a cut are left out: the path may pass them on either piece.
     copies = np.bincount(old, minlength=int(old.max()) + 1)
     inner = [v for v in first[1:-1] if copies[v] == 1]
     at = {int(v): k for k, v in enumerate(old)}
@@ -169,7 +169,7 @@ def _straightened(
 
 
 def manifold_pieces(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Cut a surface open along edges of three triangles and more, and at bow ties.
+    """Cut a surface along edges of three or more triangles, and at bow ties.
 
     Parameters
     ----------
@@ -199,9 +199,9 @@ def manifold_pieces(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def oriented_triangles(F: np.ndarray, n: int) -> np.ndarray:
-    """Turn triangles (m, 3) over: neighbours face the same side, if possible."""
+    """Flip triangles (m, 3) so that neighbours face the same side, if possible."""
     m, (h, o, alike) = len(F), _neighbours(F, n)
-    # Each triangle twice, as it is and turned over; what is joined faces the same side.
+    # Graph of each triangle and its flipped copy: connected nodes face the same side.
     s, t = h // 3, o // 3
     joined = np.vstack(
         [np.column_stack([s, np.where(alike, t + m, t)]), np.column_stack([s + m, np.where(alike, t, t + m)])]
@@ -212,7 +212,7 @@ def oriented_triangles(F: np.ndarray, n: int) -> np.ndarray:
 
 
 def _neighbours(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Half-edges of each inner edge, (e,) each, and their equality of direction."""
+    """Both half-edges of each inner edge, (e,) each, and whether they run in parallel."""
     opposite = opposite_half_edges(F, n).ravel().astype(np.int64)
     h = np.flatnonzero(opposite > np.arange(len(opposite)))
     o = opposite[h]

@@ -11,7 +11,7 @@ from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.sections import section
 from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint, point_positions
 
-_ARC = 0.4  # radius of an angle's arc, of its shorter side
+_ARC = 0.4  # radius of an angle's arc, relative to its shorter side
 _ARC_STEPS = 24
 
 
@@ -32,7 +32,7 @@ class Plane(NamedTuple):
 
 @dataclass(frozen=True)
 class Measurement:
-    """A measurement to be made on any shape of a mesh.
+    """Definition of a measurement, applicable to any shape of a mesh.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Measurement:
 
 
 class MeasurementResult(NamedTuple):
-    """A measurement made.
+    """Result of a measurement.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ def _length(segments: np.ndarray) -> float:
 
 
 def _angle(points: np.ndarray) -> MeasurementResult:
-    """The angle at the second of three points (3, 3), with its sides and arc."""
+    """Angle at the second of three points (3, 3), with its sides and arc."""
     sides = points[[0, 2]] - points[1]
     lengths = np.linalg.norm(sides, axis=1)
     legs = points[[[0, 1], [1, 2]]]
@@ -144,7 +144,7 @@ def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> MeasurementResult:
     if not len(cut.segments):
         return MeasurementResult((float("nan"), float("nan")), cut.segments)
     A, B, C = U[F[cut.faces]].transpose(1, 0, 2)
-    # Far along the axes of the plane: beside the shape, not in its way.
+    # Label far out in the plane: beside the shape, not in front of it.
     aside = 1.0 - normal.sum() * normal
     at = cut.segments[int(np.argmax(cut.segments[:, 0] @ aside))][0]
     within = cut.segments.mean(axis=(0, 1))

@@ -17,17 +17,17 @@ class MeasurementKind(Enum):
 
     @property
     def title(self) -> str:
-        """Title of the kind."""
+        """Displayed title of the kind of measurement."""
         return _TITLES[self]
 
     @property
     def points(self) -> int:
-        """Number of points of the surface that it is measured between."""
+        """Number of surface points needed for the measurement."""
         return {MeasurementKind.ANGLE: 3, MeasurementKind.SECTION: 0}.get(self, 2)
 
     @property
     def powers(self) -> tuple[int, ...]:
-        """Power of the unit of length of each of its values; 0 is an angle in radians."""
+        """Power of the unit of length of each value; 0 for an angle in radians."""
         return {MeasurementKind.ANGLE: (0,), MeasurementKind.SECTION: (1, 2)}.get(self, (1,))
 
 

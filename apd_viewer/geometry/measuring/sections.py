@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.arrays import checked_direction, checked_point, me
 
 
 class PlaneSection(NamedTuple):
-    """Contours in which a plane cuts a surface.
+    """Contours of the intersection of a plane and a surface.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
 
 
 def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray) -> PlaneSection:
-    """Section of checked arrays by a plane with a unit normal."""
+    """Section of validated arrays by a plane with a unit normal."""
     height = V @ normal - float(np.dot(point, normal))
     faces = _met(height, F)
     above = (height >= 0.0)[F[faces]]
@@ -92,7 +92,7 @@ def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray)
 
 @njit(cache=True, nogil=True)
 def _met(height: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Triangles with corners on both sides of height 0."""
+    """Triangles with corners on both sides of the plane at height 0."""
     found, count = np.empty(len(F), dtype=np.int64), 0
     for t in range(len(F)):
         above = (height[F[t, 0]] >= 0.0) + (height[F[t, 1]] >= 0.0) + (height[F[t, 2]] >= 0.0)
@@ -103,7 +103,7 @@ def _met(height: np.ndarray, F: np.ndarray) -> np.ndarray:
 
 
 def _crossed(F: np.ndarray, above: np.ndarray, falls: bool) -> np.ndarray:
-    """The edge (s, 2) of each triangle along which it falls below the plane, or rises."""
+    """Edge (s, 2) of each triangle falling below the plane, or else rising above it."""
     after = np.roll(above, -1, axis=1)
     corner = np.argmax(above & ~after if falls else ~above & after, axis=1)
     rows = np.arange(len(F))
@@ -111,7 +111,7 @@ def _crossed(F: np.ndarray, above: np.ndarray, falls: bool) -> np.ndarray:
 
 
 def _enclosed(segments: np.ndarray, ends: np.ndarray, normal: np.ndarray) -> float:
-    """Area inside contours; NaN unless each segment begins where one other ends."""
+    """Area inside contours; NaN unless the segments form closed loops."""
     starts, stops = np.sort(ends, axis=0).T
     if not np.array_equal(starts, stops) or (np.diff(starts) == 0).any():
         return float("nan")

@@ -13,11 +13,11 @@ from apd_viewer.geometry.analysis.surface_distance import nearest_triangles
 from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers, is_whole_number
 from apd_viewer.language import tr
 
-_ROUNDING = 1e-6  # of weights that are typed or computed
+_ROUNDING = 1e-6  # tolerance for rounding of typed or computed weights
 
 
 class SurfacePoint(NamedTuple):
-    """A point of a triangle mesh: the same material point in every shape of it.
+    """A point of a triangle mesh, the same material point in every shape.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class SurfacePoint(NamedTuple):
 
     @classmethod
     def at_vertex(cls, F: np.ndarray, vertex: int) -> SurfacePoint:
-        """A vertex of the triangles ``F`` (m, 3); raises InputError if none has it."""
+        """Point at a vertex of the triangles ``F`` (m, 3); raises InputError if unused."""
         F = checked_integers(F, tr("Faces"))
         is_mesh = F.ndim == 2 and F.shape[1] == 3
         there = np.argwhere(vertex == F) if is_mesh and is_whole_number(vertex) else np.empty((0, 2))
@@ -51,7 +51,7 @@ class SurfacePoint(NamedTuple):
         return cls(face, (weights[0], weights[1], weights[2]))
 
     def check(self, F: np.ndarray) -> None:
-        """Raise InputError unless it is a point of the triangles ``F`` (m, 3)."""
+        """Raise InputError unless the point lies on the triangles ``F`` (m, 3)."""
         if not is_whole_number(self.face) or not 0 <= self.face < len(F):
             raise InputError(tr("There is no triangle {id}; choose another.").format(id=self.face))
         weights = checked_floats(self.weights, tr("The weights of a point"))
@@ -61,7 +61,7 @@ class SurfacePoint(NamedTuple):
 
 
 def point_positions(points: Sequence[SurfacePoint], U: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Positions (k, 3) of points of the surface ``F`` (m, 3) at ``U`` (n, 3)."""
+    """Positions (k, 3) of points on the triangles ``F`` (m, 3) at ``U`` (n, 3)."""
     if not points:
         return np.empty((0, 3))
     faces = np.array([point.face for point in points])
@@ -70,7 +70,7 @@ def point_positions(points: Sequence[SurfacePoint], U: np.ndarray, F: np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class CarriedPath:
-    """A polyline of points of a surface.
+    """Polyline on a surface, carried along by its deformation.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class CarriedPath:
 
     @classmethod
     def from_polyline(cls, path: np.ndarray, V: np.ndarray, F: np.ndarray) -> CarriedPath:
-        """A polyline (k, 3) on the surface ``V``, ``F``."""
+        """Carried path from a polyline (k, 3) on the surface ``V``, ``F``."""
         corners = nearest_triangles(path, V, F)[1]
         A, B, C = V[corners].transpose(1, 0, 2)
         normal = np.cross(B - A, C - A)
@@ -102,5 +102,5 @@ class CarriedPath:
         return cls(np.empty((0, 3), dtype=np.int64), np.empty((0, 3)))
 
     def points_at(self, U: np.ndarray) -> np.ndarray:
-        """Points (k, 3) where the surface is at ``U`` (n, 3)."""
+        """Points (k, 3) of the path on the shape ``U`` (n, 3)."""
         return np.einsum("kc,kci->ki", self.weights, U[self.corners])

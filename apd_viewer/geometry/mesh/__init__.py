@@ -1,1 +1,1 @@
-"""The triangle mesh: its operators, its topology and its measures."""
+"""The triangle mesh: operators, topology and measures."""

@@ -1,4 +1,4 @@
-"""Adjacency of triangles across edges, flood fill, and connected pieces."""
+"""Adjacency of triangles across edges, flood fill, and connected components."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
 
-BOUNDARY = -1  # an edge of one triangle
-NON_MANIFOLD = -2  # an edge of more than two, or of a triangle that has a corner twice
+BOUNDARY = -1  # edge of only one triangle
+NON_MANIFOLD = -2  # edge of more than two triangles, or of one with a repeated corner
 # Doubled area of a degenerate triangle, relative to its squared edges.
 _NO_AREA = 1e-9
 
@@ -51,7 +51,7 @@ def opposite_half_edges(F: np.ndarray, n: int) -> np.ndarray:
 
 @njit(cache=True, nogil=True)
 def _edges_by_lower_end(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Half-edges ``3 t + c`` by lower end ``v``: ``start[v]`` to ``start[v + 1]``."""
+    """Half-edges ``3 t + c`` by lower end ``v``: ``start[v]`` up to ``start[v + 1]``."""
     start = np.zeros(n + 2, dtype=np.int32)
     for t in range(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
@@ -96,7 +96,7 @@ def flood_fill(F: np.ndarray, opposite: np.ndarray, U: np.ndarray, face: int, cr
     """
     reached, member = np.zeros(len(F), dtype=np.bool_), np.zeros(len(U), dtype=np.bool_)
     front, normals = np.empty(len(F), dtype=np.int32), np.empty((len(F), 3))
-    least = np.cos(min(crease, np.pi)) - 1e-12  # rounding is no crease
+    least = np.cos(min(crease, np.pi)) - 1e-12  # rounding must not count as a crease
     reached[face], front[0], head, count = True, face, 0, 1
     normals[face] = _normal(U, F, face)
     while head < count:
@@ -137,7 +137,7 @@ def _normal(U: np.ndarray, F: np.ndarray, t: int) -> tuple[float, float, float]:
 
 @njit(cache=True, nogil=True)
 def vertex_components(F: np.ndarray, n: int) -> np.ndarray:
-    """Number of the connected piece of every vertex, from 0.
+    """Number of the connected component of each vertex, from 0.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def vertex_components(F: np.ndarray, n: int) -> np.ndarray:
     (n,) int array
         Equal for two vertices exactly if a path of edges joins them.
     """
-    # Not scipy's connected_components: it holds the interpreter lock, and so blocks the window.
+    # scipy's connected_components would hold the interpreter lock, and thus block the window.
     parent = np.arange(n)
     for t in range(F.shape[0]):
         for c in range(2):
@@ -160,13 +160,13 @@ def vertex_components(F: np.ndarray, n: int) -> np.ndarray:
         if parent[v] == v:
             number[v] = count
             count += 1
-        else:  # towards a lower vertex with a known label
+        else:  # the parent is a lower vertex and already numbered
             number[v] = number[parent[v]]
     return number
 
 
 class LooseComponent(NamedTuple):
-    """A connected part with triangles of which no vertex is held.
+    """Connected component with triangles but without held vertices.
 
     Attributes
     ----------
@@ -181,15 +181,15 @@ class LooseComponent(NamedTuple):
 
 
 def face_components(F: np.ndarray) -> np.ndarray:
-    """Lowest vertex of the connected part of every triangle of ``F`` (m, 3), (m,)."""
+    """Lowest vertex of each triangle's connected component, for ``F`` (m, 3), (m,)."""
     number = vertex_components(F, int(F.max()) + 1)
     lowest = np.empty(number.max() + 1, dtype=np.int64)
-    lowest[number[::-1]] = np.arange(len(number))[::-1]  # of several the last counts
+    lowest[number[::-1]] = np.arange(len(number))[::-1]  # the last of repeated indices takes effect
     return lowest[number[F[:, 0]]]
 
 
 def loose_components(component: np.ndarray, F: np.ndarray, is_held: np.ndarray) -> tuple[LooseComponent, ...]:
-    """Parts without held vertices, the largest first.
+    """Components without held vertices, the largest first.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def loose_components(component: np.ndarray, F: np.ndarray, is_held: np.ndarray) 
 
 @njit(cache=True, nogil=True)
 def root(parent: np.ndarray, k: int) -> int:
-    """The lowest known thing of the set of ``k``; the way to it is shortened."""
+    """Root of ``k`` in a union-find forest, the lowest of its set; with path halving."""
     while parent[k] != k:
         parent[k] = parent[parent[k]]
         k = parent[k]
@@ -216,6 +216,6 @@ def root(parent: np.ndarray, k: int) -> int:
 
 @njit(cache=True, nogil=True)
 def join(parent: np.ndarray, a: int, b: int) -> None:
-    """Make one set of those of ``a`` and ``b``."""
+    """Unite the sets of ``a`` and ``b`` in a union-find forest."""
     a, b = root(parent, a), root(parent, b)
     parent[max(a, b)] = min(a, b)

@@ -1,4 +1,4 @@
-"""Validated arrays, read-only ones, and arguments checked by their names."""
+"""Validated and read-only arrays, and validation of arguments by their names."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def frozen(array: np.ndarray) -> np.ndarray:
 
 
 def diagonal(points: np.ndarray) -> float:
-    """Diagonal of the bounding box of points (k, 3); a corner may occur twice."""
+    """Diagonal of the bounding box of points (k, 3), possibly repeated."""
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
@@ -35,12 +35,12 @@ def mesh_size(V: np.ndarray, F: np.ndarray) -> float:
 
 
 def local_origin(points: np.ndarray) -> np.ndarray:
-    """Place (3,) from which points (k, 3) have small coordinates; the origin if near.
+    """Point (3,) near ``points`` (k, 3) as their local origin; zero if it is near.
 
     A multiple of a power of two, at least four times the diagonal: subtracting and adding it rounds nothing
     but the last bit, and what lies about the origin keeps its coordinates.
     """
-    low, high = 0.5 * points.min(axis=0), 0.5 * points.max(axis=0)  # halves: a whole size may overflow
+    low, high = 0.5 * points.min(axis=0), 0.5 * points.max(axis=0)  # halved, as the full size may overflow
     half = float((high - low).max())
     if not half > 0.0:
         return np.zeros(3)
@@ -57,10 +57,10 @@ def significant_digits(x: float, size: float, digits: int) -> int:
 
 
 def checked_floats(value: object, name: str) -> np.ndarray:
-    """Float64 copy of a caller's array, or InputError."""
+    """Float64 copy of a caller's array; raises InputError for anything else."""
     try:
         array = np.asarray(value)
-    except ValueError:  # rows of different lengths
+    except ValueError:  # NumPy rejects NumPy rejects rows of different lengths
         array = np.array(None)
     if array.dtype.kind not in "iuf":
         raise InputError(
@@ -70,7 +70,7 @@ def checked_floats(value: object, name: str) -> np.ndarray:
 
 
 def checked_vectors(value: object, count: int, name: str) -> np.ndarray:
-    """``value`` (count, 3) as floats; raises InputError unless they are finite."""
+    """``value`` (count, 3) as floats; raises InputError for other shapes or values."""
     array = checked_floats(value, name)
     if array.shape != (count, 3) or not np.isfinite(array).all():
         raise InputError(tr("{what} must be {n:,} finite vectors.").format(what=name, n=count))
@@ -78,7 +78,7 @@ def checked_vectors(value: object, count: int, name: str) -> np.ndarray:
 
 
 def checked_point(value: object) -> np.ndarray:
-    """``value`` (3,) as floats; raises InputError unless it is a point."""
+    """``value`` (3,) as floats; raises InputError unless it is a finite point."""
     x = _three(value)
     if x is None:
         raise InputError(tr("A place must be three finite numbers."))
@@ -86,7 +86,7 @@ def checked_point(value: object) -> np.ndarray:
 
 
 def checked_direction(value: object) -> np.ndarray:
-    """``value`` (3,) with a length of 1; raises InputError unless it has a direction."""
+    """``value`` (3,) scaled to length 1; raises InputError if it has no direction."""
     x = _three(value)
     length = 0.0 if x is None else float(np.linalg.norm(x))
     if x is None or not 0.0 < length < np.inf:
@@ -97,14 +97,14 @@ def checked_direction(value: object) -> np.ndarray:
 def _three(value: object) -> np.ndarray | None:
     try:
         x = np.asarray(value)
-    except ValueError:  # rows of different lengths
+    except ValueError:  # NumPy rejects NumPy rejects rows of different lengths
         return None
     x = x.astype(float) if x.dtype.kind in "iuf" else np.empty(0)
     return x if x.shape == (3,) and np.isfinite(x).all() else None
 
 
 def checked_integers(value: object, name: str) -> np.ndarray:
-    """Int64 copy of a caller's array; InputError if rounding would be needed."""
+    """Int64 copy of a caller's array; raises InputError for fractional values."""
     if isinstance(value, np.ndarray) and value.dtype.kind == "b":
         said = tr("{what} must be vertex IDs, not a mask; give numpy.flatnonzero(mask).")
         raise InputError(said.format(what=name))
@@ -115,14 +115,14 @@ def checked_integers(value: object, name: str) -> np.ndarray:
 
 
 def mesh_arrays(V: object, F: object) -> tuple[np.ndarray, np.ndarray]:
-    """Copies of a caller's arrays (n, 3) and (m, 3); InputError if no mesh."""
+    """Copies of a caller's arrays (n, 3) and (m, 3); raises InputError if invalid."""
     arrays = checked_floats(V, tr("Vertices")), checked_integers(F, tr("Faces"))
     check_mesh(*arrays)
     return arrays
 
 
 def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
-    """Raise InputError unless ``V`` (n, 3), ``F`` (m, 3) are a mesh with area."""
+    """Raise InputError unless ``V`` (n, 3) and ``F`` (m, 3) form a mesh with area."""
     if V.ndim != 2 or V.shape[1] != 3:
         raise InputError(
             tr("Vertices must be an (n, 3) array, not {shape}; give one row x y z per vertex.").format(
@@ -163,13 +163,13 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
 
 P = ParamSpec("P")
 R = TypeVar("R")
-MOST_STIFFNESS = 1e9  # its products with areas and the squares of those have digits left
-_LARGEST = 1e38  # length, as of coordinates; squares of larger ones, and their products, overflow
+MOST_STIFFNESS = 1e9  # its products with areas, and their squares, keep enough digits
+_LARGEST = 1e38  # largest length or coordinate; products of the squares of larger ones overflow
 _MOST_ITERATIONS = 10**9
 
 
 class _Kind(NamedTuple):
-    """Kind of an argument.
+    """Kind of value expected for an argument.
 
     Attributes
     ----------
@@ -184,7 +184,7 @@ class _Kind(NamedTuple):
 
 
 def as_float(value: object) -> float:
-    """Float of a number; NaN for anything else, such as a truth value or a text."""
+    """Float of a number; NaN for anything else, such as a bool or a text."""
     if not isinstance(value, Real) or isinstance(value, bool):
         return math.nan
     try:
@@ -194,7 +194,7 @@ def as_float(value: object) -> float:
 
 
 def is_whole_number(value: object) -> bool:
-    """True for a whole number, but not for a truth value."""
+    """True for a whole number, but not for a bool."""
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
@@ -256,7 +256,7 @@ _KINDS = {
 
 
 def check_argument(name: str, value: object, kind: _Kind | None = None) -> None:
-    """Raise InputError on an argument of another kind than its name says.
+    """Raise InputError for an argument of another kind than its name implies.
 
     Arrays, and what depends on the mesh, are checked where they are used.
     """
@@ -272,7 +272,7 @@ def check_type(name: str, value: object, kind: type) -> None:
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
-    """The function with its arguments checked, but for those left at their defaults."""
+    """Wrap a function to check its arguments, except those left at their defaults."""
     signature = inspect.signature(function)
     default = {name: parameter.default for name, parameter in signature.parameters.items()}
     own = {name: _KINDS.get(f"{function.__name__}.{name}") for name in default}
@@ -288,10 +288,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 class Uncopyable:
-    """Object with a factor, refusing to be copied or pickled."""
+    """Base class of objects with a matrix factor, neither copied nor pickled."""
 
     def __reduce_ex__(self, _: object) -> NoReturn:
-        """Raise InputError."""
+        """Raise InputError instead of copying or pickling the object."""
         raise InputError(
             tr(
                 "A Deformation cannot be copied or pickled; make another one with the same arguments, and "

@@ -1,4 +1,4 @@
-"""Decimation, with the map from each vertex to the coarse ones."""
+"""Decimation of a mesh, with a map from each vertex to coarse ones."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import fast_simplification
 import numpy as np
 from scipy.spatial import KDTree
 
-# Coarse vertices per fine vertex in the prolongation.
+# Coarse neighbours per fine vertex in the prolongation.
 _NEAREST = 4
-# Opposite sides of a thin wall count as this many edges apart, by their normals.
+# Weight of normals in distances, in edge lengths, to separate opposite sides of a thin wall.
 _ACROSS = 2.0
-# A held vertex this many coarse edges from all held coarse vertices gets one of its own.
+# Held vertices farther than this from all held coarse vertices, in coarse edges, become coarse ones.
 _UNHEARD = 1.5
 
 
 class Decimation(NamedTuple):
-    """Decimated mesh, and the coarse vertex of each fine one.
+    """Decimated mesh, with the coarse neighbours and weights of each fine vertex.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Decimation(NamedTuple):
 
 
 def decimated(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """About ``count`` of the vertices (n, 3), and triangles between them.
+    """Decimated mesh with about ``count`` of the vertices (n, 3).
 
     Returns
     -------
@@ -51,7 +51,7 @@ def decimated(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.
         By the places of their corners among ``vertices``.
     """
     proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
-    if len(proper) <= 2 * count:  # disconnected triangles: nothing to gain
+    if len(proper) <= 2 * count:  # nothing to gain, as for disconnected triangles
         vertices, T = np.unique(proper, return_inverse=True)
         return vertices, T.reshape(-1, 3)
     origin = V[proper[:, 0]].mean(axis=0)
@@ -59,7 +59,7 @@ def decimated(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.
         (V - origin).astype(np.float32), proper.astype(np.int32), target_count=2 * count
     )
     used, triangles = np.unique(triangles, return_inverse=True)
-    # Snap to vertices of the mesh: held ones then need no interpolation.
+    # Coarse vertices are snapped to mesh vertices, so that held ones need no interpolation.
     nearest = KDTree(V - origin).query(points[used])[1]
     vertices, merged = np.unique(nearest, return_inverse=True)
     T = merged[triangles.reshape(-1, 3)]
@@ -76,7 +76,7 @@ def mean_edge_length(V: np.ndarray, F: np.ndarray) -> float:
 def coarse_neighbours(
     V: np.ndarray, normals: np.ndarray, component: np.ndarray, vertices: np.ndarray, edge_length: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Coarse neighbours of every vertex, on its own side of a wall.
+    """Coarse neighbours of each vertex, on its own side of a thin wall.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def coarse_neighbours(
 def with_held_vertices(
     V: np.ndarray, component: np.ndarray, decimation: Decimation, fixed: np.ndarray
 ) -> np.ndarray:
-    """Vertices of a decimated mesh, some replaced by held ones.
+    """Vertices of a decimated mesh, some of them replaced by nearby held vertices.
 
     So every held part has a vertex in the decimated mesh.
 

@@ -1,4 +1,4 @@
-"""Flat caps over the openings of a surface, for a volume of open bottles."""
+"""Flat caps over the openings of a surface, to define the volume of open bottles."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from apd_viewer.geometry.mesh.adjacency import vertex_components
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.operators import edge_defect_counts, volume
 
-# Part of the diagonal's cube: a smaller volume is the rounding of a flat sheet.
+# Fraction of the cubed diagonal: a smaller volume is the rounding error of a flat sheet.
 _FLAT = 1e-9
 
 
@@ -34,7 +34,7 @@ class Caps:
 
     @classmethod
     def from_triangles(cls, F: np.ndarray, n: int) -> Caps | None:
-        """Caps of the triangles ``F`` (m, 3) of ``n`` vertices; None if impossible."""
+        """Caps of the triangles ``F`` (m, 3); None if closed, or other defects exist."""
         border, crowded, one_way = edge_defect_counts(F, n)
         if not border or crowded or one_way:
             return None
@@ -83,7 +83,7 @@ class Caps:
 
 
 def capped_volume(caps: Caps | None, U: np.ndarray, F: np.ndarray) -> float | None:
-    """Signed volume inside ``F`` (m, 3) and its caps; None if not enclosed."""
+    """Signed volume inside ``F`` (m, 3) and its caps; None without a volume."""
     if caps is None:
         return None
     inside = volume(U, F) + caps.volume(U, U[F[0, 0]])

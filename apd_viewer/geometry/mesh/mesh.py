@@ -1,4 +1,4 @@
-"""A triangle mesh in file order, and the welded mesh of the solve."""
+"""Triangle mesh in file order, and its welded counterpart for the solve."""
 
 from __future__ import annotations
 
@@ -31,35 +31,35 @@ class Origin(Protocol):
 
     @property
     def suffix(self) -> str:
-        """Of its name, in small letters: tells the format."""
+        """Suffix of the file name in lower case, identifying the format."""
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """Contents besides positions and triangles, in words."""
+        """File contents besides positions and triangles, in words."""
 
     @property
     def colors(self) -> np.ndarray | None:
-        """Vertex colours, (n, 3) uint8, if it has any; ValueError if damaged."""
+        """Vertex colours, (n, 3) uint8, or None; raises ValueError if damaged."""
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Normals (k, 3), and which of them each corner of ``mesh`` has, (m, 3).
+        """Normals (k, 3), and the index of the normal of each corner of ``mesh``, (m, 3).
 
         -1 is none. None without normals; ValueError if they are damaged.
         """
 
     def texture(self, mesh: Mesh) -> Texture | None:
-        """Texture of ``mesh``, if it has one.
+        """Texture of ``mesh``, or None without one.
 
         ValueError if it is damaged, InputError if an image cannot be read.
         """
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """The file with the positions ``U`` (n, 3) of the vertices of ``mesh``."""
+        """File content with the positions ``U`` (n, 3) of the vertices of ``mesh``."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Vertices and triangles in the order of the file: never reordered, never merged.
+    """Vertices and triangles in file order, never reordered or merged.
 
     Attributes
     ----------
@@ -98,14 +98,14 @@ class Mesh:
                 check_argument(name, given)
         if self.path is not None:
             object.__setattr__(self, "path", Path(self.path))
-        if self.origin is None:  # arrays read from a file are valid and unshared
+        if self.origin is None:  # file readers give valid and unshared arrays
             V, F = checked_floats(V, tr("Vertices")), checked_integers(F, tr("Faces"))
         check_mesh(V, F)
         object.__setattr__(self, "V", frozen(V))
         object.__setattr__(self, "F", frozen(F))
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        """Restore a copy; its arrays are read-only again."""
+        """Restore the state of a copy, with read-only arrays."""
         self.__dict__.update(state)
         frozen(self.V)
         frozen(self.F)
@@ -121,7 +121,7 @@ class Mesh:
         remarks: tuple[str, ...] = (),
         unit: str = "",
     ) -> Mesh:
-        """Mesh of read-only arrays already checked, with its weld if known."""
+        """Mesh of validated read-only arrays, with its weld if known."""
         mesh = cls.__new__(cls)
         mesh.__dict__.update(V=V, F=F, path=path, origin=origin, remarks=remarks, unit=unit)
         if weld is not None:
@@ -138,7 +138,7 @@ class Mesh:
         return Mesh.from_checked(U, self.F, self.path, origin, self._welded, self.remarks, self.unit)
 
     def welded(self) -> Mesh:
-        """The mesh with nearly meeting seams welded; vertices and file are the same.
+        """The mesh with nearly touching seams welded; vertices and file are unchanged.
 
         Boundary vertices within 1e-4 of the size of the mesh, and within half of the shorter boundary edge
         there, move together from now on.
@@ -161,11 +161,11 @@ class Mesh:
 
     @property
     def has_welded_seams(self) -> bool:
-        """True if more than coincident vertices and cracks of rounding is welded."""
+        """True if the weld closes gaps wider than rounding."""
         return self.weld.target_tolerance > 4.0 * WELD_TOLERANCE * mesh_size(self.V, self.F)
 
     def without_path(self) -> Mesh:
-        """The mesh without its path."""
+        """Copy of the mesh without its path."""
         origin = self.origin
         if isinstance(origin, BakedOrigin):
             origin = BakedOrigin(origin.origin, origin.mesh.without_path())
@@ -177,13 +177,15 @@ class Mesh:
 
     @cached_property
     def weld(self) -> Weld:
-        """The maps between the file's vertices and the vertices of the solve."""
+        """Map between the file's vertices and the vertices of the solve."""
         return Weld.from_positions(self.V, self.F)
 
     @cached_property
     def colors(self) -> np.ndarray | None:
-        """Vertex colours of the file, (n, 3) uint8; None without usable ones."""
-        with contextlib.suppress(ValueError):  # the mesh is usable without them
+        """Vertex colours of the file, (n, 3) uint8; None if missing or damaged."""
+        with contextlib.suppress(
+            ValueError
+        ):  # damaged colours: damaged normals: the mesh is usable without them
             colors = None if self.origin is None else self.origin.colors
             if colors is not None and colors.shape == self.V.shape:
                 return frozen(colors)
@@ -191,10 +193,12 @@ class Mesh:
 
     @cached_property
     def corner_normals(self) -> CornerNormals | None:
-        """Normals of the file; None without usable ones."""
+        """Normals of the file; None if missing or damaged."""
         if isinstance(self.origin, BakedOrigin):
             return self.origin.mesh.corner_normals
-        with contextlib.suppress(ValueError):  # the mesh is usable without them
+        with contextlib.suppress(
+            ValueError
+        ):  # damaged colours: damaged normals: the mesh is usable without them
             if self.origin is not None and (found := self.origin.normals(self)) is not None:
                 return CornerNormals.from_normals(*found, self.V, self.F)
         return None
@@ -208,7 +212,7 @@ class Mesh:
             return (None if self.origin is None else self.origin.texture(self)), None
         except InputError as error:
             return None, str(error)
-        except ValueError:  # the mesh is usable without it
+        except ValueError:  # damaged texture: the mesh is usable without it
             return None, None
 
     @cached_property
@@ -218,7 +222,7 @@ class Mesh:
 
     @property
     def named_lengths(self) -> dict[str, float]:
-        """Lengths by name, mesh units: sides X, Y, Z of its box, longest L, diagonal D."""
+        """Lengths by name, mesh units: box sides X, Y, Z, longest side L, diagonal D."""
         sides = dict(zip("XYZ", np.ptp(self.V, axis=0).tolist(), strict=True))
         return {**sides, "L": max(sides.values()), "D": diagonal(self.V)}
 
@@ -230,18 +234,18 @@ class Mesh:
 
     @property
     def name(self) -> str:
-        """File name for people, or "mesh"."""
+        """File name for display, or "mesh"."""
         return self.path.name if self.path else "mesh"
 
     @property
     def stem(self) -> str:
-        """Name without suffix, for files derived from the mesh."""
+        """File name without suffix, for naming files derived from the mesh."""
         return self.path.stem if self.path else "mesh"
 
 
 @dataclass(frozen=True, eq=False)
 class DerivedOrigin:
-    """Origin derived from another one, with the same contents.
+    """Origin based on another one, with the same contents.
 
     Attributes
     ----------
@@ -252,7 +256,7 @@ class DerivedOrigin:
 
     @property
     def suffix(self) -> str:
-        """Of the file's name."""
+        """Suffix of the file name."""
         return self.origin.suffix
 
     @property
@@ -266,7 +270,7 @@ class DerivedOrigin:
         return self.origin.colors
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Normals of the file, and the one of each corner."""
+        """Normals of the file, and the index of each corner's normal."""
         return self.origin.normals(mesh)
 
     def texture(self, mesh: Mesh) -> Texture | None:
@@ -309,7 +313,7 @@ class BakedOrigin(DerivedOrigin):
 
 
 class Texture(NamedTuple):
-    """An image on a mesh, with seams.
+    """Image mapped onto a mesh, with seams.
 
     Attributes
     ----------

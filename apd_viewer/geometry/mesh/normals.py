@@ -1,4 +1,4 @@
-"""Vertex normals, and those of a file turned with the surface."""
+"""Vertex normals, and normals of a file, rotated with the surface."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 
-_LONGEST = 1e30  # the square of a longer one overflows
+_LONGEST = 1e30  # the square of a longer vector would overflow
 
 
 class CornerNormals(NamedTuple):
-    """Normals at the corners of triangles, which turn with these.
+    """Normals at triangle corners, rotating with the triangles.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ def vertex_normals(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """
     a, b, c = U[F].transpose(1, 0, 2)
     across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-    # Without triangles bincount counts in whole numbers.
+    # Without triangles, bincount returns integers.
     N = np.column_stack([np.bincount(F.ravel(), x, len(U)) for x in across.T]).astype(float, copy=False)
     length = np.linalg.norm(N, axis=1, keepdims=True)
     normals: np.ndarray = np.divide(N, length, out=np.zeros_like(N), where=length > 0)
@@ -75,7 +75,7 @@ def vertex_normals(U: np.ndarray, F: np.ndarray) -> np.ndarray:
 def rotated_normals(
     V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray
 ) -> np.ndarray:
-    """Normals turned by the rotation of their triangles; creases are kept.
+    """File normals rotated with their triangles; creases are kept.
 
     Parameters
     ----------

@@ -80,7 +80,7 @@ def volume(U: np.ndarray, F: np.ndarray) -> float:
 
     Without meaning for a surface that is not closed: see :func:`missing_volume_reason`.
     """
-    # Measured from a vertex of the surface: far from the origin the sum would cancel away its digits.
+    # Measured from a vertex of the surface: far from the origin, the sum would lose digits to cancellation.
     return float(_signed_volumes(U, F, U[F[0, 0]]).sum())
 
 
@@ -90,7 +90,7 @@ def missing_volume_reason(F: np.ndarray, n: int) -> str | None:
     A surface is closed when every edge is used once in each direction.
     """
     border, crowded, one_way = edge_defect_counts(F, n)
-    # Openings last: they can be capped, what comes before them cannot be mended.
+    # Openings come last: they can be capped, whereas the defects before them cannot be repaired.
     if crowded:
         return trn(
             "the surface is not manifold ({n:,} edge with more than two faces)",
@@ -119,7 +119,7 @@ def edge_defect_counts(F: np.ndarray, n: int) -> tuple[int, int, int]:
                 start[min(F[t, c], F[t, (c + 1) % 3]) + 1] += 1
     for v in range(n):
         start[v + 1] += start[v]
-    # Edges by their lower end; the sign of the upper end tells the direction.
+    # Edges grouped by lower end; the sign of the upper end encodes the direction.
     following, upper = start[:-1].copy(), np.empty(start[n], dtype=np.int64)
     for t in range(len(F)):
         if F[t, 0] != F[t, 1] and F[t, 1] != F[t, 2] and F[t, 2] != F[t, 0]:
@@ -198,26 +198,26 @@ def cotangents(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     return cot
 
 
-# Connects vertices left unconnected by clamped weights, too weakly to be visible in the shape.
+# Connects vertices disconnected by clamped weights, too weakly to be visible in the shape.
 _WEIGHT_FLOOR = 1e-6
 
 
-# Slivers: a weight this large is rigid to eight digits; a larger one would cost the others their digits.
+# Bound for slivers: this weight is rigid to eight digits, and a larger one would cost the others theirs.
 _STEEPEST = 1e8
 
 
-# Squared cotangents leave half the digits.
+# Largest cotangent of a well-shaped triangle: its square leaves half of the digits.
 _NEEDLE = 1e4
 
 
 def well_shaped(cot: np.ndarray) -> np.ndarray:
-    """Mask (m,) of the triangles that are no needles, by their cotangents (m, 3)."""
+    """Mask (m,) of the triangles other than needles, by their cotangents (m, 3)."""
     size = np.abs(cot)
     return (size.max(axis=1) < _NEEDLE) & (size.sum(axis=1) > 0.0)
 
 
 def _opposite(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edge opposite to every corner, in scipy's index type."""
+    """Ends of the edge opposite to each corner, in scipy's index type."""
     return F[:, [1, 2, 0]].ravel().astype(np.int32), F[:, [2, 0, 1]].ravel().astype(np.int32)
 
 
@@ -246,7 +246,7 @@ def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
     positive.eliminate_zeros()
     part = sp.csgraph.connected_components(positive, directed=False)[1]
     row = np.repeat(np.arange(n), np.diff(W.indptr))
-    # The median: one sliver would dominate the mean.
+    # Median, because a single sliver would dominate the mean.
     usual = np.median(positive.data) if positive.nnz else 1.0
     W.data[part[row] != part[W.indices]] = _WEIGHT_FLOOR * usual
     return W
@@ -265,13 +265,13 @@ def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
     return laplacian(W.tocsr())
 
 
-# Vertices on a cylinder, triangulated anyhow, have defects of both signs, 0.46 in total. So many steps of
-# averaging leave 0.02 of them, and 1.0 of a tube whose vertices are off by a hundredth of its radius.
+# Vertices on an arbitrarily triangulated cylinder have angle defects of both signs, 0.46 in total. This many
+# averaging steps leave 0.02; they leave 1.0 for a tube with vertices off by a hundredth of its radius.
 _STEPS = 30
 
 
 def total_curvature(V: np.ndarray, F: np.ndarray) -> float:
-    """Integral of the absolute Gauss curvature, of its means over neighbourhoods.
+    """Integral of the absolute Gauss curvature, averaged over neighbourhoods.
 
     4 pi for every convex closed surface, 0 for tubes, sheets and whatever else can be unrolled. The borders
     of an open surface do not count.

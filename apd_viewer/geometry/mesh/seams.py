@@ -1,4 +1,4 @@
-"""Seams: boundary edges on others without being joined."""
+"""Seams: boundary edges lying on others without being joined."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from apd_viewer.language import trn
 
 
 class Seams(NamedTuple):
-    """Boundary edges of a mesh on others, within the tolerance :data:`SEAM`.
+    """Unjoined boundary edges lying on others within :data:`SEAM_TOLERANCE`.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Seams(NamedTuple):
 
     @property
     def unweldable_sentence(self) -> str | None:
-        """Sentence about the T-joints, if there are any."""
+        """Sentence about the T-joints; None if there are none."""
         if not len(self.joints):
             return None
         said = trn(
@@ -82,13 +82,13 @@ class Seams(NamedTuple):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Sentences about both, as far as there are any."""
+        """Sentences about weldable edges and T-joints, if there are any."""
         return tuple(filter(None, (self.weldable_sentence, self.unweldable_sentence)))
 
 
 def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Vertices inside ``edges`` (b, 2), the boundary of the triangles ``corners``."""
-    edges = edges[np.linalg.norm(V[edges[:, 1]] - V[edges[:, 0]], axis=1) > 0.0]  # squares may underflow
+    edges = edges[np.linalg.norm(V[edges[:, 1]] - V[edges[:, 0]], axis=1) > 0.0]  # lengths may underflow
     border = np.unique(edges)
     near = SEAM_TOLERANCE * mesh_size(V, corners)
     room = np.minimum(near, MOST_EDGE_SHARE * shortest_edges(V, edges)[border])
@@ -100,7 +100,7 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     inside = (away <= room[point]) & (at > room[point]) & (at < length - room[point])
     point, edge = point[inside], edge[inside]
     triples = np.sort(np.column_stack([border[point], edges[edge]]), axis=1)
-    # A sliver of the mesh itself may end at an edge.
+    # A vertex and an edge may belong to one sliver triangle of the mesh, which is no T-joint.
     own = set(map(tuple, np.sort(corners[np.isin(corners, border[point]).any(axis=1)], axis=1).tolist()))
     free = [tuple(three) not in own for three in triples.tolist()]
     return np.unique(border[point[np.array(free, dtype=bool)]])
@@ -109,13 +109,13 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
 def _close(
     V: np.ndarray, border: np.ndarray, edges: np.ndarray, near: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Candidates (p,), (p,) of pairs of ``border`` and ``edges`` ``near`` each other."""
-    from scipy.spatial import KDTree  # most meshes have no boundary, and the window opens before it is loaded
+    """Candidate pairs (p,), (p,) of ``border`` vertices within ``near`` of ``edges``."""
+    from scipy.spatial import KDTree  # imported here: slow, and most meshes have no boundary
 
     ends, points = V[edges], KDTree(V[border])
     half = 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    size = np.frexp(half)[1]  # edges of about one length at a time: a ball around a long one holds many
-    pairs = [np.empty((0, 2), dtype=np.int64)]  # there may be no edges left
+    size = np.frexp(half)[1]  # similar lengths together: the ball around a long edge holds many vertices
+    pairs = [np.empty((0, 2), dtype=np.int64)]  # in case no edges are left
     for each in np.unique(size):
         some = np.flatnonzero(size == each)
         middles = KDTree(ends[some].mean(axis=1))

@@ -11,9 +11,9 @@ from numba import prange
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel, total, totals
 
-# Triangle areas at rest below this part of the mean are rounding: their change is none.
+# Rest areas below this fraction of the mean are rounding errors; their relative change is ignored.
 SLIVER = 1e-9
-# Triangles or vertices per task of a core.
+# Triangles or vertices per parallel task.
 _PORTION = 1024
 
 
@@ -47,12 +47,12 @@ class Patch:
         return float(total_area(U, self.F))
 
     def volume_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
-        """Signed volume of a closed patch at ``U`` (n, 3); gradient into ``g`` (n, 3)."""
+        """Signed volume of a closed patch at ``U`` (n, 3); writes its gradient to ``g``."""
         return float(_volume_and_gradient(U, self.F, self.start, self.second, self.third, g))
 
 
 class WeightedAreas:
-    """Sums of the areas of triangles, each sum with weights of its own, in one pass.
+    """Weighted sums of triangle areas, all evaluated in one pass.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class WeightedAreas:
         self.support[:, all_areas] = True
 
     def values(self, U: np.ndarray) -> np.ndarray:
-        """Sums (g,) at ``U`` (n, 3)."""
+        """Weighted sums of areas, (g,), at ``U`` (n, 3)."""
         return _weighted_areas(U, self._patch.F, *self._weights, self._all_areas, self.count)
 
     def values_and_gradients(self, U: np.ndarray, g: np.ndarray) -> np.ndarray:
@@ -102,12 +102,12 @@ class WeightedAreas:
         )
 
     def largest_tension(self, c: np.ndarray) -> float:
-        """The largest of the triangles' ``|sum_k c_k weight_k|``."""
+        """Largest ``|sum_k c_k weight_k|`` of all triangles."""
         return _largest_tension(*self._weights, self._all_areas, c)
 
 
 def row_nonzeros(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Starts (n + 1,) of the rows of a ``mask`` (n, k), and the columns that are set."""
+    """Row starts (n + 1,) and column indices of the True entries of a ``mask`` (n, k)."""
     rows, columns = np.nonzero(mask)
     starts = np.searchsorted(rows, np.arange(len(mask) + 1))
     return starts.astype(np.uint32), columns.astype(np.uint32)
@@ -251,7 +251,7 @@ def _weighted_areas_and_gradients(
     g: np.ndarray,
 ) -> np.ndarray:
     # The gradient at a corner is half the cross product of the unit normal with the opposite edge; that of
-    # a triangle without area is taken as zero.
+    # a triangle without area is set to zero.
     count = (len(F) + _PORTION - 1) // _PORTION
     sums, doubles = np.zeros((count, len(g))), np.empty(count)
     for portion in prange(count):
@@ -301,7 +301,7 @@ def _weighted_areas_and_gradients(
 def _volume_and_gradient(
     U: np.ndarray, F: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, g: np.ndarray
 ) -> float:
-    # Measured from a vertex of the surface: far from the origin the sum would cancel away its digits.
+    # Measured from a vertex of the surface: far from the origin, the sum would lose digits to cancellation.
     ox, oy, oz = U[F[0, 0], 0], U[F[0, 0], 1], U[F[0, 0], 2]
     count = (len(U) + _PORTION - 1) // _PORTION
     volumes = np.empty(count)
@@ -317,7 +317,7 @@ def _volume_and_gradient(
                 gy += bz * cx - bx * cz
                 gz += bx * cy - by * cx
             g[i, 0], g[i, 1], g[i, 2] = gx / 6.0, gy / 6.0, gz / 6.0
-            # The volume is of the third degree in the positions: the sum of u.g counts it three times.
+            # The volume is cubic in the positions, so that the sum of u.g counts it three times.
             volume += (U[i, 0] - ox) * gx + (U[i, 1] - oy) * gy + (U[i, 2] - oz) * gz
         volumes[portion] = volume
     return total(volumes) / 18.0

@@ -1,4 +1,4 @@
-"""Welding: map between file vertices and solve vertices."""
+"""Welding: the map between file vertices and solve vertices."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from apd_viewer.geometry.mesh.arrays import frozen, mesh_size
 # Boundary vertices closer than this, in bounding-box diagonals, are welded.
 WELD_TOLERANCE = 1e-7
 
-# So are those closer than this on request: exporters round to four or five digits.
+# Tolerance for welding seams on request: exporters round to four or five digits.
 SEAM_TOLERANCE = 1e-4
 
-# Rounding of held vertices, in bounding-box diagonals.
+# Rounding tolerance for held vertices, in bounding-box diagonals.
 _IN_PLACE = 1e-9
 
-# Of the shorter boundary edge at two vertices, how far apart they may be: nearer than to their neighbours.
+# Largest gap to weld, as a fraction of the shorter boundary edge there; keeps neighbours separate.
 MOST_EDGE_SHARE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Weld:
-    """Map of file vertices at one position to one vertex of the solve.
+    """Map from coincident file vertices to one vertex of the solve.
 
     Files repeat vertices at texture seams, and STL repeats all of them: without welding such a mesh falls
     apart into loose triangles. Equal positions are joined; at borders, where rounding leaves cracks, also
@@ -49,7 +49,7 @@ class Weld:
     def from_positions(
         cls, V: np.ndarray, F: np.ndarray | None = None, tolerance: float = WELD_TOLERANCE
     ) -> Weld:
-        """Weld positions ``V`` (n, 3) in file order; ``F`` (m, 3) gives borders.
+        """Weld positions ``V`` (n, 3) in file order, with the borders of ``F`` (m, 3).
 
         The ``tolerance`` is that of borders, in bounding-box diagonals.
         """
@@ -65,17 +65,17 @@ class Weld:
 
     @classmethod
     def from_representatives(cls, V: np.ndarray, representative: np.ndarray) -> Weld:
-        """Weld each of the positions ``V`` (n, 3) to that of its representative."""
+        """Weld each of the positions ``V`` (n, 3) to its representative."""
         first, inverse = np.unique(representative, return_inverse=True)
         return cls.from_maps(V, first, inverse)
 
     def with_seams(self, V: np.ndarray, F: np.ndarray) -> Weld:
-        """The weld with boundaries joined within :data:`SEAM_TOLERANCE`, too."""
+        """The weld, also joining boundaries within :data:`SEAM_TOLERANCE`."""
         return Weld.from_representatives(V, _cracks_closed(V, F, self.representative, SEAM_TOLERANCE))
 
     @classmethod
     def from_maps(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
-        """The weld with these maps of the positions ``V`` (n, 3)."""
+        """Weld of the positions ``V`` (n, 3) from both index maps."""
         first, inverse = frozen(first), frozen(inverse)
         if len(first) == len(inverse):
             return cls(first, inverse)
@@ -83,21 +83,21 @@ class Weld:
 
     @property
     def representative(self) -> np.ndarray:
-        """Representative of every file vertex: the first of those joined, (n,)."""
+        """Representative of each file vertex, the first vertex welded to it, (n,)."""
         return self.first[self.inverse]
 
     @cached_property
     def offset(self) -> np.ndarray | None:
-        """Offset of every file vertex from its joined place, (n, 3); None without any."""
+        """Offset of each file vertex from its welded position, (n, 3); None without any."""
         return None if self.V is None else frozen(self.V - self.V[self.representative])
 
     @cached_property
     def target_tolerance(self) -> float:
-        """Tolerance between targets of welded vertices, mesh units."""
+        """Tolerance between the targets of vertices welded together, mesh units."""
         return 0.0 if self.offset is None else 4.0 * float(np.linalg.norm(self.offset, axis=1).max())
 
     def in_place_tolerance(self, diagonal: float) -> float:
-        """Tolerance of held vertices in place, mesh units."""
+        """Distance from its target within which a held vertex is in place, mesh units."""
         return _IN_PLACE * diagonal + self.target_tolerance
 
     def offset_of(self, ids: np.ndarray) -> np.ndarray | float:
@@ -105,7 +105,7 @@ class Weld:
         return 0.0 if self.offset is None else self.offset[ids]
 
     def with_coincident(self, ids: np.ndarray) -> np.ndarray:
-        """File vertices ``ids`` with all others at their positions, ascending."""
+        """File vertices ``ids`` and all others at their positions, ascending."""
         if len(self.first) == len(self.inverse):
             return ids
         covered = np.zeros(len(self.first), dtype=bool)
@@ -113,19 +113,19 @@ class Weld:
         return np.flatnonzero(covered[self.inverse])
 
     def to_file(self, U: np.ndarray) -> np.ndarray:
-        """Positions ``U`` (k, 3) of solve vertices spread to the file's, (n, 3)."""
+        """Positions ``U`` (k, 3) of solve vertices mapped to the file vertices, (n, 3)."""
         if len(U) == len(self.inverse):
             return U.copy()
         spread = U[self.inverse]
         if self.V is not None and self.offset is not None:
             apart = np.flatnonzero(self.offset.any(axis=1))
-            # In this order what has not moved is where it was, to the bit.
+            # This order of operations restores unmoved vertices to the bit.
             spread[apart] = self.V[apart] + (spread[apart] - self.V[self.representative[apart]])
         return spread
 
 
 def boundary_edges(corners: np.ndarray, n: int) -> np.ndarray:
-    """Edges (b, 2) of one triangle among ``corners`` (m, 3) below ``n``, each once."""
+    """Edges (b, 2) of exactly one triangle of ``corners`` (m, 3), IDs below ``n``."""
     key = _edge_keys(corners, n)
     key.sort()
     alone = np.ones(len(key), dtype=bool)
@@ -135,19 +135,19 @@ def boundary_edges(corners: np.ndarray, n: int) -> np.ndarray:
 
 
 def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
-    """A number for the edge of every half-edge, the same for both its sides."""
+    """Key of the undirected edge of each half-edge."""
     a, b = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     edge = a != b
     return np.minimum(a, b)[edge] * n + np.maximum(a, b)[edge]
 
 
 def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tolerance: float) -> np.ndarray:
-    """Representatives joining border vertices across cracks; neighbours stay apart."""
+    """Representatives with border vertices joined across cracks, but never neighbours."""
     corners, n = representative[F], len(V)
     edges = boundary_edges(corners, n)
     if not len(edges):
         return representative
-    from scipy.spatial import KDTree  # most meshes have no cracks, and the window opens before it is loaded
+    from scipy.spatial import KDTree  # imported here: slow, and most meshes have no cracks
 
     border = np.unique(edges)
     pairs = border[KDTree(V[border]).query_pairs(tolerance * mesh_size(V, F), output_type="ndarray")]
@@ -161,7 +161,7 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tol
 
 
 def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Length of the shortest of the ``edges`` (b, 2) at every vertex, (n,)."""
+    """Length of the shortest of the ``edges`` (b, 2) at each vertex, (n,)."""
     shortest = np.full(len(V), np.inf)
     length = np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)
     for end in edges.T:
@@ -170,7 +170,7 @@ def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 
 def _clustered(pairs: np.ndarray, edges: set[int], n: int) -> np.ndarray:
-    """Lowest vertex of the cluster of each of ``n`` vertices.
+    """Lowest vertex in the cluster of each of ``n`` vertices.
 
     ``pairs`` (p, 2) are joined in their order, unless an edge would then lead from a cluster to itself: of a
     chain of near vertices the two ends of an edge stay apart.

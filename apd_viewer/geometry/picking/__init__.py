@@ -1,1 +1,1 @@
-"""Ray casts, visibility and sets of vertices."""
+"""Ray casting, visibility, and sets of vertices."""

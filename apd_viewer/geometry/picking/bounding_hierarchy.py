@@ -10,11 +10,11 @@ from numba import prange
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 
-BRANCHING = 8  # triangles per box, boxes per larger box
-BRANCHING_BITS = 3  # log2 of FAN
-_SLACK = 1e-8  # around a box, relative: rounding must not let a ray miss the triangles in it
+BRANCHING = 8  # triangles per box, and boxes per larger box
+BRANCHING_BITS = 3  # log2 of BRANCHING
+_SLACK = 1e-8  # relative enlargement of a box, so that rounding does not let a ray miss its triangles
 
-# log2 of the sorting cells along the longest side of the mesh.
+# log2 of the number of sorting cells along the longest side of the mesh.
 _CELL_BITS = 10
 
 
@@ -22,7 +22,7 @@ _HALF_KEY = 3 * _CELL_BITS // 2
 
 
 class BoundingHierarchy(NamedTuple):
-    """Boxes in boxes around the triangles of one shape.
+    """Nested bounding boxes around the triangles of a shape.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingHierarchy:
 
 @parallel()
 def _cells(U: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Cell of each triangle along a space-filling curve."""
+    """Sort key of each triangle along a space-filling curve."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for t in range(len(F)):
         for c in range(3):
@@ -76,7 +76,7 @@ def _cells(U: np.ndarray, F: np.ndarray) -> np.ndarray:
 
 @njit(inline="always")
 def _spread(x: int) -> int:
-    """Ten bits with two zeros between each and the next [Morton 1966]."""
+    """Ten bits, each followed by two zero bits [Morton 1966]."""
     x = (x | (x << 16)) & 0x030000FF
     x = (x | (x << 8)) & 0x0300F00F
     x = (x | (x << 4)) & 0x030C30C3
@@ -103,7 +103,7 @@ def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
 
 @parallel()
 def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.ndarray) -> None:
-    """Boxes (b, 2, 3) of every ``BRANCHING`` triangles, grown by ``slack``."""
+    """Boxes (b, 2, 3) around each ``BRANCHING`` triangles, enlarged by ``slack``."""
     for b in prange(len(corners)):
         for c in range(3):
             low, high = np.inf, -np.inf
@@ -115,7 +115,7 @@ def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.nd
 
 @njit(cache=True, nogil=True)
 def _around_boxes(inner: np.ndarray, outer: np.ndarray) -> None:
-    """Write the ``outer`` (b, 2, 3) boxes around each group of ``inner`` ones."""
+    """Write the ``outer`` boxes (b, 2, 3) around each group of ``inner`` boxes."""
     for b in range(len(outer)):
         for c in range(3):
             low, high = np.inf, -np.inf

@@ -10,14 +10,14 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
 
-BLOCK = 128  # triangles per box; neighbours in a file are mostly neighbours in space
-_SLACK = 1e-9  # margin: rounding must not let a ray miss the box of a triangle it hits
-_RIM = 1e-9  # the same of a triangle's weights: nor slip through a vertex or between two triangles
+BLOCK = 128  # triangles per box; consecutive triangles are mostly close in space
+_SLACK = 1e-9  # margin, so that rounding does not let a ray miss the box of a triangle it hits
+_RIM = 1e-9  # margin of barycentric weights, so that no ray slips through a vertex or between triangles
 
 
 @njit(cache=True, nogil=True)
 def block_boxes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Bounding boxes of every ``BLOCK`` consecutive triangles.
+    """Bounding boxes of each ``BLOCK`` consecutive triangles.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def block_boxes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
 def ray_hit(
     origin: np.ndarray, direction: np.ndarray, U: np.ndarray, F: np.ndarray, block_boxes: np.ndarray
 ) -> tuple[int, float, float, float]:
-    """Nearest triangle hit by a ray, from either side.
+    """Nearest triangle hit by a ray, from either side of the surface.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def ray_hit(
 
 @njit(cache=True, nogil=True)
 def _enters(origin: np.ndarray, direction: np.ndarray, box: np.ndarray, distance: float) -> bool:
-    """True if a ray enters a ``box`` (2, 3) within a ``distance``."""
+    """True if a ray enters a ``box`` (2, 3) within a ``distance`` of its origin."""
     near, far = 0.0, distance
     for c in range(3):
         if direction[c] == 0.0:

@@ -1,4 +1,4 @@
-"""A mesh as it is drawn before there is more than numpy to draw it with."""
+"""Minimal surface for drawing a mesh before the full index is loaded."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.normals import vertex_normals
 
 @dataclass(frozen=True, eq=False)
 class PreviewSurface:
-    """Surface to be seen, not touched, until there is a :class:`SurfaceIndex`.
+    """Surface for display only, until its :class:`SurfaceIndex` is available.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class PreviewSurface:
     repeated_vertices = np.empty(0, dtype=np.int32)
 
     def render_mesh(self, sharp: bool, with_file_normals: bool = False) -> PreviewSurface:  # noqa: ARG002
-        """The sketch itself, always smooth."""
+        """The preview itself, always with smooth normals."""
         return self
 
     def drape(

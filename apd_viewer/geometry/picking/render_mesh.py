@@ -1,4 +1,4 @@
-"""Triangles for the renderer, with vertices repeated along sharp edges."""
+"""Triangles for the renderer, with vertices duplicated along sharp edges."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.normals import CornerNormals
 
 _NONE = frozen(np.empty((0, 3, 3), dtype=np.float32))
-SHARP = np.deg2rad(30.0)  # angle between the normals of two triangles at a sharp edge
+SHARP = np.deg2rad(30.0)  # least angle between the normals of two triangles at a sharp edge
 
 
 @dataclass(frozen=True, eq=False)
 class RenderMesh:
-    """Invariants of a drawn mesh while it deforms, read-only.
+    """Invariants of a rendered mesh while it deforms, read-only.
 
     Attributes
     ----------
@@ -46,14 +46,14 @@ class RenderMesh:
     local: np.ndarray = field(default_factory=lambda: _NONE)
 
     def with_normals(self, normals: CornerNormals) -> RenderMesh:
-        """The mesh with normals of a file, and vertices repeated where they differ."""
+        """The mesh with normals of a file, and vertices duplicated where they differ."""
         n = len(self.used)
         F, copied, _ = map(frozen, _split(self.F, normals.group.ravel(), n))
         own = frozen(np.empty(0, dtype=np.int32))
         return RenderMesh(F, copied, self.joined, F, own, self.used, normals.local)
 
-    def sharpened(self, V: np.ndarray, opposite: np.ndarray) -> RenderMesh:
-        """The mesh with vertices repeated along the sharp edges of ``V`` (n, 3).
+    def with_sharp_edges(self, V: np.ndarray, opposite: np.ndarray) -> RenderMesh:
+        """The mesh with vertices duplicated along the sharp edges of ``V`` (n, 3).
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class RenderMesh:
         return RenderMesh(F, copied, self.joined, leading, source, self.used)
 
     def with_seams(self, group: np.ndarray) -> RenderMesh:
-        """The mesh with vertices repeated where corners (m, 3) differ in their number.
+        """The mesh with vertices duplicated where corners (m, 3) differ in ``group``.
 
         Normals stay continuous there.
         """
@@ -113,7 +113,7 @@ class RenderMesh:
 
 @njit(cache=True, nogil=True)
 def _smoothing_groups(V: np.ndarray, F: np.ndarray, opposite: np.ndarray, least: float) -> np.ndarray:
-    """Corner of each smoothing group, by corner (3 m,); empty without sharp edges.
+    """Smoothing group, as a corner, of each corner (3 m,); empty without sharp edges.
 
     Two corners at a vertex are in one group if edges with a cosine of at least ``least`` lead from the one
     triangle to the other. A triangle without area has no sharp edges.
@@ -149,10 +149,10 @@ def _smoothing_groups(V: np.ndarray, F: np.ndarray, opposite: np.ndarray, least:
 
 @njit(cache=True, nogil=True)
 def _split(F: np.ndarray, group: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Render triangles, repeated vertices, and the render vertex leading each group."""
+    """Render triangles, duplicated vertices, and the leading vertex of each group."""
     split, copied = np.empty_like(F), np.empty(F.size, dtype=np.int32)
     lead = np.full(F.size, -1, dtype=np.int32)
-    # Linked list of the render vertices of each vertex, beginning with itself.
+    # Linked list of the render vertices of each vertex, starting with the vertex itself.
     owner, following = np.full(n + F.size, -1, dtype=np.int32), np.full(n + F.size, -1, dtype=np.int32)
     count = 0
     for t in range(len(F)):
@@ -184,7 +184,7 @@ def drape(
     low: np.ndarray,
     high: np.ndarray,
 ) -> None:
-    """Write positions, normals and the box around them, see :meth:`RenderMesh.drape`."""
+    """Write positions, normals and their bounding box, see :meth:`RenderMesh.drape`."""
     ox, oy, oz = origin[0], origin[1], origin[2]
     lx = ly = lz = np.inf
     hx = hy = hz = -np.inf
@@ -206,7 +206,7 @@ def drape(
         i, j, k = joined[t, 0], joined[t, 1], joined[t, 2]
         ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
         bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        # Rounded before summation: double-precision sums would be rounded at every triangle.
+        # Rounded to single precision before summation: a double-precision sum would be rounded each time.
         nx, ny, nz = (
             np.float32(ay * bz - az * by),
             np.float32(az * bx - ax * bz),
@@ -233,7 +233,7 @@ def drape(
 def _turn(
     points: np.ndarray, F: np.ndarray, source: np.ndarray, local: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Turn the normals ``local`` with their triangles, as far as these have area."""
+    """Rotate the normals ``local`` with their triangles, except those without area."""
     P, turned, across = points, np.zeros(normals.shape, dtype=np.float32), np.empty(3)
     for t in range(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
@@ -242,7 +242,7 @@ def _turn(
         nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
         area, edge = np.sqrt(nx * nx + ny * ny + nz * nz), np.sqrt(ax * ax + ay * ay + az * az)
         if area > 0.0:
-            # The frame, as long as the area, by which the normals of several triangles are weighted.
+            # Local frame with a normal as long as the area, to weight the normals of several triangles.
             ax, ay, az = ax / edge, ay / edge, az / edge
             across[0], across[1], across[2] = ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
             for c in range(3):

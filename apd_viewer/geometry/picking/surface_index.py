@@ -1,4 +1,4 @@
-"""Indices of a mesh for drawing, picking and brushes.
+"""Index of a mesh for drawing, picking and brushes.
 
 One ray is answered faster by a look at every triangle: see :mod:`picking`. For a ray to
 each of many vertices it is worth sorting the triangles first; then their order in a file does not matter.
@@ -28,10 +28,10 @@ from apd_viewer.geometry.picking.picking import block_boxes, ray_hit, vertices_u
 from apd_viewer.geometry.picking.render_mesh import RenderMesh
 from apd_viewer.geometry.picking.vertex_sets import border_loop, component_of, is_inside_polygon
 
-_EDGE = 1e-9  # beyond an edge: rounding must not let a ray pass between two neighbours
+_EDGE = 1e-9  # margin beyond an edge, so that rounding does not let a ray pass between two neighbours
 # Triangles this close to a vertex, relative to its distance from the eye, do not hide it.
 TOUCHING_DISTANCE = 1e-6
-# A triangle covering less of the view than this is edge-on and hides nothing.
+# A triangle with a smaller relative projection is edge-on and hides nothing.
 _EDGE_ON = 1e-12
 
 
@@ -88,7 +88,7 @@ def _see(
         v = ids[i]
         dx, dy, dz = U[v, 0] - ox, U[v, 1] - oy, U[v, 2] - oz
         ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
-        # Stackless traversal: after a box comes the largest one starting behind it.
+        # Stackless traversal: a box is followed by the largest one that starts after its end.
         b, size, hidden = 0, top, False
         while b < count and not hidden:
             k = level[size] + (b >> (BRANCHING_BITS * size))
@@ -112,7 +112,7 @@ def _see(
 
 @njit(inline="always")
 def _inverse(d: float) -> float:
-    """1 / ``d``, or of zero something huge: infinity times zero would be no number."""
+    """Reciprocal of ``d``, or a huge number for zero: 0 * inf would give NaN."""
     return 1.0 / d if abs(d) > 1e-290 else 1e290
 
 
@@ -130,7 +130,7 @@ def _hides(
     k: int,
     end: float,
 ) -> bool:
-    """True if a triangle blocks ``o + t d`` for ``t`` from 0 to ``end``."""
+    """True if a triangle blocks the segment ``o + t d`` for ``t`` from 0 to ``end``."""
     ex, ey, ez = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
     gx, gy, gz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
     px, py, pz = dy * gz - dz * gy, dz * gx - dx * gz, dx * gy - dy * gx
@@ -190,7 +190,7 @@ class SurfaceIndex:
         V: np.ndarray | None = None,
         normals: CornerNormals | None = None,
     ) -> SurfaceIndex:
-        """The skin of the triangles ``F`` (m, 3) of ``n`` vertices.
+        """Index of the triangles ``F`` (m, 3) of ``n`` vertices.
 
         Parameters
         ----------
@@ -213,20 +213,20 @@ class SurfaceIndex:
         used[own] = True
         own, joined, source, used = map(frozen, (own, joined, source, used))
         smooth = RenderMesh(own, frozen(np.empty(0, dtype=np.int32)), joined, joined, source, used)
-        sharp = smooth if V is None else smooth.sharpened(V, opposite_half_edges(joined, n))
+        sharp = smooth if V is None else smooth.with_sharp_edges(V, opposite_half_edges(joined, n))
         start, neighbour = map(frozen, vertex_neighbours(joined, n))
         filed = None if normals is None else smooth.with_normals(normals)
         return cls(own, joined, source, used, start, neighbour, smooth, sharp, filed)
 
     @cached_property
     def representative_vertices(self) -> np.ndarray:
-        """Vertices of triangles, one a seam position, ascending, (k,) int array."""
+        """Used vertices, one for each seam position, ascending, (k,) int array."""
         named = np.zeros(len(self.used), dtype=bool)
         named[self.joined] = True
         return np.flatnonzero(named)
 
     def render_mesh(self, sharp: bool, with_file_normals: bool = False) -> RenderMesh:
-        """Mesh for the renderer: normals of the file, or sharp or smooth edges."""
+        """Mesh for the renderer with the file's normals, or sharp or smooth edges."""
         return (
             self.file_shaded
             if with_file_normals and self.file_shaded is not None
@@ -236,7 +236,7 @@ class SurfaceIndex:
         )
 
     def block_boxes(self, U: np.ndarray) -> np.ndarray:
-        """Bounding boxes for :meth:`ray_hit`, once a shape ``U``."""
+        """Bounding boxes for :meth:`ray_hit`, computed once per shape ``U``."""
         return block_boxes(U, self.F)
 
     def ray_hit(
@@ -250,7 +250,7 @@ class SurfaceIndex:
         return is_inside_polygon(points, polygon)
 
     def visibility_tree(self, U: np.ndarray) -> BoundingHierarchy:
-        """Search tree for :meth:`visible`, once a shape ``U``."""
+        """Search tree for :meth:`visible`, built once per shape ``U``."""
         return bounding_hierarchy(U, self.joined)
 
     def visible(
@@ -265,15 +265,15 @@ class SurfaceIndex:
         return is_visible(eye, U, visibility_tree, ids, touching)
 
     def vertices_up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
-        """Vertices around a face up to creases sharper than so many radians."""
+        """Vertices around a face, up to creases sharper than ``crease`` radians."""
         return np.flatnonzero(flood_fill(self.joined, self._opposite, U, face, crease))
 
     def component(self, face: int) -> np.ndarray:
-        """Vertices of a face's connected component."""
+        """Vertices of the connected component of a face."""
         return np.flatnonzero(component_of(self.start, self.neighbour, self.joined[face, 0]))
 
     def border_loop(self, face: int) -> np.ndarray:
-        """Vertices of the border loop nearest to a face; none if closed."""
+        """Vertices of the border loop nearest to a face; empty without a border."""
         F, seeds = self.joined, self.joined[face]
         return np.flatnonzero(border_loop(F, self._opposite, self.start, self.neighbour, seeds))
 
@@ -284,7 +284,7 @@ class SurfaceIndex:
     def under_brush(
         self, U: np.ndarray, faces: tuple[int, int], a: np.ndarray, b: np.ndarray, radius: float
     ) -> np.ndarray:
-        """Vertices of ``U`` under a brush from ``a`` to ``b``, (3,), on two faces.
+        """Vertices of ``U`` under a brush from ``a`` to ``b``, (3,) each, on two faces.
 
         It crosses seams; of the vertices there only one of each place is named.
         """

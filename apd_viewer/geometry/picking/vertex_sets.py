@@ -1,4 +1,4 @@
-"""Sets of vertices, found by how a mesh hangs together and by its shape.
+"""Sets of vertices, modified by connectivity and shape.
 
 A set is an (n,) bool array. At a seam one vertex of each place is named, as in the triangles and one-rings
 of :class:`SurfaceIndex`. What a set says of the other vertices means nothing.
@@ -20,7 +20,7 @@ _ROUNDING = 1e-9
 
 @njit(cache=True, nogil=True)
 def grown_set(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.ndarray:
-    """A set with all its neighbours.
+    """Dilation of a set by one ring of neighbours.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def shrunk_set(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> 
 
 
 def smoothed_set(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray) -> np.ndarray:
-    """Set with a smoother border.
+    """The set with a smoother border.
 
     Membership spreads over the edges, the more the shorter they are, for as many steps as ``RINGS``; a vertex
     then belongs to the set if more than half of it does.
@@ -72,7 +72,7 @@ def smoothed_set(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member
 def _settled(
     start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray, near: np.ndarray
 ) -> np.ndarray:
-    """The set after membership has spread among the vertices ``near`` (k,) its border."""
+    """The set after its membership is averaged near its border, at ``near`` (k,)."""
     share, after, out = member.astype(np.float64), np.empty(len(near)), member.copy()
     for _ in range(RINGS):
         for i in range(len(near)):
@@ -82,7 +82,7 @@ def _settled(
         if abs(share[v] - 0.5) > _ROUNDING:
             out[v] = share[v] > 0.5
         share[v] = out[v]
-    # A regular zigzag averages to one half everywhere: updating in place breaks the tie.
+    # A regular zigzag border averages to one half everywhere; updating in place breaks the tie.
     for v in near:
         around = _mean_around(start, neighbour, U, share, v)
         if abs(around - 0.5) > _ROUNDING:
@@ -99,10 +99,10 @@ def _length(U: np.ndarray, v: int, w: int) -> float:
 
 @njit(cache=True, nogil=True)
 def _mean_around(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, share: np.ndarray, v: int) -> float:
-    """Mean ``share`` of the neighbours of ``v``, weighted by inverse edge length."""
+    """Mean ``share`` of the neighbours of ``v``, weighted by inverse edge lengths."""
     total = weights = 0.0
     for e in range(start[v], start[v + 1]):
-        # A coincident neighbour outweighs all others, and the sum stays finite.
+        # A coincident neighbour outweighs all others, while the sum stays finite.
         weight = 1.0 / max(_length(U, v, neighbour[e]), 1e-290)
         total += weight * share[neighbour[e]]
         weights += weight
@@ -112,7 +112,7 @@ def _mean_around(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, share:
 def mirrored_set(
     start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray, plane: MirrorPlane
 ) -> np.ndarray:
-    """Vertices nearest to the mirror images of a set.
+    """Vertices nearest to the mirror images of the members of a set.
 
     A member has none if no vertex is as near to its image as half the mean length of its edges.
 
@@ -138,7 +138,7 @@ def mirrored_set(
 
 @njit(cache=True, nogil=True)
 def _mean_edge(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, vertices: np.ndarray) -> np.ndarray:
-    """Mean edge length at each of the ``vertices`` (k,), none isolated."""
+    """Mean edge length at each of the ``vertices`` (k,), none of them isolated."""
     mean = np.zeros(len(vertices))
     for i in range(len(vertices)):
         v = vertices[i]
@@ -151,7 +151,7 @@ def _mean_edge(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, vertices
 def nearest_mirror_vertices(
     V: np.ndarray, ids: np.ndarray, candidates: np.ndarray, plane: MirrorPlane, reach: np.ndarray
 ) -> np.ndarray:
-    """Vertex nearest to the mirror image of each of some vertices.
+    """Vertex nearest to the mirror image of each of the given vertices.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def nearest_mirror_vertices(
     low, high = images.min(axis=0) - reach.max(), images.max(axis=0) + reach.max()
     others = np.flatnonzero(candidates & ((low <= V) & (high >= V)).all(axis=1))
     if len(others):
-        # Neither balanced nor compact: not worth it for a single query.
+        # A balanced, compact tree would not be worth building for a single query.
         tree = KDTree(V[others], balanced_tree=False, compact_nodes=False)
         distance, which = tree.query(images, workers=-1)
         near = distance <= reach
@@ -206,7 +206,7 @@ def _walk(start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray, rings: in
 
 
 def component_of(start: np.ndarray, neighbour: np.ndarray, seed: int) -> np.ndarray:
-    """Connected component of the vertex ``seed``, (n,) bool array."""
+    """Connected component of the vertex ``seed`` as a mask, (n,) bool array."""
     member = np.zeros(len(start) - 1, dtype=bool)
     member[_walk(start, neighbour, np.array([seed]), len(member))] = True
     return member
@@ -215,7 +215,7 @@ def component_of(start: np.ndarray, neighbour: np.ndarray, seed: int) -> np.ndar
 def border_loop(
     F: np.ndarray, opposite: np.ndarray, start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray
 ) -> np.ndarray:
-    """Border loop fewest rings away from some vertices.
+    """Border loop the fewest rings away from given vertices.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Constraints, handle transforms and their falloff."""
+"""Constraints, handle motions and their falloff."""

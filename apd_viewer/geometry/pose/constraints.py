@@ -1,4 +1,4 @@
-"""Held vertices and their targets from painted labels and handle poses."""
+"""Held vertices and their targets, from painted labels and handle poses."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr, trn
 
-# The codes of the survey's .sel files [Botsch & Sorkine 2008]. Further handles count on: 3, 4, ...
+# Codes of the survey's .sel files [Botsch & Sorkine 2008], continued for more handles: 3, 4, ...
 BASE, FREE, HANDLE = 0, 1, 2
 MOST_HANDLES = 8
 
 
 class SoftConstraints(NamedTuple):
-    """Vertices drawn softly towards their handle's motion; see :mod:`falloff`.
+    """Vertices drawn softly along with their handle; see :mod:`falloff`.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class SoftConstraints(NamedTuple):
     handle: np.ndarray
 
     def subset(self, mask: np.ndarray) -> SoftConstraints:
-        """Subset for the mask ``mask`` (s,)."""
+        """Soft constraints selected by a ``mask`` (s,)."""
         return SoftConstraints(*(each[mask] for each in self))
 
 
@@ -46,7 +46,7 @@ NO_SOFT_CONSTRAINTS = SoftConstraints(
 
 
 class Constraints(NamedTuple):
-    """Held vertices and their positions.
+    """Held vertices and their target positions.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def constraints(
     soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
     obstacles: bool = False,
 ) -> Constraints:
-    """Hold the base at ``grip`` and each handle at its pose applied to ``grip``.
+    """Hold the base at ``grip``, and each handle at ``grip`` moved by its pose.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def constraints(
 
 
 def next_paint_sentence(labels: np.ndarray, obstacles: bool = False) -> str | None:
-    """Next thing to paint, as a sentence; None if handles, or obstacles, can move."""
+    """Sentence on what to paint next; None if handles or obstacles can move."""
     if not obstacles and not (labels == BASE).any():
         return tr("There is no base: paint the part that stays in place as base.")
     if not obstacles and not (labels >= HANDLE).any():

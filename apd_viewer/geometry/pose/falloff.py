@@ -1,4 +1,4 @@
-"""Falloff of handles with the geodesic distance along the surface.
+"""Falloff of handles with the distance along the surface.
 
 A vertex at the distance d from a handle with the falloff r is drawn to where the handle would carry it, by a
 spring whose energy is ``2 w |u - t|^2``, to go with ``grad E = 4 (K U - b)`` of the surface:
@@ -24,12 +24,12 @@ _FIRMNESS = 25.0
 
 
 def edge_graph(V: np.ndarray, F: np.ndarray) -> Graph:
-    """Lengths of the edges, (n, n); ``V`` (n, 3), ``F`` (m, 3)."""
+    """Sparse matrix (n, n) of the edge lengths of ``V`` (n, 3), ``F`` (m, 3)."""
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     low, high = np.minimum(a, b), np.maximum(a, b)
     key = np.unique((low * len(V) + high)[low != high])
     low, high = key // len(V), key % len(V)
-    # The graph search ignores edges of zero length.
+    # The graph search ignores edges of length zero, so that coincident vertices need a tiny length.
     length = np.maximum(np.linalg.norm(V[high] - V[low], axis=1), np.finfo(float).tiny)
     graph: Graph = coo_array((length, (low, high)), shape=(len(V), len(V))).tocsr()
     return graph
@@ -44,13 +44,13 @@ def distances(graph: Graph, start: np.ndarray, limit: float) -> np.ndarray:
 
 
 def strengths(distance: np.ndarray, falloff: float) -> np.ndarray:
-    """Strength ``(1 - (d / r)^2)^2`` at distances ``distance``; 0 from ``falloff`` on."""
+    """Strength ``(1 - (d / r)^2)^2`` at ``distance``; 0 from ``falloff`` on."""
     share = np.clip(1.0 - (distance / falloff) ** 2, 0.0, 1.0)
     return share * share
 
 
 def soft_constraints(free: np.ndarray, strength: np.ndarray, falloffs: np.ndarray) -> SoftConstraints:
-    """Soft vertices among ``free`` (n,) bool, each with its strongest handle.
+    """Soft vertices among ``free`` (n,) bool, each for its strongest handle.
 
     Parameters
     ----------

@@ -9,10 +9,10 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 
-# Relative accuracy of area and volume targets; the paper's method has a
-# tolerance of its own.
+# Relative accuracy of area and volume targets; the paper's method has
+# its own tolerance.
 TARGET_ACCURACY = 1e-9
-# Of no obstacles.
+# Displacements when there are no obstacles.
 NO_SHIFTS = frozen(np.zeros((0, 3)))
 
 

@@ -1,4 +1,4 @@
-"""Path of held vertices and obstacles from where they are to their targets."""
+"""Path of held vertices and obstacles from their positions to their targets."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.screw_motion import screw_path
 from apd_viewer.geometry.pose.transforms import fitted_motion
 
-# Parts whose motion is rigid up to this part of their displacement go along its screw.
+# Handles move along a screw if their motion is rigid up to this fraction of their displacement.
 _RIGID = 1e-6
 _NO_OBSTACLES = np.zeros((2, 0, 3))
-# So many iterations a shape follows between two points of a path.
+# Iterations of the shape between two points of a path.
 ITERATIONS_A_STEP = 4
 
 
 class HeldPath:
-    """Screw motion of every handle, straight if it is deformed, and of obstacles.
+    """Paths of handles (screws, or lines if deformed) and of obstacles (lines).
 
     Half a turn goes one of its two ways round: straight, the handle would pass through its axis.
 
@@ -52,12 +52,12 @@ class HeldPath:
         self.length = max([*lengths, *np.linalg.norm(shifts[1] - shifts[0], axis=1)], default=0.0)
 
     def shifts_at(self, share: float) -> np.ndarray:
-        """Shifts (o, 3) of the obstacles at a share of the path, 0 to 1."""
+        """Displacements (o, 3) of the obstacles at a fraction of the path, 0 to 1."""
         start, end = self._shifts
         return end if share >= 1.0 else start + share * (end - start)
 
     def positions_at(self, share: float) -> np.ndarray:
-        """Positions (k, 3) at a share of the path, 0 to 1."""
+        """Positions (k, 3) of the held vertices at a fraction of the path, 0 to 1."""
         if share >= 1.0:
             return self._Y
         at = self._X.copy()
@@ -67,7 +67,7 @@ class HeldPath:
 
 
 def _part(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, Callable, float]:
-    """Rows of one handle, its positions by share, and the longest way."""
+    """Rows of one handle, its positions by path fraction, and its longest path."""
     x, y = X[rows], Y[rows]
     straight = float(np.linalg.norm(y - x, axis=1).max())
 

@@ -1,4 +1,4 @@
-"""Turns of handles, asked and held, and warnings of a surface that passed itself."""
+"""Requested and held turns of handles, and warnings of self-penetration."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from apd_viewer.notation import localized_number
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.frame import Frame
 
-# Radians: a handle that is asked for less is not looked at, nor is a smaller difference one.
+# Radians: smaller requested turns are not measured, and smaller differences do not count.
 LEAST_TURN = math.radians(5.0)
-# Radians: so near to whole turns a handle is where it was asked; "paper" lets it give way.
+# Radians: tolerance on whole turns for a handle at its target; "paper" lets handles drift.
 _WHOLE = math.radians(30.0)
-# Of the rest volume: rounding.
+# Fraction of the rest volume treated as rounding.
 _LITTLE = 1e-6
 
 
 class HeldTurn(NamedTuple):
-    """Turn of a handle against the base.
+    """Turn of a handle relative to the base, as requested and as held.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class HeldTurn(NamedTuple):
 
     @property
     def lost_angle(self) -> float:
-        """Difference of asked and held, radians; 0 where nobody looked."""
+        """Difference of requested and held angle, radians; 0 if not measured."""
         return 0.0 if self.held is None else abs(self.requested - self.held)
 
     @property
@@ -52,7 +52,7 @@ class HeldTurn(NamedTuple):
 
     @property
     def has_lost_whole_turns(self) -> bool:
-        """True if whole turns are missing.
+        """True if the lost angle amounts to whole turns.
 
         Only a surface that passes through itself can lose them.
         """
@@ -61,7 +61,7 @@ class HeldTurn(NamedTuple):
 
 
 class HandleTurns(NamedTuple):
-    """Handles that have turned.
+    """Turned handles: initial positions, labels and paths.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class HandleTurns(NamedTuple):
 
 
 def most_lost_turn(turns: Sequence[HeldTurn]) -> HeldTurn:
-    """Turn with the largest loss; of those the largest."""
+    """Turn with the largest loss; among equals, the largest turn."""
     return max(
         turns,
         key=lambda turn: (turn.lost_angle if turn.lost_angle >= LEAST_TURN else 0.0, abs(turn.requested)),
@@ -102,7 +102,7 @@ def pass_through_warnings(
     may_touch: bool,
     names: Sequence[str] = (),
 ) -> tuple[str, ...]:
-    """Sentences on signs of a surface passing through itself on its way.
+    """Sentences on signs of a surface having passed through itself.
 
     They are turns that it does not hold, unless contact stops a handle, and the volume of a closed surface
     turned inside out.

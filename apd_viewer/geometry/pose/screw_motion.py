@@ -17,16 +17,16 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.transforms import linear_map_about, rigid_transform, rotation_about, translation
 from apd_viewer.language import tr
 
-# Radians. Closer to half a turn than this, rounding decides the sense of rotation.
+# Radians from half a turn within which rounding decides the sense of rotation.
 _HALF_TURN = 1e-6
-# Relative to the largest stretch: a smaller one flattens the object.
+# Fraction of the largest stretch below which a stretch flattens the object.
 _FLAT = 1e-9
-# Radians.
+# Angle in radians below which the path of the pivot is straight.
 _STRAIGHT = 1e-9
 
 
 class ScrewPath(NamedTuple):
-    """Path of an affine motion: stretch about a pivot, then a screw.
+    """Path of an affine motion: a stretch about a pivot, then a screw motion.
 
     Attributes
     ----------
@@ -51,9 +51,9 @@ class ScrewPath(NamedTuple):
     directions: np.ndarray
 
     def pose_at(self, share: float) -> np.ndarray:
-        """Pose (4, 4) at ``share`` of the path: 0 is rest, 1 the end."""
+        """Pose (4, 4) at the fraction ``share`` of the path, from 0 (rest) to 1 (end)."""
         stretch = linear_map_about(self.pivot, (self.directions * self.stretches**share) @ self.directions.T)
-        # The arc of the pivot; without rotation it is straight, its centre at infinity.
+        # Arc of the pivot; without rotation it is a line, with its centre at infinity.
         half = self.angle / 2
         chord = np.sin(share * half) / np.sin(half) if half > _STRAIGHT else share
         arc = chord * rotation_about(np.zeros(3), self.axis, (share - 1.0) * half)[:3, :3] @ self.across
@@ -63,17 +63,17 @@ class ScrewPath(NamedTuple):
 
     @property
     def has_motion(self) -> bool:
-        """True if the path leads away from its start."""
+        """True if the path leaves its start."""
         return self.angle != 0.0 or self.has_stretch or bool(self.along.any() or self.across.any())
 
     @property
     def has_stretch(self) -> bool:
-        """True if there is more than a rotation and a translation."""
+        """True if the motion is more than a rotation and a translation."""
         return bool(np.abs(np.log(self.stretches)).max() > _FLAT)
 
 
 class RotationPath(NamedTuple):
-    """The way of a turn about a line, by any angle: once around and more, too.
+    """Path of a rotation about a line by any angle, including full turns.
 
     Attributes
     ----------
@@ -90,22 +90,22 @@ class RotationPath(NamedTuple):
     angle: float
 
     def pose_at(self, share: float) -> np.ndarray:
-        """The motion (4, 4) of a ``share`` of the turn."""
+        """Pose (4, 4) at the fraction ``share`` of the rotation."""
         return rotation_about(self.point, self.axis, share * self.angle)
 
     @property
     def has_motion(self) -> bool:
-        """True if there is an angle to turn by."""
+        """True if the angle is not zero."""
         return self.angle != 0.0
 
     @property
     def has_stretch(self) -> bool:
-        """Nothing is stretched."""
+        """False: a rotation does not stretch."""
         return False
 
 
 def screw_path(pose: np.ndarray, pivot: npt.ArrayLike, allows_half_turn: bool = False) -> ScrewPath:
-    """Path to ``pose`` (4, 4) about ``pivot`` (3,), by less than half a turn.
+    """Screw path to ``pose`` (4, 4) about ``pivot`` (3,), by less than half a turn.
 
     Parameters
     ----------

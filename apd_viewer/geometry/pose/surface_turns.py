@@ -31,21 +31,21 @@ from apd_viewer.geometry.pose.waypoint_path import (
     signed_angle_about,
 )
 
-# Doubled area over squared edges: what is thinner has no normal.
+# Doubled area over squared edges, below which a triangle has no normal.
 _NO_AREA = 1e-9
-# A square of radians: the cost of an edge without a turn, so that ways are short on a calm surface.
+# Path cost of an edge without a turn, squared radians, to keep paths short on an even surface.
 _EDGE = 1e-4
-# One minus the cosine of half the angle by which the axis of a turn about one axis is tipped: rounding.
+# Rounding level of one minus the cosine of half the tilt, for turns about a single axis.
 _ONE_AXIS = 1e-6
-# Radians: closer to half a turn either way round is as much.
+# Radians: this close to half a turn, both senses of rotation are equivalent.
 _EITHER_WAY = 1e-6
-# Radians: farther from where it was asked, contact has stopped a handle.
+# Radians: a handle farther from its requested rotation has been stopped by contact.
 _THERE = math.radians(5.0)
 _AT_REST = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 class RequestedTurn(NamedTuple):
-    """Turn of a handle on its way, with whole turns, and its end.
+    """Requested turn of a handle along its path, including whole turns.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class RequestedTurn(NamedTuple):
 
     @classmethod
     def from_poses(cls, poses: Sequence[np.ndarray]) -> RequestedTurn:
-        """The way along poses (4, 4), from one to the next by the shortest rotation."""
+        """Turn along poses (4, 4), from one to the next by the shortest rotation."""
         vector = rotation_vector(poses[:-1], poses[-1]) if poses else np.zeros(3)
         angle = float(np.linalg.norm(vector))
         axis, q, clear = vector / (angle or 1.0), _AT_REST, 1.0
@@ -77,7 +77,7 @@ class RequestedTurn(NamedTuple):
 
 
 class SurfaceTurns:
-    """A shape with the rotations of its triangles against the base.
+    """Rotations of a shape's triangles relative to the base.
 
     How far a rotation turns about an axis is told but for whole turns, and except where it tips the axis over
     (swing and twist). So the sum over a way does not depend on the way, as long as that keeps clear of what
@@ -112,12 +112,12 @@ class SurfaceTurns:
         return (self._held == label).all(axis=1)
 
     def _ends(self, label: int) -> np.ndarray:
-        """Triangles at the ends of ways to a part: all within it, or else the nearest."""
+        """Triangles ending the paths to a part: all within it, or else the nearest."""
         corners = (self._held == label).sum(axis=1)
         return np.flatnonzero((corners > 0) & (corners == corners.max(initial=0)))
 
     def turn(self, k: int, requested: RequestedTurn) -> float | None:
-        """Turn of handle ``k`` about the axis of its way, radians; None if not told."""
+        """Turn of handle ``k`` about its requested axis, radians; None if unknown."""
         base, end = self._rotations[BASE], self._rotations.get(HANDLE + k)
         if base is None or end is None:
             return None
@@ -132,11 +132,11 @@ class SurfaceTurns:
     def _by_arm(
         self, requested: RequestedTurn, made: np.ndarray, jumps: np.ndarray, last: np.ndarray
     ) -> float | None:
-        """Turn held by an arm, from the sums (a,) of turns and of jumps over it."""
+        """Turn held by an arm, from the sums (a,) of turns and of sign jumps along it."""
         if requested.has_one_axis:
             held = float(np.median(made))
             return abs(held) if abs(requested.angle - math.pi) < _EITHER_WAY else held
-        # Of turns about several axes two come to none [the belt trick]; one is a jump of the quaternions.
+        # About varying axes two whole turns amount to none [the belt trick], and one is a sign jump.
         likeness = float(last @ requested.lifted) * (-1.0 if np.median(jumps % 2) else 1.0)
         if abs(likeness) < math.cos(_THERE / 2.0):
             return None
@@ -145,12 +145,12 @@ class SurfaceTurns:
     def _ways(
         self, label: int, axis: np.ndarray, last: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Turns and jumps (a,) summed along the cheapest paths to a part, and their arms."""
+        """Turns and sign jumps (a,) summed along the cheapest paths to a part, and arms."""
         pairs, start, ends = self._pairs, self._ends(BASE), self._ends(label)
         own = self._inside(label)
         step, clear = pairs.turns_about(axis)
         i, j = pairs.faces.T
-        # Two arms that meet at a row of the part are two.
+        # Arms that meet only along a row of the part's vertices are separate.
         goes = ~((pairs.end_labels == label).all(axis=1) & ~own[i] & ~own[j])
         cost = ((step**2 + _EDGE) / np.maximum(clear, _EDGE) ** 2)[goes]
         i, j, step, jump = i[goes], j[goes], step[goes], pairs.has_jump[goes]
@@ -174,11 +174,11 @@ class SurfaceTurns:
 
 
 def _summed(values: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """Sums of the values (n, k) of each node and of all before it in a tree."""
+    """Sums of the values (n, k) of each tree node and all its ancestors."""
     n = len(values)
     sums = np.vstack([values, np.zeros(values.shape[1])])
     last = np.append(np.where(before >= 0, before, n), n)
-    while (last < n).any():  # twice as far in each round
+    while (last < n).any():  # pointer jumping: twice as far in each round
         sums += sums[last]
         last = last[last]
     return sums[:n]
@@ -203,7 +203,7 @@ class TriangleAxes(NamedTuple):
 
     @property
     def matrices(self) -> np.ndarray:
-        """Their axes as columns, (m, 3, 3)."""
+        """Axes of the frames as columns, (m, 3, 3)."""
         return np.stack([self.first, np.cross(self.normal, self.first), self.normal], axis=2)
 
     def edge(self, t: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -236,7 +236,7 @@ class TriangleTurns(NamedTuple):
 
     @classmethod
     def from_shapes(cls, V: np.ndarray, U: np.ndarray, F: np.ndarray, labels: np.ndarray) -> TriangleTurns:
-        """Pairs between ``V`` (n, 3) and ``U`` (n, 3)."""
+        """Pairs of triangles, with their turns from ``V`` (n, 3) to ``U`` (n, 3)."""
         rest, now = TriangleAxes.from_positions(V, F), TriangleAxes.from_positions(U, F)
         R = np.einsum("mij,mkj->mik", now.matrices, rest.matrices)
         q = np.roll(Rotation.from_matrix(R).as_quat(), 1, axis=1) if len(F) else np.zeros((0, 4))
@@ -254,10 +254,10 @@ class TriangleTurns(NamedTuple):
         return cls(q, np.column_stack([s, t]), ends, tuple(way), _dots(way[-1], q[t]) < 0.0)
 
     def turns_about(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Turn about ``axis`` (3,) in each pair, (p,), and its clearness 0 to 1, (p,)."""
+        """Turns (p,) about ``axis`` (3,) in each pair, and their clarity (p,) from 0 to 1."""
         points = [(q[:, 0], q[:, 1:] @ axis) for q in self.intermediate_rotations]
         angles = [np.arctan2(along, w) for w, along in points]
-        # A turn by less than a whole one is half as much of an ellipse: less than a half of it.
+        # A turn below 360 degrees changes the half-angle along the ellipse by less than 180 degrees.
         steps = [_wrapped(after - before) for before, after in itertools.pairwise(angles)]
         clear = np.min([np.hypot(w, along) for w, along in points], axis=0)
         return 2.0 * np.sum(steps, axis=0), clear
@@ -271,7 +271,7 @@ def _hinge(frames: TriangleAxes, s: np.ndarray, c: np.ndarray, t: np.ndarray, sa
 
 
 def shortest_turns(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Turn about an axis by the shortest way from ``p`` (k, 4) to ``q``, and jumps."""
+    """Shortest turns about an axis from ``p`` (k, 4) to ``q``, and sign jumps."""
     jump = _dots(p, q) < 0.0
     q = np.where(jump[:, None], -q, q)
     before, after = (np.arctan2(each[:, 1:] @ axis, each[:, 0]) for each in (p, q))
@@ -291,19 +291,19 @@ def _turning(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 
 def _products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Quaternions (k, 4) of the rotations ``q`` and after them ``p``."""
+    """Quaternions (k, 4) of the rotations ``q`` followed by ``p``."""
     w = p[:, 0] * q[:, 0] - _dots(p[:, 1:], q[:, 1:])
     return np.column_stack([w, p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])])
 
 
 def quaternion_product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Quaternion (4,) of the rotation ``q`` and after it ``p``."""
+    """Quaternion (4,) of the rotation ``q`` followed by ``p``."""
     found: np.ndarray = _products(p[None], q[None])[0]
     return found
 
 
 def _wrapped(angle: np.ndarray) -> np.ndarray:
-    """The angle from -pi to pi."""
+    """Angle wrapped to the range from -pi to pi."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
@@ -316,7 +316,7 @@ def _dots(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     return found
 
 
-# Relative to the coordinates: between closer centres there is no line.
+# Relative to the coordinates: closer centres define no line.
 _APART = 1e-9
 
 
@@ -350,7 +350,7 @@ def held_turns(
 
 
 def relative_paths(X: np.ndarray, positions: np.ndarray, labels: np.ndarray) -> list[list[np.ndarray]]:
-    """Rotations of each handle against the base, as poses (4, 4); none if not told.
+    """Rotations of each handle relative to the base, as poses (4, 4); none if unknown.
 
     Parameters
     ----------
@@ -366,13 +366,13 @@ def relative_paths(X: np.ndarray, positions: np.ndarray, labels: np.ndarray) -> 
 
 
 def _rotations(X: np.ndarray, positions: np.ndarray, mask: np.ndarray) -> list[np.ndarray]:
-    """Rotation of a part at each place; none if its points tell none."""
+    """Rotation of a part at each stop; none if its points determine no rotation."""
     found = [fitted_rotation(X[mask], there[mask]) for there in positions]
     return [R for R in found if R is not None]
 
 
 def _line(V: np.ndarray, labels: np.ndarray, k: int) -> np.ndarray:
-    """Vector (3,) from the centre of the base to handle ``k``; zero without either."""
+    """Vector (3,) from the centre of the base to handle ``k``; zero if undefined."""
     base, handle = labels == BASE, labels == HANDLE + k
     if not (base.any() and handle.any()):
         return np.zeros(3)

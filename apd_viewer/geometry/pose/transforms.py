@@ -14,12 +14,12 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 
-# Relative to the coordinates: for closer centres the direction between them is rounding.
+# Relative to the coordinates: the direction between closer centres is determined by rounding.
 _APART = 1e-12
 
 
 class RigidTransform(NamedTuple):
-    """Rigid transform as displayed: a rotation about a centre, a displacement.
+    """Rigid transform as displayed: rotation about a centre, and displacement.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class RigidTransform(NamedTuple):
 
 
 def translation(vector: npt.ArrayLike) -> np.ndarray:
-    """The translation by ``vector`` (3,), mesh units."""
+    """Translation (4, 4) by ``vector`` (3,), mesh units."""
     pose = np.eye(4)
     pose[:3, 3] = vector
     return pose
@@ -49,7 +49,7 @@ def rotation_about(point: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> n
 
 
 def scaling_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
-    """Scaling about ``point`` (3,) by one factor or one an axis."""
+    """Scaling about ``point`` (3,) by one factor, or by one factor per axis."""
     each = np.broadcast_to(np.asarray(factors, dtype=float), 3)
     if not np.isfinite(each).all() or not each.all():
         raise InputError(tr("A scale must be a finite number other than 0; give one such as 1.5."))
@@ -88,7 +88,7 @@ def shear(base: npt.ArrayLike, handle: npt.ArrayLike, axis: npt.ArrayLike, facto
 
 
 def rigid_transform(pose: np.ndarray, centre: npt.ArrayLike) -> RigidTransform:
-    """Rigid ``pose`` (4, 4) as rotation about ``centre`` (3,) and translation.
+    """Rigid ``pose`` (4, 4) as rotation about ``centre`` (3,) and displacement.
 
     The axis of half a turn may be either of two.
     """
@@ -96,7 +96,7 @@ def rigid_transform(pose: np.ndarray, centre: npt.ArrayLike) -> RigidTransform:
     w, *xyz = quaternion(R)
     half = np.array(xyz)
     axis = _direction(half) if half.any() else np.array([0.0, 0.0, 1.0])
-    # (R - I) c is small for small angles; R c is not, and its rounding would show as a displacement.
+    # (R - I) c is small for small angles; computing R c - c would add rounding errors to the displacement.
     displacement = (R - np.eye(3)) @ start + pose[:3, 3]
     return RigidTransform(displacement, axis, float(2.0 * np.arctan2(half @ axis, w)))
 
@@ -111,27 +111,27 @@ def linear_map_about(point: npt.ArrayLike, A: np.ndarray) -> np.ndarray:
 
 
 def _direction(axis: npt.ArrayLike) -> np.ndarray:
-    """The unit vector along ``axis`` (3,)."""
+    """Unit vector along ``axis`` (3,)."""
     way = np.asarray(axis, dtype=float)
     longest = np.abs(way).max()
     if not 0.0 < longest < np.inf:
         raise InputError(tr("The axis has no direction; give three finite numbers that are not all 0."))
-    # Squares of numbers such as 1e-200 would be 0.
+    # Scaled first, as the squares of numbers such as 1e-200 would underflow to 0.
     way = way / longest
     return way / np.linalg.norm(way)
 
 
 def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Rotation (3, 3) about a unit axis by Rodrigues; identity at angle 0."""
+    """Rotation (3, 3) about a unit axis by Rodrigues' formula; identity at angle 0."""
     x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    # 1 - cos, which would lose the digits of small angles.
+    # 1 - cos(angle) itself would lose the digits of small angles.
     versine = 2.0 * np.sin(angle / 2) ** 2
     return np.eye(3) + np.sin(angle) * K + versine * (K @ K)
 
 
 def quaternion(R: np.ndarray) -> np.ndarray:
-    """The unit quaternion (w, x, y, z), w >= 0, of a rotation (3, 3).
+    """Unit quaternion (w, x, y, z), w >= 0, of a rotation (3, 3).
 
     ``4 q q^T`` is linear in R. Its row with the largest entry on the diagonal has all digits, at half a turn
     too [Shepperd 1978, Quaternion from Rotation Matrix].
@@ -149,12 +149,12 @@ def quaternion(R: np.ndarray) -> np.ndarray:
     return q / np.copysign(np.linalg.norm(q), q[0])
 
 
-# Width over length of points that tell no rotation about the line through them.
+# Width over length below which points count as collinear, with no rotation about their line.
 _LINE = 1e-6
 
 
 def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
-    """Similarity transform (4, 4) from ``X`` (k, 3) to ``Y`` by least squares.
+    """Least-squares similarity transform (4, 4) from ``X`` (k, 3) to ``Y``.
 
     [Umeyama 1991, Least-squares estimation of transformation parameters between two point patterns]. Points
     that coincide are only translated.
@@ -171,7 +171,7 @@ def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
 
 
 def fitted_rotation(X: np.ndarray, Y: np.ndarray) -> np.ndarray | None:
-    """Rotation (3, 3) from ``X`` (k, 3) to ``Y`` by least squares; None of a line."""
+    """Least-squares rotation (3, 3) from ``X`` (k, 3) to ``Y``; None if collinear."""
     if len(X) < 3:
         return None
     sizes = np.linalg.svd(X - X.mean(axis=0), compute_uv=False)
@@ -182,12 +182,12 @@ def fitted_rotation(X: np.ndarray, Y: np.ndarray) -> np.ndarray | None:
     return rotation
 
 
-# Relative: stretches that differ less are a scale.
+# Relative difference below which stretches count as a uniform scale.
 _UNIFORM = 1e-9
 
 
 class MirrorPlane(NamedTuple):
-    """Plane perpendicular to an axis.
+    """Mirror plane perpendicular to a coordinate axis.
 
     Attributes
     ----------
@@ -202,7 +202,7 @@ class MirrorPlane(NamedTuple):
 
     @property
     def reflection(self) -> np.ndarray:
-        """The reflection (4, 4)."""
+        """Matrix (4, 4) of the reflection."""
         reflection = np.eye(4)
         reflection[self.axis, self.axis] = -1.0
         reflection[self.axis, 3] = 2.0 * self.coordinate
@@ -215,13 +215,13 @@ class MirrorPlane(NamedTuple):
         return images
 
     def mirrored(self, pose: np.ndarray) -> np.ndarray:
-        """Motion ``S P S`` (4, 4) of the mirror image of what moves by ``P``."""
+        """Mirror image ``S P S`` (4, 4) of the motion ``P``."""
         S = self.reflection
         mirrored: np.ndarray = S @ pose @ S
         return mirrored
 
     def symmetric_motion(self, pose: np.ndarray, pivot: np.ndarray) -> np.ndarray:
-        """The motion (4, 4) nearest to ``pose`` that is its own mirror image.
+        """Motion (4, 4) nearest to ``pose`` and equal to its own mirror image.
 
         Of the way of the pivot (3,) it is the part in the plane; of the rotation the twist about the
         normal of the plane, in a decomposition into swing and twist; of a stretch the symmetric part.
@@ -241,6 +241,6 @@ class MirrorPlane(NamedTuple):
         way = transform(pose, pivot[None])[0] - pivot
         way[self.axis] = 0.0
         linear = rotation_about(np.zeros(3), normal, angle)[:3, :3] @ stretch
-        foot = np.where(normal > 0.0, self.coordinate, pivot)  # scaled about, the plane stays where it is
+        foot = np.where(normal > 0.0, self.coordinate, pivot)  # scaling keeps the plane in place
         moved: np.ndarray = translation(way) @ linear_map_about(foot, linear)
         return moved

@@ -1,4 +1,4 @@
-"""Paths beyond half a turn: waypoints, total rotation, parts.
+"""Paths beyond half a turn: waypoints, total rotation, segments.
 
 A pose alone does not tell a turn by 311 degrees from one by -49. So whoever moves a handle keeps the poses on
 its way at which the shortest rotation from one to the next still is the rotation that was made.
@@ -19,18 +19,18 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.screw_motion import RotationPath, ScrewPath, screw_path
 from apd_viewer.geometry.pose.transforms import rigid_transform, rotation_about
 
-# Radians. Three rotations by less than a third of a turn each make no full turn together: within this
-# distance a waypoint can be left out.
+# Radians. Three rotations by less than a third of a turn each cannot add up to a full turn: a waypoint
+# within this angle of its neighbours can be dropped.
 _FARTHEST = math.radians(115.0)
-# Radians: for smaller rotations the axis is rounding.
+# Radians: the axis of a smaller rotation is determined by rounding.
 _STRAIGHT = 1e-7
-# Radians: the part of a path that a piece without rotation takes.
+# Weight, in radians, of a path segment without rotation.
 _LEAST_WEIGHT = 0.1
-# Between a rotation and the axis of a twist.
+# Least cosine between a rotation vector and the axis of a twist.
 _ALIGNED = math.cos(math.radians(1.0))
-# Closer to half a turn, rounding decides the sense of rotation.
+# Closer to half a turn, the sense of rotation is determined by rounding.
 _HALF_TURN = math.pi - 1e-6
-# Relative to the coordinates: smaller differences are rounding.
+# Relative to the coordinates: smaller differences are rounding errors.
 _SAME = 1e-9
 # Significant digits of a rounded pose.
 _DIGITS = 12
@@ -39,7 +39,7 @@ _DIGITS = 12
 def extended_waypoints(
     waypoints: tuple[np.ndarray, ...], current_pose: np.ndarray, pose: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Waypoints after the shortest rotation from the present pose (4, 4) to another.
+    """Waypoints after the shortest rotation from the current pose (4, 4) to another.
 
     Going back along the path takes waypoints off again.
     """
@@ -57,7 +57,7 @@ def _can_skip(before: np.ndarray, between: np.ndarray, after: np.ndarray) -> boo
 
 
 def rotation_vector(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.ndarray:
-    """Total rotation of a path, (3,): its unit axis times its angle, radians.
+    """Total rotation of a path as a vector (3,): unit axis times angle in radians.
 
     Of a path from rest along waypoints (4, 4) to ``pose`` (4, 4). Its angle is that of ``pose`` plus or
     minus full turns: as many as come nearest to the sum of the rotations from waypoint to waypoint.
@@ -86,7 +86,7 @@ def summed_rotations(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.nd
 
 
 def signed_angle(vector: np.ndarray) -> float:
-    """Angle of a rotation vector (3,), signed by its largest coordinate.
+    """Angle of a rotation vector (3,), with the sign of its largest coordinate.
 
     So a turn about +y and its opposite differ in sign alone.
     """
@@ -94,7 +94,7 @@ def signed_angle(vector: np.ndarray) -> float:
 
 
 def signed_angle_about(vector: np.ndarray, line: np.ndarray) -> tuple[float, bool]:
-    """Angle of a rotation vector (3,), and whether it is a twist: about ``line`` (3,).
+    """Signed angle of a rotation vector (3,), and whether it twists about ``line``.
 
     A twist has the sign of the rotation about the line.
     """
@@ -104,12 +104,12 @@ def signed_angle_about(vector: np.ndarray, line: np.ndarray) -> tuple[float, boo
 
 
 def has_half_turn(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> bool:
-    """True if a path to ``pose`` (4, 4) turns by half a turn or more."""
+    """True if a path to ``pose`` (4, 4) rotates by half a turn or more."""
     return bool(waypoints) and float(np.linalg.norm(rotation_vector(waypoints, pose))) >= _HALF_TURN
 
 
 def rounded_pose(pose: np.ndarray, size: float) -> np.ndarray:
-    """The pose (4, 4) of a mesh of this size without its last digits.
+    """Pose (4, 4) rounded to the digits significant for a mesh of this size.
 
     They tell by hand from typed, and a surface that buckles makes another wrinkle of them.
     """
@@ -119,7 +119,7 @@ def rounded_pose(pose: np.ndarray, size: float) -> np.ndarray:
 
 
 class WaypointPath(NamedTuple):
-    """Path along waypoints, by a screw motion from one to the next.
+    """Path along waypoints, with a screw motion from each to the next.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class WaypointPath(NamedTuple):
     angle: float
 
     def pose_at(self, share: float) -> np.ndarray:
-        """Pose (4, 4) at ``share`` of the path, its pieces weighted by their rotations."""
+        """Pose (4, 4) at the fraction ``share``, with segments weighted by rotation."""
         weights = np.cumsum([max(piece.angle, _LEAST_WEIGHT) for piece in self.segments])
         ends = weights / weights[-1]
         k = min(int(np.searchsorted(ends, share)), len(self.segments) - 1)
@@ -146,12 +146,12 @@ class WaypointPath(NamedTuple):
 
     @property
     def has_motion(self) -> bool:
-        """It turns by half a turn at least."""
+        """True: the path rotates by at least half a turn."""
         return True
 
     @property
     def has_stretch(self) -> bool:
-        """True if there is more than rotations and translations."""
+        """True if the motion is more than rotations and translations."""
         return any(piece.has_stretch for piece in self.segments)
 
 
@@ -184,7 +184,7 @@ def handle_path(waypoints: Sequence[np.ndarray], pose: np.ndarray, pivot: npt.Ar
 
 
 def _turn(first: np.ndarray, vector: np.ndarray, axis: np.ndarray, angle: float) -> RotationPath:
-    """Turn along a unit axis (3,) about the line that the first waypoint turns about."""
+    """Rotation about the unit axis (3,), on the rotation line of the first waypoint."""
     R = rotation_about(np.zeros(3), axis, float(vector @ axis))[:3, :3]
     point = np.linalg.lstsq(np.eye(3) - R, first[:3, 3], rcond=1e-6)[0]
     return RotationPath(point, axis, angle)
@@ -207,7 +207,7 @@ def _angle(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def nearest_rotation(pose: np.ndarray) -> np.ndarray:
-    """The rotation (3, 3) nearest to the linear part of a pose."""
+    """Rotation (3, 3) nearest to the linear part of a pose."""
     left, _, right = np.linalg.svd(pose[:3, :3])
     rotation: np.ndarray = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
     return rotation

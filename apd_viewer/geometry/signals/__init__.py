@@ -1,1 +1,1 @@
-"""Signals during kernels."""
+"""Handling of operating-system signals during kernels."""

@@ -1,4 +1,4 @@
-"""Signals during a kernel, or its compilation: handlers wait for its end.
+"""Signals during a kernel or its compilation: handlers run at its end.
 
 Handlers run as soon as any Python does, in the main thread. Numba is not made for what they raise, such as
 KeyboardInterrupt:
@@ -22,7 +22,7 @@ from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 
 
 def _boxed(kind: Any, value: Any, compiler: Any) -> Any:
-    """Numba's own boxing, with the class among the constants of the kernel."""
+    """Numba's boxing, with the class among the constants of the kernel."""
     constants = compiler.env_manager
     array_class = constants.read_const(constants.add_const(kind.box_type))
     compiler.pyapi.unserialize = lambda _: array_class

@@ -11,10 +11,10 @@ from __future__ import annotations
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goal_projection import GoalProjection
 
-# With more free vertices a frame waits too long for a factorization: 0.9 to 1.2 s with 31,000 (160 MB), up to
+# Most free vertices with a tolerable wait for a factorization: 0.9 to 1.2 s with 31,000 (160 MB), up to
 # 1.6 s with 40,000, 12 s (750 MB) with 125,000.
 MOST_HESSIAN_VERTICES = 40_000
-# Steps between two Hessians; they take about twice as long as to factor one.
+# Steps between two Hessians; together they take about twice as long as a factorization.
 _PERIOD = 50
 
 
@@ -28,7 +28,7 @@ def gains_from_hessian(elastic: ElasticSurface) -> bool:
 
 
 class AdaptiveMetric:
-    """Choice of the metric of an elastic surface.
+    """Metric of an elastic surface: K or its projected Hessian.
 
     Parameters
     ----------
@@ -41,11 +41,11 @@ class AdaptiveMetric:
 
     @property
     def is_hessian(self) -> bool:
-        """True if it is not K."""
+        """True if the metric is a Hessian instead of K."""
         return self._elastic.metric is not self._elastic.factor
 
     def update(self, projection: GoalProjection) -> None:
-        """Take the Hessian, or a new one, at the current shape, if it is due."""
+        """Switch to the Hessian at the current shape, or renew it when due."""
         elastic = self._elastic
         if self.is_hessian and self._age < _PERIOD:
             self._age += 1
@@ -54,5 +54,5 @@ class AdaptiveMetric:
         projection.refresh_directions(elastic.U)
 
     def reset(self) -> None:
-        """Take K."""
+        """Switch back to K."""
         self._elastic.metric = self._elastic.factor

@@ -1,4 +1,4 @@
-"""Coarse level of an elastic surface, to lead the fine one.
+"""Coarse level of an elastic surface, solved ahead of the fine one.
 
 Low frequencies take iterations by the hundred on a fine mesh, and next to nothing on a coarse one. What is
 handed over are rotations: how far each place of the coarse surface has turned since the last time. The
@@ -28,7 +28,7 @@ from apd_viewer.geometry.solver.prolongation import Prolongation
 
 # Iterations timed: the pace is their median, since other processes may delay any one of them.
 _PACES = 5
-# Width of the collar that previews are smoothed in, coarse edges: 1.9, 1.7, 1.6 of the angles for 2, 3, 4.
+# Width of the collar smoothed in previews, coarse edges; 2, 3, 4 leave 1.9, 1.7, 1.6 times the rest angles.
 _COLLAR = 3.0
 
 
@@ -82,7 +82,7 @@ class CoarseLevel:
 
     @property
     def converged(self) -> bool:
-        """True if further iterations would show next to nothing."""
+        """True if further iterations would change next to nothing."""
         return self._solver.has_ended
 
     @property
@@ -91,7 +91,7 @@ class CoarseLevel:
         return self._elastic.energy
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
-        """Meet these goals of the fine surface, as far as a coarse one can."""
+        """Set the fine surface's goals, at the same percentages of coarse rest values."""
         self._solver.set_goals(self._own(goals))
 
     def restart(self, U: np.ndarray) -> None:
@@ -109,12 +109,12 @@ class CoarseLevel:
         self._set_reference()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold and draw vertices at the fine surface's ``targets`` (k + s, 3)."""
+        """Set the targets of held and soft vertices from the fine ones (k + s, 3)."""
         self._solver.aim(targets[self._which])
         self.steps = 0
 
     def iterate(self, iterations: int) -> None:
-        """Do some iterations, or as many as it takes to converge."""
+        """Do at most ``iterations`` iterations, until converged."""
         with cores_for(len(self.vertices)):
             for _ in range(iterations):
                 if self.converged:
@@ -123,7 +123,7 @@ class CoarseLevel:
                 self.steps += 1
 
     def smooth(self, iterations: int) -> None:
-        """Do iterations without a coarser level, before the shape is shown."""
+        """Iterate without a coarser level, to smooth the shape before display."""
         begun = time.monotonic()
         with cores_for(len(self.vertices)):
             self._solver.smooth(iterations)
@@ -131,17 +131,17 @@ class CoarseLevel:
 
     @property
     def seconds_per_iteration(self) -> float:
-        """Seconds of an iteration."""
+        """Median number of seconds per iteration."""
         return float(np.median(self._paces))
 
     @property
     def factor_seconds(self) -> float:
-        """Seconds that it took to factor the matrix."""
+        """Seconds taken to factor the matrix."""
         return self._elastic.factor.seconds
 
     @property
     def refinement_ratio(self) -> float:
-        """Free vertices of the fine surface for each of this one."""
+        """Ratio of free vertices of the fine surface to those of this level."""
         return len(self._fine.free) / len(self._elastic.free)
 
     def take_rotations(self) -> np.ndarray:
@@ -151,7 +151,7 @@ class CoarseLevel:
         return turns
 
     def prolonged_positions(self, targets: np.ndarray) -> np.ndarray:
-        """The fine surface of the last :meth:`take_rotations`, moved along since then.
+        """Fine positions, moved along with this level since :meth:`take_rotations`.
 
         Its held vertices are at ``targets`` (k + s, 3).
         """
@@ -174,7 +174,7 @@ class CoarseLevel:
 
     @cached_property
     def _prolongation(self) -> Prolongation:
-        """Weights of the coarse vertices at the fine ones, for previews only."""
+        """Interpolation from the coarse vertices to the fine ones, for previews only."""
         rows, best = np.arange(len(self._near)), self._weight.argmax(axis=1)
         nearest = np.where(self._weight[rows, best] > 0.0, self._near[rows, best], -1)
         return Prolongation(self._fine.rest.V, self.vertices, self.F, nearest, self._fine.fixed)
@@ -190,7 +190,7 @@ class CoarseLevel:
         return relative_rotations(self._elastic.q, self._reference[0])
 
     def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
-        """The goals for the coarse surface: the same percentages of its rest values."""
+        """Goals of the coarse surface, at the same percentages of its rest values."""
         shape, own = self._shape, []
         for goal in goals:
             weight = None if goal.weight is None else goal.weight[self.vertices]
@@ -200,14 +200,14 @@ class CoarseLevel:
         return tuple(own)
 
 
-# Rings of triangles around the free vertices: bending reaches so far.
+# Rings of triangles around the solved vertices, the reach of the bending energy.
 _RINGS = 2
-# With more vertices a factorization takes too long.
+# Largest number of solved vertices: beyond it the factorization takes too long.
 _MOST = 100_000
 
 
 class Collar:
-    """The free vertices within a distance of held ones, all others in place.
+    """Free vertices within a distance of held ones, solved with all others fixed.
 
     A surface that follows a coarse one bends as sharply as that beside what is held. Next to there a global
     step of its own makes it smooth.
@@ -232,7 +232,7 @@ class Collar:
             self._part, self._vertices = _subsurface(elastic, solved)
 
     def smoothed(self, U: np.ndarray) -> np.ndarray:
-        """The positions ``U`` (n, 3) after an iteration of the collar."""
+        """Positions ``U`` (n, 3) after an iteration of the collar."""
         if self._part is None:
             return U
         part, start = self._part, U[self._vertices]
@@ -244,7 +244,7 @@ class Collar:
 
 
 def _subsurface(elastic: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSurface, np.ndarray]:
-    """Surface around the vertices ``solved`` (n,) bool, and its vertices in the whole."""
+    """Surface around the vertices ``solved`` (n,) bool, and its vertex indices."""
     rest, near = elastic.rest, solved.copy()
     F = rest.F
     for _ in range(_RINGS):
@@ -252,7 +252,7 @@ def _subsurface(elastic: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSur
     F = F[near[F].all(axis=1)]
     vertices, corners = np.unique(F, return_inverse=True)
     shape = SolveMesh(rest.V[vertices], corners.reshape(-1, 3))
-    # Both are in proportion to the area of the mesh.
+    # Bending and coupling energies scale with the total area of the mesh.
     growth, material = rest.vertex_areas.sum() / shape.vertex_areas.sum(), elastic.material
     material = replace(material, bending=growth * material.bending, coupling=growth * material.coupling)
     return ElasticSurface(shape, np.flatnonzero(~solved[vertices]), material), vertices

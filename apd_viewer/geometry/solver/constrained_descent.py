@@ -1,4 +1,4 @@
-"""Constrained descent: iterations on the shapes with all goals met.
+"""Constrained descent: iterations on the manifold of shapes meeting all goals.
 
 The energy is minimised subject to ``c(U) = 0``, the misses of the goals. With g the gradients of the
 goals and the multipliers so far put into the right-hand side, one global step gives p; from there the
@@ -28,28 +28,28 @@ _REFRESH = 100
 # Gradients are reused for this many iterations, unless the pressure of the multipliers is above _CALM.
 _LAG = 8
 _CALM = 0.1
-# They are one iteration old in any case: above this pressure a full step would overshoot.
+# Gradients lag by one iteration anyway: above this pressure a full step would overshoot.
 _STEADY = 0.5
-# What it takes to meet the goals far from rest says little about the end; and the multipliers of goals that
-# nearly contradict each other would grow without bound.
+# Bounds of the multipliers: early steps predict their final values badly, and those of nearly contradictory
+# goals would grow without bound.
 _LARGEST_GROWTH = 0.5
 _LARGEST_PRESSURE = 2.0
 _DAMPINGS = (1.0, 0.25, 0.0625)
-# Goals are given up once so many iterations have not reduced the worst miss by a hundredth.
+# Goals are given up after this many iterations without reducing the worst miss by a hundredth.
 _PATIENCE = 60
 _REDUCTION = 0.99
-# Convergence is judged over so many steps, by the part of the energy that they take away together.
+# Steps over which convergence is judged, by the fraction of the energy that they remove together.
 _WINDOW = 10
 ENERGY_TOLERANCE = 1e-7
-# Once ten steps by K reduce the energy by less than this part, the Hessian takes them farther.
+# Relative reduction of the energy by ten steps with K below which the Hessian takes over.
 LATE_TOLERANCE = 1e-3
-# Steps by the Hessian have arrived, to 1e-5 of the energy, once so many of them reduce it by at most so many
-# tolerances. Fewer may gain as little at a saddle, and thousands of times that beyond it.
+# Hessian steps have converged, to 1e-5 of the energy, once this many of them reduce it by at most this many
+# tolerances. Fewer steps may gain as little near a saddle, and thousands of times as much beyond it.
 _HESSIAN_WINDOW, _HESSIAN_GAIN = 40, 40.0
 # Descents to this tolerance or a coarser one end before Hessian steps pay off; on coarse levels such steps
 # also give the finer ones a worse start.
 _FINE = 1e-4
-_NO_ENERGY = 1e-300  # of a rigid motion, to divide by
+_NO_ENERGY = 1e-300  # avoids a division by zero for rigid motions
 
 
 class ConstrainedDescent:
@@ -92,7 +92,7 @@ class ConstrainedDescent:
 
     @property
     def progress(self) -> SolverProgress:
-        """Current shape and readings; of plain iterations only lengths tell convergence."""
+        """Current shape and readings; plain iterations converge by step lengths only."""
         projection = self._projection
         return SolverProgress(
             self.elastic.U,
@@ -113,37 +113,37 @@ class ConstrainedDescent:
 
     @property
     def has_ended(self) -> bool:
-        """True if further steps would gain next to nothing, or nothing."""
+        """True if converged, or stuck because goals cannot be met."""
         return self.stuck or self.has_converged
 
     @property
     def has_converged(self) -> bool:
-        """True if further steps would gain next to nothing."""
+        """True if further steps would hardly reduce the energy."""
         E = self._by_hessian
         slow = len(E) > _HESSIAN_WINDOW and E[0] - E[-1] <= _HESSIAN_GAIN * self._tolerance * E[-1]
         return self._at_minimum or self.has_stalled(self._tolerance) or slow
 
     @property
     def ready(self) -> bool:
-        """True if a step has nothing to wait for."""
+        """True if a step need not wait for a factorization."""
         return self.elastic.factor.ready
 
     @property
     def energy(self) -> float:
-        """The energy of the current shape."""
+        """Energy of the current shape."""
         return self._quasi_newton.energy if self._quasi_newton else self.elastic.energy
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten steps together reduce the energy by at most this part."""
+        """Converge once ten steps reduce the energy by at most this fraction."""
         self._tolerance = tolerance
 
     def has_stalled(self, tolerance: float) -> bool:
-        """True if the last steps reduced the energy by at most this part."""
+        """True if the last steps reduced the energy by at most this fraction."""
         E = self._energies
         return len(E) > _WINDOW and E[0] - E[-1] <= tolerance * E[-1]
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
-        """Meet these goals from now on."""
+        """Replace the goals."""
         if [goal.name for goal in goals] != [goal.name for goal in self.goals]:
             self.multipliers = np.zeros(len(goals))
         self.goals = goals
@@ -168,7 +168,7 @@ class ConstrainedDescent:
         self.restart(shapes[0])
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
+        """Set the target positions (k + s, 3) of the held and soft vertices."""
         self.held_positions = targets
         self._reset()
 
@@ -187,7 +187,7 @@ class ConstrainedDescent:
             self._age = 0  # recompute the goal directions, last found with the Hessian
 
     def step(self) -> None:
-        """Reduce the energy while the goals stay met; until they are, a plain iteration.
+        """Do a quasi-Newton step, or a plain iteration until the goals are met.
 
         The first iteration after the held vertices have moved is always a plain one.
         """
@@ -206,7 +206,7 @@ class ConstrainedDescent:
                 self._by_hessian.append(self._quasi_newton.energy)
 
     def smooth(self, iterations: int) -> None:
-        """Iterate without a coarser level, plainly until quasi-Newton steps have begun."""
+        """Iterate without a coarser level, plainly before the first quasi-Newton step."""
         for _ in range(iterations):
             if self._quasi_newton is None:
                 self.iterate()
@@ -214,7 +214,7 @@ class ConstrainedDescent:
                 self.step()
 
     def _update_metric(self) -> None:
-        """Measure steps by the Hessian near the minimum."""
+        """Use the Hessian as the metric near the minimum."""
         metric = self._metric
         late = self._tolerance < _FINE and self.has_stalled(LATE_TOLERANCE)
         if metric.is_hessian or (late and gains_from_hessian(self.elastic)):
@@ -242,7 +242,7 @@ class ConstrainedDescent:
         self._give_up_hopeless()
 
     def _update_directions(self, pressure: float) -> None:
-        """Update gradients and directions of the goals, if they are due."""
+        """Update gradients and directions of the goals when due."""
         projection, U = self._projection, self.elastic.U
         if self._age % _REFRESH == 0 or projection.has_outdated_directions:
             projection.refresh_directions(U)
@@ -258,7 +258,7 @@ class ConstrainedDescent:
         return U
 
     def _updated(self, share: float, mu: np.ndarray) -> np.ndarray:
-        """The multipliers plus a share of ``mu``, with growth and pressure bounded."""
+        """Multipliers plus ``share`` times ``mu``, with bounded growth and pressure."""
         updated = self.multipliers + share * mu / max(1.0, self._pressure(mu) / _LARGEST_GROWTH)
         return updated / max(1.0, self._pressure(updated) / _LARGEST_PRESSURE)
 

@@ -1,4 +1,4 @@
-"""Descent of a surface that passes neither through itself nor through obstacles.
+"""Descent of a surface without crossing itself or obstacles.
 
 As long as nothing is in the way, the shapes are those of the solver that knows of no contact, each reached by
 a way that was found free. Where that ends, the surface descends in contact with itself, until it is aimed
@@ -32,14 +32,14 @@ from apd_viewer.geometry.solver.touching_descent import TouchingDescent
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 from apd_viewer.language import tr
 
-# In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
+# Motion of held vertices at once, in mesh sizes, and number of steps between two motions.
 _PART, _STEPS = 0.05, 10
-# So many parts of ways that are not free mean contact; the first shapes after a move may be rough.
+# Blocked substeps taken as a sign of contact; the first shapes after a motion may be rough.
 _PATIENCE = 60
 
 
 def check_contact(method: Method, plain: bool, contact: bool = True) -> None:
-    """Raise InputError unless walls can be kept apart so, and are."""
+    """Raise InputError unless contact is on and the method supports it."""
     if not contact:
         raise InputError(tr("Creases and gas need contact; switch it on, or leave them out."))
     if plain or not method.may_use_contact:
@@ -52,7 +52,7 @@ def check_contact(method: Method, plain: bool, contact: bool = True) -> None:
 
 
 def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
-    """Raise InputError unless they are obstacles, with contact if any."""
+    """Raise InputError unless all are obstacles, and contact is on if there are any."""
     listed = isinstance(obstacles, Sequence) and not isinstance(obstacles, str | bytes)
     if not listed or not all(isinstance(each, Obstacle) for each in obstacles):
         raise InputError(tr("Obstacles must be a list of what plate, sphere and capsule make."))
@@ -61,7 +61,7 @@ def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
 
 
 def stop_sentence(share: float, contact: ContactDescent | None = None) -> str:
-    """Sentence on what contact stops at a share of its way; by default the handle."""
+    """Sentence on the handle or obstacle stopped by contact at a fraction of its path."""
     moves = (contact.path.moves_held, contact.path.moves_obstacles) if contact else (True, False)
     said = {
         (True, True): tr("Contact stops handle and obstacle at {percent:.0f} % of the way."),
@@ -71,7 +71,7 @@ def stop_sentence(share: float, contact: ContactDescent | None = None) -> str:
 
 
 def whole_path_frame(frame: Frame, leg: int, legs: int, contact: ContactDescent | None) -> Frame:
-    """The frame of a ``leg``, from 0, with share and sentence of all ``legs``."""
+    """Frame of a ``leg``, from 0, with share and stop sentence for the whole path."""
     share = (leg + (1.0 if contact is None else contact.share)) / legs
     stopped = frame.share_reached < 1.0 and frame.unreached is not None
     said = stop_sentence(share, contact) if stopped else frame.unreached
@@ -88,7 +88,7 @@ def contact_descent(
     obstacles: Sequence[Obstacle] = (),
     gas: EnclosedGas | None = None,
 ) -> ContactDescent:
-    """Solver whose shapes cross neither themselves nor obstacles.
+    """Solver keeping all shapes free of collisions with themselves and obstacles.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def contact_descent(
 
 
 class ContactDescent:
-    """Steps of a surface whose shapes cross neither themselves nor obstacles.
+    """Collision-free steps of a surface in contact with itself and obstacles.
 
     Where nothing is held, obstacles alone move the surface: it slides as far as forces that are not balanced
     push it, and does not turn as a whole. Then all steps are those in contact, as with gas or creases, which
@@ -175,7 +175,7 @@ class ContactDescent:
 
     @property
     def progress(self) -> SolverProgress:
-        """Shape and readings; hidden, and not converged, while it is on its way.
+        """Shape and readings; hidden and unconverged before the end of the path.
 
         With contact ahead no seconds are expected.
         """
@@ -195,44 +195,44 @@ class ContactDescent:
 
     @property
     def energy_in_contact(self) -> float:
-        """Energy of the displayed shape, with that of the gaps and of the gas."""
+        """Energy of the displayed shape, including gap and gas energy."""
         return TouchingSurface(self.elastic, self.contact, self.gas).energy
 
     @property
     def load_imbalance(self) -> float:
-        """Length of the sum of all loads in that of their lengths; 0 if held."""
+        """Length of the sum of all loads over the sum of their lengths; 0 if held."""
         return self._touching.load_imbalance if self._touching else 0.0
 
     @property
     def ready(self) -> bool:
-        """True if a step has nothing to wait for."""
+        """True if a step need not wait for a factorization."""
         return self._inner.ready
 
     @property
     def share_reached(self) -> float:
-        """Share of the way from rest to their targets that what moves has gone."""
+        """Fraction of the path from rest to the targets completed."""
         left = (1.0 - self.share) * self.path.length
         return 1.0 - left / max(self._whole, left) if left else 1.0
 
     @property
     def is_stopped(self) -> bool:
-        """True if contact lets the held vertices go no farther."""
+        """True if contact keeps the held vertices from moving any further."""
         return self._touching is not None and self._touching.is_stopped
 
     @property
     def is_on_its_way(self) -> bool:
-        """True if the held vertices go on."""
+        """True if held vertices or obstacles are still moving along their path."""
         return self.share < 1.0 and not self.is_stopped
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten steps together reduce the energy by at most this part."""
+        """Converge once ten steps reduce the energy by at most this fraction."""
         self._tolerance = tolerance
         self._inner.set_tolerance(tolerance)
         if self._touching:
             self._touching.tolerance = tolerance
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
-        """Meet these goals from now on."""
+        """Replace the goals."""
         self._goals = goals
         self._inner.set_goals(goals)
         if self._touching:
@@ -240,7 +240,7 @@ class ContactDescent:
         self._set_path()
 
     def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
-        """Put other obstacles around the surface; it enters with :meth:`restart`.
+        """Replace the obstacles; they take effect with :meth:`restart`.
 
         Without, it enters at rest with the next step.
         """
@@ -253,7 +253,7 @@ class ContactDescent:
         self._set_path()
 
     def restart(self, U: np.ndarray) -> None:
-        """Continue from positions ``U`` (n, 3), or from rest if those intersect.
+        """Continue from positions ``U`` (n, 3), or from the rest shape if they intersect.
 
         If ``U`` is not clear of the obstacles where they begin, they begin at their places.
 
@@ -264,7 +264,7 @@ class ContactDescent:
         """
         shifts, self.start_shifts = self.start_shifts, None
         if shifts is None:
-            # One step back may be asked for.
+            # U may be the previous shape, with shifts of its own.
             shifts = self._before[1] if U is self._before[0] else self.shifts
         rest, places = self.elastic.rest.V, self._places
         ways = [(U, shifts), (U, places), (rest, places)]
@@ -281,13 +281,13 @@ class ContactDescent:
         self._set_path()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold and draw vertices at ``targets`` (k + s, 3), along a path from here."""
+        """Set targets (k + s, 3) of held and soft vertices, with a path to them."""
         self._targets, self.start_shifts = targets, None
         if self._touching and not self.contact.may_touch:
             self._release()
         self._set_path()
         if self._touching and self.path.moves_obstacles:
-            self._touching.disturb_shape()
+            self._touching.perturb_shape()
 
     def _set_path(self) -> None:
         ends = np.array([self.shifts, self.target_shifts])
@@ -304,7 +304,7 @@ class ContactDescent:
             self._inner.aim(self.path.positions_at(self._ahead))
 
     def step(self) -> None:
-        """Step to a shape with a free way to it; see :meth:`restart`."""
+        """Do a collision-free step; see :meth:`restart`."""
         if not self._is_inside:
             self.start_shifts = self._places
             self.restart(self.elastic.rest.V)
@@ -321,7 +321,7 @@ class ContactDescent:
             self.shifts = self.path.shifts_at(self.share)
 
     def _step_freely(self) -> None:
-        """Take the next shape of the inner solver, if the way is free."""
+        """Accept the inner solver's next shape if the step to it is collision-free."""
         self._steps += 1
         self._inner.step()
         progress, shifts = self._inner.progress, self.path.shifts_at(self._ahead)
@@ -336,30 +336,30 @@ class ContactDescent:
                     0,
                 )
                 self.shifts = shifts
-        elif self.elastic.factor.ready:  # which contact would wait for
+        elif self.elastic.factor.ready:  # contact steps need the factor
             self._refused += self.contact.examined_parts
             if self._refused >= _PATIENCE or progress.converged:
                 self._touch()
                 self.step()
                 return
-        # Without the factor a preview may get no better than it is, before so many steps.
+        # Without the factor previews may stop improving, so move on before the usual number of steps.
         if self.share == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
             self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
             self._inner.aim(self.path.positions_at(self._ahead))
 
     def _touch(self) -> None:
-        """Descend in contact from the last shape."""
+        """Continue with contact from the last shape."""
         self._touching = self._descending()
         self._touching.follow_path(self.path, self.share)
         if self.path.moves_obstacles:
-            self._touching.disturb_shape()
+            self._touching.perturb_shape()
 
     def _descending(self) -> TouchingDescent:
         surface = TouchingSurface(self.elastic, self.contact, self.gas)
         return TouchingDescent(surface, self._U, self.held_positions, self._goals, self._tolerance)
 
     def _release(self) -> None:
-        """Descend without contact from the last shape, if such steps are allowed."""
+        """Continue without contact from the last shape, if allowed."""
         if not self._always_touches:
             self._touching = None
             self._inner.restart(self._U)

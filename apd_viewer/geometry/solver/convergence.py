@@ -17,7 +17,7 @@ from apd_viewer.language import tr
 _REMAINING = 100.0
 _CREEP = 0.5
 MEMORY = 10
-MOST_ITERATIONS = 10_000_000  # that can be asked for
+MOST_ITERATIONS = 10_000_000  # upper limit of the setting
 LARGEST_TOLERANCE = 0.1
 _ROUNDING = 1e-12
 
@@ -67,7 +67,7 @@ def check_convergence(convergence: Convergence) -> None:
 
 
 def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:
-    """Last step and those to come, in multiples of what counts as settled.
+    """Last and remaining step lengths, in multiples of the tolerance to settle.
 
     None before there are enough ``steps``, or while they do not become shorter.
     """
@@ -75,7 +75,7 @@ def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:
         return None
     last, first = steps[-1], steps[0]
     rate = (last / first) ** (1.0 / MEMORY)
-    if rate == 1.0:  # by rounding
+    if rate == 1.0:  # equal lengths up to rounding
         return None
     return max(last, min(last / _CREEP, last * rate / (1.0 - rate) / _REMAINING)) / tolerance
 
@@ -87,21 +87,21 @@ class StepConvergence:
         self._steps: deque[float] = deque(maxlen=MEMORY + 1)
 
     def append(self, step: float) -> None:
-        """Add another one."""
+        """Add the length of a step."""
         self._steps.append(step)
 
     @property
     def has_steps(self) -> bool:
-        """True after the first."""
+        """True if any step has been added."""
         return len(self._steps) > 0
 
     @property
     def is_rounding(self) -> bool:
-        """True if the last one was a step of rounding errors."""
+        """True if the last step consisted of rounding errors."""
         return self.has_steps and self._steps[-1] <= _ROUNDING
 
     def convergence_ratio(self, convergence: Convergence) -> float | None:
-        """Last step and those to come, in multiples of what counts as settled."""
+        """Last and remaining step lengths, in multiples of the tolerance to settle."""
         return step_ratio(self._steps, convergence.step_tolerance)
 
     def has_converged(self, convergence: Convergence) -> bool:

@@ -203,7 +203,7 @@ class Deformation(Uncopyable):
 
     @property
     def fixed(self) -> np.ndarray:
-        """Vertices that are held, (k,) int array."""
+        """Held vertices, (k,) int array."""
         return self._held.fixed
 
     @property
@@ -240,14 +240,14 @@ class Deformation(Uncopyable):
         regions: Sequence[Region] = (),
         calm: bool = True,
     ) -> None:
-        """Ask for other areas or another volume from now on; nothing is factored for it."""
+        """Set new targets for areas and the volume, without a new factorization."""
         with cores_for(len(self.rest.solve_mesh.V)):
             self._kept.set_targets(area, volume, regions, calm and len(self.fixed) > 0)
             self.solver.set_goals(self._kept.goals)
             self._begin()
 
     def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
-        """Put other obstacles around the surface; nothing is factored for it.
+        """Replace the obstacles, without a new factorization.
 
         Aim with ``U`` then: without, the surface begins at rest. Raises InputError without contact.
         """
@@ -266,7 +266,7 @@ class Deformation(Uncopyable):
         shifts: np.ndarray | None = None,
         begin: np.ndarray | None = None,
     ) -> None:
-        """Hold the fixed vertices at ``targets`` from now on.
+        """Set the target positions of the held vertices.
 
         Raises InputError, also if obstacles at their places intersect the shape at rest.
 
@@ -301,7 +301,7 @@ class Deformation(Uncopyable):
                 self.contact.target_shifts, self.contact.start_shifts = shifts, begin
             if U is not None:
                 if elastic.creases:
-                    elastic.creases.forget_flow()
+                    elastic.creases.clear_flow()
                 self.solver.restart(
                     self.loose.with_loose_at_rest(np.ascontiguousarray(U[self.rest.weld.first]))
                 )
@@ -316,12 +316,12 @@ class Deformation(Uncopyable):
         self._steps = StepConvergence()
 
     def step(self) -> Frame:
-        """One iteration; the shape after it and its readings."""
+        """Do one iteration; return the shape and its readings."""
         self.iterate()
         return self.frame()
 
     def iterate(self) -> None:
-        """One iteration, without the readings of its shape."""
+        """Do one iteration, without the readings of its shape."""
         solver = self.solver
         with cores_for(len(self.rest.solve_mesh.V)):
             if self._kept.may_retry_calm_goals and self._would_settle(solver.progress):
@@ -336,7 +336,7 @@ class Deformation(Uncopyable):
             self._total += 1
 
     def _let_calm_go(self, before: np.ndarray) -> None:
-        """Step from ``before`` again, without the areas of calm parts."""
+        """Repeat the step from ``before`` without the area goals of calm parts."""
         self._kept.drop_calm_goals()
         self.solver.set_goals(self._kept.goals)
         self.solver.restart(before)
@@ -344,12 +344,12 @@ class Deformation(Uncopyable):
 
     @property
     def ready(self) -> bool:
-        """True if an iteration has nothing to wait for, such as a factor."""
+        """True if an iteration need not wait for a factorization."""
         return self.solver.ready
 
     @property
     def settled(self) -> bool:
-        """True if iterating further changes nothing."""
+        """True if further iterations would change nothing."""
         progress = self.solver.progress
         return progress.stuck or (self._would_settle(progress) and not self._kept.may_retry_calm_goals)
 
@@ -357,7 +357,7 @@ class Deformation(Uncopyable):
         return progress.has_met_goals and self._still(progress)
 
     def frame(self) -> Frame:
-        """The shape after the last iteration, and its readings."""
+        """Shape after the last iteration, and its readings."""
         progress, settled = self.solver.progress, self.settled
         with cores_for(len(progress.U)):
             found = self.rest.measure(progress.U)
@@ -385,12 +385,12 @@ class Deformation(Uncopyable):
 
     @property
     def share_reached(self) -> float:
-        """Share of the way to the targets that contact has let the handles go."""
+        """Fraction of the path to the targets completed, as far as contact allows."""
         return 1.0 if self.contact is None else self.contact.share_reached
 
     @property
     def is_on_its_way(self) -> bool:
-        """True if the held vertices have not come as far as they can."""
+        """True if the held vertices are still moving towards their targets."""
         return self.contact is not None and self.contact.is_on_its_way
 
     def _spread(self, progress: SolverProgress) -> np.ndarray:
@@ -428,6 +428,6 @@ class Deformation(Uncopyable):
 
     def _unreached(self, progress: SolverProgress) -> str | None:
         stopped = self.contact is not None and self.contact.is_stopped
-        if stopped and progress.has_met_goals:  # otherwise it is the goals that let it go no farther
+        if stopped and progress.has_met_goals:  # otherwise the goals are what stops it
             return stop_sentence(self.share_reached, self.contact)
         return self._kept.out_of_reach_sentence(progress.goal_values if stopped or progress.stuck else None)

@@ -37,7 +37,7 @@ from apd_viewer.language import tr
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A finished deformation; the fields of the command line's report.
+    """Finished deformation, with the fields of the command line's report.
 
     Attributes
     ----------
@@ -238,7 +238,7 @@ def deform(
 
 
 def _stops(path: np.ndarray, shifts: np.ndarray | None) -> Iterator[PathStop]:
-    """Stops of a path (s, k, 3), with equal parts of the shifts of obstacles."""
+    """Stops of a path (s, k, 3), with obstacle shifts in equal increments."""
     whole = None if shifts is None else checked_floats(shifts, tr("Shifts"))
     for number, targets in enumerate(path, start=1):
         yield PathStop(targets, None, None if whole is None else number / len(path) * whole)
@@ -247,7 +247,7 @@ def _stops(path: np.ndarray, shifts: np.ndarray | None) -> Iterator[PathStop]:
 def _turns(
     solver: Deformation, handle: np.ndarray | Sequence[np.ndarray] | None, places: np.ndarray
 ) -> Callable[[np.ndarray], tuple[HeldTurn, ...]]:
-    """The turns in a shape (n, 3) after a way along ``places`` (s, k, 3)."""
+    """Function returning a shape's held turns after a path ``places`` (s, k, 3)."""
     rest, held = solver.rest, HeldVertices(solver.fixed, handle, solver.rest)
     labels = np.full(len(rest.solve_mesh.V), FREE)
     labels[held.ids] = np.where(held.handle_of > 0, HANDLE - 1 + held.handle_of, BASE)
@@ -304,7 +304,7 @@ def deformation_result(
     seconds_per_iteration: float,
     turns: Sequence[HeldTurn] = (),
 ) -> Result:
-    """Result of the iterations up to ``frame``, with the turns of the handles there."""
+    """Result of the iterations up to ``frame``, with the handles' turns in its shape."""
     unsettled: tuple[str, ...] = ()
     if frame.unreached:
         unsettled = (frame.unreached,)

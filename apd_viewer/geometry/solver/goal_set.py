@@ -100,11 +100,11 @@ class GoalSet:
         return tuple(replace(goal, tolerance=self._tolerance) for goal in goals)
 
     def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
-        """Areas of the regions at ``U`` (n, 3), the vertices of the solve."""
+        """Areas of the regions at positions ``U`` (n, 3) of the solve mesh."""
         return tuple(patch.area(U) for patch in self._patches)
 
     def readings(self, areas: Sequence[float]) -> tuple[RegionReading, ...]:
-        """Readings of the regions whose areas are ``areas`` now."""
+        """Readings of the regions with the current ``areas``."""
         V = self._rest.solve_mesh.V
         with cores_for(len(V)):
             at_rest = self.region_areas(V)
@@ -124,7 +124,7 @@ class GoalSet:
 
     @property
     def has_dropped_calm_goals(self) -> bool:
-        """True if goals of calm parts are dropped for now."""
+        """True if goals of calm parts are temporarily dropped."""
         return bool(self._dropped)
 
     def drop_calm_goals(self) -> None:
@@ -141,19 +141,19 @@ class GoalSet:
 
     @property
     def may_retry_calm_goals(self) -> bool:
-        """True if what was dropped has not been tried from where the rest converged.
+        """True if the dropped goals have not been retried at the converged shape.
 
         On the way from a pose far away it may be missed although it can be kept.
         """
         return bool(self._dropped) and self._retries > 0
 
     def retry_calm_goals(self) -> None:
-        """Ask for what was dropped once more."""
+        """Restore the dropped goals for one more attempt."""
         self.restore_calm_goals()
         self._retries = 0
 
     def out_of_reach_sentence(self, values: np.ndarray | None) -> str | None:
-        """Sentence on what cannot be had in this pose; ``values`` of goals given up."""
+        """Sentence on goals out of reach in this pose; ``values`` of goals given up."""
         missed = None if values is None else self.missed_goals_sentence(values)
         if missed is None:
             return _CALM_GAVE_WAY if self.has_dropped_calm_goals else None

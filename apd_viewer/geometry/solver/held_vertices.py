@@ -1,4 +1,4 @@
-"""Held vertices, handles and soft vertices as arguments of a caller."""
+"""Checked held vertices, handles and soft vertices given by a caller."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.arrays import check_type, checked_floats, checked_
 from apd_viewer.geometry.pose.constraints import SoftConstraints
 from apd_viewer.language import tr
 
-# In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
+# In bounding-box diagonals; farther away, squared lengths leave no digits for the mesh.
 _FARTHEST = 1e6
 # Roles of vertex ids: the array's name, and the error sentence for a missing vertex.
 _SAID = {
@@ -26,7 +26,7 @@ _SAID = {
 
 
 def vertex_ids(value: np.ndarray | Sequence[int], n: int, role: str = "held") -> np.ndarray:
-    """Valid ids of vertices, (k,) int64, in a mesh of ``n``; raises InputError."""
+    """Valid vertex ids (k,) int64 of a mesh of ``n`` vertices; raises InputError."""
     name, otherwise = _SAID[role]
     ids = checked_integers(value, name).ravel()
     if len(ids) and (ids.min() < 0 or ids.max() >= n):
@@ -37,7 +37,7 @@ def vertex_ids(value: np.ndarray | Sequence[int], n: int, role: str = "held") ->
 def handle_numbers(
     handle: np.ndarray | Sequence[np.ndarray] | None, rest: RestMesh, solve_ids: np.ndarray
 ) -> np.ndarray:
-    """For each held vertex of the solve the number of its handle, from 1; 0 is base."""
+    """Handle number of each held vertex of the solve, from 1; 0 for the base."""
     listed = isinstance(handle, Sequence) or (isinstance(handle, np.ndarray) and handle.ndim > 0)
     if handle is not None and not listed:
         raise InputError(tr("The handle must be an array of vertex IDs, or a list of such arrays."))
@@ -58,7 +58,7 @@ def handle_numbers(
 
 
 def checked_shifts(value: np.ndarray | None, count: int) -> np.ndarray:
-    """Shifts of ``count`` obstacles, (o, 3); zeros without. Raises InputError."""
+    """Checked shifts (o, 3) of ``count`` obstacles; zeros if None. Raises InputError."""
     shifts = np.zeros((count, 3)) if value is None else checked_floats(value, tr("Shifts"))
     if shifts.shape != (count, 3) or not np.isfinite(shifts).all():
         raise InputError(tr("Shifts must be {n} finite vectors, one for each obstacle.").format(n=count))
@@ -66,7 +66,7 @@ def checked_shifts(value: np.ndarray | None, count: int) -> np.ndarray:
 
 
 class HeldVertices:
-    """Held vertices of a file and of its solve, where coincident ones are one.
+    """Held vertices of a file and of the solve mesh, with coincident vertices merged.
 
     Parameters
     ----------
@@ -107,19 +107,19 @@ class HeldVertices:
         self._targets, self.targets = rest.V[self.fixed], rest.solve_mesh.V[self.ids]
 
     def set_targets(self, targets: np.ndarray) -> None:
-        """Ask for positions ``targets`` (k, 3) of those of the file; raises InputError."""
+        """Set target positions (k, 3) of the file's held vertices; raises InputError."""
         found = checked_targets(targets, self._rest, self.fixed, self._chosen, self._inverse)
         self._targets, self.targets = found
 
     def write_positions(self, U: np.ndarray, held: np.ndarray) -> None:
-        """Write the local places in the file into ``U`` (n, 3), given those of the solve.
+        """Write local positions of the file's held vertices into ``U`` (n, 3).
 
         Vertices welded with a tolerance are held exactly.
         """
         U[self.fixed] = self._targets + (held[: len(self.ids)] - self.targets)[self._inverse]
 
     def drift(self, held: np.ndarray) -> float:
-        """Distance of a handle's centre from where it is asked for; the largest of all."""
+        """Largest distance of a handle's centre from its target."""
         away = held[: len(self.ids)] - self.targets
         handles = range(1, int(self.handle_of.max(initial=0)) + 1)
         centres = [away[self.handle_of == k].mean(axis=0) for k in handles]
@@ -127,7 +127,7 @@ class HeldVertices:
 
 
 def checked_rest_mesh(rest: RestMesh | None, V: np.ndarray, F: np.ndarray, weld: bool) -> RestMesh:
-    """Rest mesh as given, or of the arrays; raises InputError."""
+    """Given rest mesh, or one made from the arrays; raises InputError."""
     if rest is None:
         return RestMesh.from_arrays(V, F, weld)
     check_type("rest", rest, RestMesh)
@@ -137,7 +137,7 @@ def checked_rest_mesh(rest: RestMesh | None, V: np.ndarray, F: np.ndarray, weld:
 def solve_constraints(
     soft: SoftConstraints, rest: RestMesh, solve_ids: np.ndarray
 ) -> tuple[SoftConstraints, tuple[np.ndarray, int]]:
-    """Soft vertices of the solve, their places among the given, and their number.
+    """Soft vertices of the solve, their rows among the given, and the given number.
 
     Held vertices are left out, and pieces without any held vertex.
     """
@@ -151,7 +151,7 @@ def solve_constraints(
 def checked_soft_targets(
     value: object, rest: RestMesh, soft: SoftConstraints, places: np.ndarray, count: int
 ) -> np.ndarray:
-    """Local targets (s, 3) of soft vertices; without any, the rest of all ``count``."""
+    """Local targets (s, 3) of soft vertices; rest positions if ``value`` is None."""
     if value is None:
         return rest.solve_mesh.V[soft.ids]
     return rest.to_local(checked_vectors(value, count, tr("Soft targets"))[places])
@@ -160,7 +160,7 @@ def checked_soft_targets(
 def checked_targets(
     targets: np.ndarray, rest: RestMesh, fixed: np.ndarray, chosen: np.ndarray, inverse: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Local target of every held vertex of the file and of the solve.
+    """Local targets of the held vertices of the file and of the solve.
 
     Parameters
     ----------

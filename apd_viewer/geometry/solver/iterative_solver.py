@@ -1,4 +1,4 @@
-"""Protocols of the solvers, for solvers composed of others."""
+"""Protocols of the iterative solvers, for composing them."""
 
 from __future__ import annotations
 
@@ -63,20 +63,20 @@ class IterativeSolver(Protocol):
 
     @property
     def energy(self) -> float | None:
-        """The energy of the shape to show; None if it is not known."""
+        """Energy of the displayed shape; None if unknown."""
 
     @property
     def ready(self) -> bool:
-        """True if a step has nothing to wait for, such as a factor."""
+        """True if a step need not wait for a factorization."""
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten steps together reduce the energy by at most this part."""
+        """Converge once ten steps reduce the energy by at most this fraction."""
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
-        """Meet these goals from now on."""
+        """Replace the goals."""
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
+        """Set the target positions (k + s, 3) of the held and soft vertices."""
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
@@ -86,11 +86,11 @@ class IterativeSolver(Protocol):
 
 
 class LevelSolver(IterativeSolver, Protocol):
-    """Solver with shapes, down to the coarsest level, to save and restore."""
+    """Solver with shapes of all levels to save and restore."""
 
     @property
     def has_ended(self) -> bool:
-        """True if further steps would gain next to nothing, or nothing."""
+        """True if converged, or stuck because goals cannot be met."""
 
     def shapes(self) -> list[np.ndarray]:
         """Shapes of all levels, from the finest to the coarsest."""
@@ -99,4 +99,4 @@ class LevelSolver(IterativeSolver, Protocol):
         """Continue from the result of an earlier :meth:`shapes`."""
 
     def smooth(self, iterations: int) -> None:
-        """Iterate without a coarser level: its rotations leave a stiff surface rough."""
+        """Iterate without a coarser level, to smooth the roughness left by its rotations."""

@@ -1,4 +1,4 @@
-"""Area-preserving deformation as the paper has it."""
+"""Area-preserving deformation by the original method of the paper."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class LiHui:
         The total area, with a tolerance.
     """
 
-    # Literally (kappa = 0) Eq. 9 returns the corrected points and leaves a crease at the base.
+    # Taken literally (kappa = 0), Eq. 9 returns the corrected points and leaves a crease at the base.
     KAPPA = 1.0
     ITERATIONS_A_ROUND = 20
 
@@ -51,7 +51,7 @@ class LiHui:
 
     @property
     def progress(self) -> SolverProgress:
-        """Current shape and readings; the goal is never given up, and no energy converges."""
+        """Current shape and readings; the goal is never given up."""
         return SolverProgress(self.U, self.held_positions, self.goal_values, self._has_met_goals)
 
     @property
@@ -61,7 +61,7 @@ class LiHui:
 
     @property
     def ready(self) -> bool:
-        """True if a step has nothing to wait for."""
+        """True if a step need not wait for a factorization."""
         return self.elastic.factor.ready and self._blend.ready
 
     @property
@@ -70,14 +70,14 @@ class LiHui:
         return self.elastic.energy_at(self.U)
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
-        """Bring the total area to another value, or to another tolerance, from now on."""
+        """Set another target or tolerance of the total area."""
         (self._area,) = goals
         self._measures = GoalMeasures(goals)
         self._wanted = self._area.target / self._area.rest
         self.goal_values = self._measures.values(self.U)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Do nothing: no energy is descended in."""
+        """Do nothing: convergence is judged by step lengths."""
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
@@ -85,7 +85,7 @@ class LiHui:
         self.U = U
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the base at ``targets`` (k, 3), and start the handles from theirs."""
+        """Fix the base at ``targets`` (k, 3), and start the handles from their targets."""
         self._h = self.held_positions = targets
         self._iteration = 0
 
@@ -99,7 +99,7 @@ class LiHui:
 
     def _correct_and_blend(self) -> None:
         elastic, target = self.elastic, self._area.target
-        # A shape that has collapsed cannot be scaled back to its area.
+        # Bounded, since a collapsed shape cannot be scaled back to its area.
         s = np.sqrt(target / max(area(elastic.U, elastic.rest.F), 1e-6 * target))
         base_centroid = self._h[self._base].mean(axis=0)
         self.held_positions = self._h.copy()

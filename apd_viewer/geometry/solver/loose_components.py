@@ -25,16 +25,16 @@ from apd_viewer.geometry.solver.held_vertices import vertex_ids
 from apd_viewer.language import tr, trn
 
 GO, STAY = "go", "stay"
-# A place of a part this much of its size farther from the surface than the nearest one counts half: a spout
-# goes with the wall that it stands on, and not with all that it points at.
+# Distance beyond a part's nearest point, in part sizes, at which its points have half weight: a spout moves
+# along with the wall that it stands on, not with the one that it points at.
 _REACH = 0.05
-# Weight of each corner of a triangle in the fit, beside those of the nearest point: where that is a corner,
-# it says nothing of a rotation. Small, as on an edge two triangles are equally near.
+# Extra weight of each corner of a triangle in the fit: a nearest point at a corner alone determines no
+# rotation. Small, since a point nearest to an edge is equally near to two triangles.
 _AROUND = 0.01
 
 
 class LooseComponents:
-    """Connected parts without held vertices, a vertex without a face among them.
+    """Connected parts without held vertices, including isolated vertices.
 
     Nothing says where such a part belongs, so the solver leaves it at rest. It is bound to the triangles of
     the held surface nearest to it at rest, and makes the rigid motion that takes a point between them along
@@ -65,13 +65,13 @@ class LooseComponents:
         piece = rest.solve_mesh.component
         self._without_base = _without_base(piece, held, handle_of)
         self._is_held = np.zeros(len(piece), dtype=bool)
-        # Where nothing is held, all deforms.
+        # If nothing is held, all parts deform.
         self._is_held[piece[held] if len(held) else slice(None)] = True
         self._vertices = np.flatnonzero(~self._is_held[piece])
         self._stays = self._chosen(loose)
 
-    def choose_loose(self, loose: str | Sequence[int] | np.ndarray) -> None:
-        """Let other parts go along or stay; see the class.
+    def set_loose_parts(self, loose: str | Sequence[int] | np.ndarray) -> None:
+        """Choose the loose parts to move along or to stay at rest; see the class.
 
         Raises
         ------
@@ -84,7 +84,7 @@ class LooseComponents:
         self._stays = stays
 
     def _chosen(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
-        """Mask of the pieces that stay."""
+        """Mask of the components left at rest."""
         if not isinstance(loose, str):
             return self._with(loose)
         if loose in (GO, STAY):
@@ -94,7 +94,7 @@ class LooseComponents:
         )
 
     def _with(self, vertices: Sequence[int] | np.ndarray) -> np.ndarray:
-        """Mask of the pieces with these ``vertices`` of the file."""
+        """Mask of the components containing any of ``vertices`` of the file."""
         weld, piece = self._rest.weld, self._rest.solve_mesh.component
         stays = np.zeros(len(piece), dtype=bool)
         stays[piece[weld.inverse[vertex_ids(vertices, len(weld.inverse), "loose")]]] = True
@@ -122,7 +122,7 @@ class LooseComponents:
         return U
 
     def with_followers(self, U: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3), loose parts at rest, with those that go along moved."""
+        """``U`` (n, 3) with loose parts moved along with their carriers."""
         if not len(self._vertices) or self._binding is None:
             return U
         out, piece = U.copy(), self._rest.solve_mesh.component
@@ -132,7 +132,7 @@ class LooseComponents:
 
     @property
     def exempt_groups(self) -> np.ndarray:
-        """Row (1, n) of groups: parts that go along, and below 0 their carriers.
+        """Row (1, n) of groups: carried parts, and their carriers as negative numbers.
 
         Parts that share some of it are in one group. No row without such parts.
         """
@@ -154,14 +154,14 @@ class LooseComponents:
         return group
 
     def transfer_gradient(self, g: np.ndarray) -> None:
-        """Add the gradient (n, 3) of parts to their carriers, but for rotations."""
+        """Add the gradient (n, 3) of loose parts to their carriers, rotations ignored."""
         if len(self._vertices) and self._binding is not None:
             part, corner, share = self._carrying(self._binding)
             force = np.add.reduceat(g[self._binding.member], self._binding.member_start[:-1])
             np.add.at(g, corner, share[:, None] * force[part])
 
     def limit_shares(self, shares: np.ndarray) -> None:
-        """Let nothing that carries parts go farther than they do, by shares (n,)."""
+        """Limit the step fractions (n,) of carriers to those of the carried parts."""
         if len(self._vertices) and self._binding is not None:
             part, corner, _ = self._carrying(self._binding)
             least = np.minimum.reduceat(shares[self._binding.member], self._binding.member_start[:-1])
@@ -170,7 +170,7 @@ class LooseComponents:
     def _carrying(
         self, binding: LooseBinding, among: np.ndarray | bool = True
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Corners that carry a part: the part (c,), the corner (c,) and its share (c,)."""
+        """Carried part (c,), carrying corner (c,) and its weight (c,)."""
         leader = binding.member[binding.member_start[:-1]]
         part = np.repeat(np.arange(len(leader)), np.diff(binding.start))
         goes = among & ~self._stays[self._rest.solve_mesh.component[leader]][part]
@@ -185,7 +185,7 @@ class LooseComponents:
 
 
 class LooseBinding(NamedTuple):
-    """Loose parts, and the corners of the triangles nearest to each.
+    """Loose parts, bound to the corners of their nearest triangles.
 
     Attributes
     ----------
@@ -236,21 +236,21 @@ def _bound(V: np.ndarray, F: np.ndarray, component: np.ndarray, vertices: np.nda
 
 
 def _reach(points: np.ndarray, away: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Distance (p,) from the surface at which a point of each part counts half."""
+    """Distance (p,) from the surface at which a point of a part has half weight."""
     extent = np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
     reach = np.minimum.reduceat(away, first) + _REACH * np.linalg.norm(extent, axis=1)
-    reach[reach == 0.0] = 1.0  # a single vertex on the surface
+    reach[reach == 0.0] = 1.0  # a single vertex lying on the surface
     return reach
 
 
 def _nearness(away: np.ndarray, reach: np.ndarray, component: np.ndarray) -> np.ndarray:
-    """Weight (l,) of each point of a part by its distance, with sum one a part."""
+    """Weights (l,) of the points by distance, with sum one for each part."""
     near = 1.0 / (1.0 + (away / reach) ** 2)
     return near / np.bincount(component, near)[component]
 
 
 def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Barycentric coordinates (l, 3) of points dropped on triangles, kept inside."""
+    """Barycentric coordinates (l, 3) of points projected onto triangles, clamped."""
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     d, n = points - corners[:, 0], np.cross(a, b)
     squared = np.einsum("ij,ij->i", n, n)
@@ -273,9 +273,9 @@ def _carry(
     stays: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Write the members (l,) of parts that do not ``stays`` (l,) into ``out`` (n, 3)."""
+    """Write moved members (l,) of parts, unless ``stays`` (l,), into ``out`` (n, 3)."""
     for p in prange(len(start) - 1):
-        # Beside a surface that has not moved a part stays to the last bit.
+        # A part keeps its positions to the last bit if its carriers have not moved.
         moved = False
         for e in range(start[p], start[p + 1]):
             i = corner[e]
@@ -303,7 +303,7 @@ def _carry(
 
 
 def _without_base(component: np.ndarray, held: np.ndarray, handle_of: np.ndarray) -> int:
-    """Number of parts with free vertices that one handle holds alone."""
+    """Number of parts with free vertices held by a single handle alone."""
     if (handle_of > 0).all():
         return 0
     size = np.bincount(component)

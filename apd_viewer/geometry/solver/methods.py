@@ -14,17 +14,17 @@ from apd_viewer.language import tr
 
 DEFAULT_METHOD = "exact"
 DEFAULT_TOLERANCE = 1e-3
-# Against a stiffness of 1 of each cell of Eq. 1, of which "local" keeps a tenth to hold the corners together.
+# Relative to the cells of Eq. 1, of which "local" keeps a tenth to hold the corners together.
 DEFAULT_AREA_STIFFNESS = 20.0
 DEFAULT_SHEAR_STIFFNESS = 0.1
 _LOCAL_RIGIDITY = 0.1
-# Vertices; with more, walls in touch lose the pace of a hand. Fixed, so that all machines do the same.
+# Most vertices for interactive speed in contact. A fixed number, so that all machines behave alike.
 MOST_VERTICES_IN_CONTACT = 20_000
 
 
 @dataclass(frozen=True)
 class Method:
-    """A method of deformation.
+    """Method of deformation.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Method:
 
     @property
     def description(self) -> str:
-        """Both sentences about it."""
+        """Sentences on the gains and the losses of the method."""
         return f"{self.keeps_sentence} {self.gives_up_sentence}"
 
 
@@ -157,12 +157,12 @@ def method_named(name: str) -> Method:
 
 
 def contact_by_default(method: str, vertices: int) -> bool:
-    """True if contact is on by default, by a method and for so many vertices."""
+    """True if contact is on by default for a method and a number of vertices."""
     return method_named(method).may_use_contact and vertices <= MOST_VERTICES_IN_CONTACT
 
 
 def passing_walls_warning(method: str, vertices: int, switch: str) -> str:
-    """Sentence on a mesh too large for contact by default; mostly empty."""
+    """Warning about a mesh too large for contact by default; otherwise empty."""
     if vertices <= MOST_VERTICES_IN_CONTACT or not method_named(method).may_use_contact:
         return ""
     return tr(
@@ -172,7 +172,7 @@ def passing_walls_warning(method: str, vertices: int, switch: str) -> str:
 
 
 def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> Method:
-    """Method by its name; raises InputError if unknown or too little is held.
+    """Method by its name; raises InputError if unknown, or with too little held.
 
     Where there are ``obstacles``, nothing need be.
     """

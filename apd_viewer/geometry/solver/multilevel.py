@@ -17,18 +17,18 @@ from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE, ConstrainedDescent
 from apd_viewer.geometry.solver.iterative_solver import LevelSolver, SolverProgress
 
-# Below so many free vertices a surface converges as soon alone.
+# Number of free vertices below which a surface converges as fast without a coarse level.
 _ALONE = 4 * FEWEST_COARSE_VERTICES
-# Convergence tolerance of a coarse level: what it leaves, the finer one reduces faster.
+# Convergence tolerance of a coarse level; the finer one reduces the remaining error faster.
 _COARSE_TOLERANCE = 1e-4
-# Iterations of the coarsest level for each one of the next; both take equally long.
+# Iterations of the coarsest level per iteration of the next finer one; both take about as long.
 _COARSEST_ITERATIONS = 16
-# Rotations of a coarser level leave a stiff surface rough: up to 8 times as at rest, 3.3 times after three
-# iterations without them, and 2.7 times after six. Fabric gets three: after six a preview of a bent bar
-# crossed itself, and contact did not let the shape go on before the factor was ready.
+# Rotations of a coarser level leave a stiff surface rough: angles up to 8 times those at rest, 3.3 times
+# after three iterations without them, and 2.7 times after six. Fabric gets three: after six a preview of a
+# bent bar crossed itself, and contact blocked all further steps until the factor was ready.
 _SMOOTHING, _SMOOTHING_OF_FABRIC = 6, 3
 # The iterations of a coarse level double from step to step up to this factor: the first step must be quick,
-# for the targets may move on.
+# since the targets may soon move again.
 _MOST_AHEAD = 8
 
 
@@ -58,7 +58,7 @@ def _coarse(elastic: ElasticSurface, goals: tuple[Goal, ...]) -> LevelSolver:
 
 
 def compute_decimations(rest: RestMesh) -> tuple[Decimation, ...]:
-    """Compute and keep the decimations common to all deformations of a mesh.
+    """Compute and cache the decimations common to all deformations of a mesh.
 
     They take longest of all that does not depend on the held vertices. With these thinnings another
     :class:`RestMesh` of the mesh need not compute them.
@@ -109,7 +109,7 @@ class MultilevelDescent:
 
     @property
     def progress(self) -> SolverProgress:
-        """Readings of the fine surface, or of its preview, which has not converged."""
+        """Readings of the fine surface, or of its unconverged preview."""
         progress = self.fine.progress._replace(seconds_left=self.forecast.seconds_left)
         if not self._is_descending:
             progress = progress._replace(converged=False, convergence_ratio=None)
@@ -124,41 +124,41 @@ class MultilevelDescent:
 
     @property
     def has_ended(self) -> bool:
-        """True if further steps would gain next to nothing, or nothing."""
+        """True if converged, or stuck because goals cannot be met."""
         return self.fine.stuck or (self._is_descending and self.fine.has_converged)
 
     @property
     def _is_descending(self) -> bool:
-        """True if only the fine surface has to converge."""
+        """True if the fine surface alone has still to converge."""
         return self.coarse.converged and not self._previews
 
     @property
     def energy(self) -> float | None:
-        """The energy of the shape to show; None if it is not known."""
+        """Energy of the displayed shape; None if unknown."""
         return None if self._preview else self.fine.energy
 
     @property
     def ready(self) -> bool:
-        """True if a step has nothing to wait for."""
+        """True if a step need not wait for a factorization."""
         return (self._previews and not self.coarse.converged) or self.fine.ready
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten fine steps together reduce the energy by at most this part."""
+        """Converge once ten fine steps reduce the energy by at most this fraction."""
         self.fine.set_tolerance(tolerance)
 
     def has_stalled(self, tolerance: float) -> bool:
-        """True if the last fine steps reduced the energy by at most this part."""
+        """True if the last fine steps reduced the energy by at most this fraction."""
         return self.coarse.converged and self.fine.has_stalled(tolerance)
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
-        """Meet these goals from now on."""
+        """Replace the goals."""
         self._preview = None
         self.coarse.set_goals(goals)
         self.fine.set_goals(goals)
         self._reset()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
+        """Set the target positions (k + s, 3) of the held and soft vertices."""
         self.coarse.aim(targets)
         self.fine.aim(targets)
         self._reset()
@@ -218,7 +218,7 @@ class MultilevelDescent:
         self._ahead = min(2 * self._ahead, _MOST_AHEAD)
 
     def _end_previews(self) -> None:
-        """Iterate from the last preview."""
+        """End the previews, and iterate from the last one."""
         self.forecast.begin_descent()
         self.elastic.rotate_projections(self.coarse.take_rotations())
         if self._preview is not None:
@@ -228,11 +228,11 @@ class MultilevelDescent:
         self.forecast.count_iteration()
 
 
-# Seconds to factor grow with this power of the unknowns (nested dissection on surfaces), times what another
-# process loses by the work of this one (1.1 to 1.4).
+# Exponent of the factorization time in the unknowns (nested dissection on surfaces), and slowdown of another
+# process by the work of this one (1.1 to 1.4).
 _FACTORING, _BESIDE = 1.5, 1.3
-# The fine descent takes about 6 times the root of the coarse iterations (18 and 26 for 15, 25 for 22, 41 for
-# 53, 66 for 69, 113 for 135, 58 for 298). The seconds of each grow with this power of the unknowns.
+# Fine iterations over the root of the coarse ones, as measured (18 and 26 for 15, 25 for 22, 41 for 53, 66
+# for 69, 113 for 135, 58 for 298), and exponent of the time per iteration in the unknowns.
 _DESCENT, _ITERATION = 6.0, 1.3
 
 
@@ -278,7 +278,7 @@ class CoarsePreview:
 
 
 class PreviewForecast:
-    """Expected convergence of a fine surface that waits for its factor.
+    """Forecast of the time to convergence of a fine surface during previews.
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ class PreviewForecast:
 
     @property
     def seconds_left(self) -> float | None:
-        """Seconds until then; None while nothing is known."""
+        """Expected seconds until convergence; None if unknown."""
         return None if self._end is None else max(self._end - time.monotonic(), 0.0)
 
     @property
@@ -308,28 +308,28 @@ class PreviewForecast:
 
     @property
     def descent_seconds(self) -> float:
-        """Expected seconds of these iterations."""
+        """Expected seconds of the fine surface's iterations."""
         return (
             self.iterations * self._coarse.seconds_per_iteration * self._coarse.refinement_ratio**_ITERATION
         )
 
     def reset(self) -> None:
-        """Expect nothing, as the targets have moved."""
+        """Discard the forecast, since the targets have moved."""
         self._end: float | None = None
         self._began, self._done = 0.0, 0
 
     def expect_factor(self) -> None:
-        """Expect the factor, and the iterations after it."""
+        """Forecast the end of the factorization and of the iterations after it."""
         if self._coarse.converged:
             factoring = self.factor_seconds - self._elastic.factor.seconds
             self._end = time.monotonic() + max(factoring, 0.0) + self.descent_seconds
 
     def begin_descent(self) -> None:
-        """The first iteration begins."""
+        """Note the start of the first fine iteration."""
         self._began = time.monotonic()
 
     def count_iteration(self) -> None:
-        """Expect the other iterations at the pace of those so far."""
+        """Update the forecast by the pace of the iterations so far."""
         if self._end is not None:
             self._done += 1
             now = time.monotonic()

@@ -66,12 +66,12 @@ class PathIteration:
 
     @property
     def is_on_its_way(self) -> bool:
-        """True if the held vertices or obstacles go on."""
+        """True if held vertices or obstacles are still moving along the path."""
         return not self.has_arrived or self._solver.is_on_its_way
 
     @property
     def settled(self) -> bool:
-        """True if iterating further changes nothing."""
+        """True if further iterations would change nothing."""
         return not self.is_on_its_way and self._solver.settled
 
     def _aim(self, U: np.ndarray | None = None, start_shifts: np.ndarray | None = None) -> None:
@@ -79,14 +79,14 @@ class PathIteration:
         self._solver.aim(stop.targets, U, stop.soft_targets, stop.shifts, start_shifts)
 
     def iterate(self) -> None:
-        """Iterate once, and go on to the next stop when it is time."""
+        """Iterate once, and advance to the next stop when due."""
         self._solver.iterate()
         self._iterations += 1
         if self.has_arrived or self._iterations < ITERATIONS_A_STEP or self._solver.is_on_its_way:
             return
         self._iterations = 0
         if self._solver.share_reached < 1.0:
-            self.has_arrived, self.is_iterate_hidden = True, False  # contact lets the handles go no farther
+            self.has_arrived, self.is_iterate_hidden = True, False  # contact stops the handles
             return
         self._leg += 1
         self.has_arrived = self._leg == len(self._stops) - 1
@@ -94,7 +94,7 @@ class PathIteration:
         self._aim()
 
     def settle(self, most: int, tick: Callable[[int], object]) -> Frame:
-        """Iterate to the end of the path, and there at most ``most`` times.
+        """Iterate to the end of the path, then at most ``most`` times until settled.
 
         ``tick`` is called after each iteration with the number of those at the end.
         """
@@ -106,7 +106,7 @@ class PathIteration:
         return self.frame()
 
     def frame(self) -> Frame:
-        """The frame of the last iteration, its share that of the whole path."""
+        """Frame of the last iteration, with the completed fraction of the whole path."""
         frame = self._solver.frame()
         if len(self._stops) == 1:
             return frame

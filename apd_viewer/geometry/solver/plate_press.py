@@ -1,4 +1,4 @@
-"""Two plates that close on a mesh in steps, each at rest."""
+"""Press of two plates closing on a mesh in steps, each with an equilibrium shape."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, method_named
 from apd_viewer.language import tr
 
 DEFAULT_STEPS, MOST_STEPS = 20, 1000
-# For each step.
+# Largest number of iterations per step.
 DEFAULT_ITERATIONS = 10_000
-# Plates that are stopped try again so many times.
+# Attempts to move on once contact has stopped the plates.
 _RETRIES = 5
-# Plates that open touch while they carry this part of what they carried.
+# Fraction of the load before opening, above which opening plates still touch.
 _TOUCHES = 1e-9
-# Of the area: less energy is rounding, strains of a millionth.
+# Energy per area below which it is only rounding, as of strains of a millionth.
 _NO_ENERGY = 1e-12
 
 
 class PlatePress:
-    """Two parallel plates that close on a mesh in equal steps.
+    """Two parallel plates closing on a mesh in equal steps.
 
     They touch it at first. With nothing held the mesh may slide between them, but not turn as a whole.
 
@@ -93,7 +93,7 @@ class PlatePress:
         self._count, self._iterations = steps, iterations
         self._relaxes = start is not None
         U = rest.solve_mesh.V if start is None else checked_start(start, rest)[rest.weld.first]
-        # A shape to begin from springs back first; until then the plates stand aside.
+        # A given start shape first relaxes to equilibrium, with the plates set apart from it.
         plates = self._plates_around(U, aside=rest.diagonal if self._relaxes else 0.0)
         settings |= {"rest": rest, "contact": True, "calm": False, "obstacles": plates}
         self.solver = Deformation(rest.V, rest.F, fixed, **settings)
@@ -107,10 +107,10 @@ class PlatePress:
         self.solver.aim(self._targets, start)
 
     def _plates_around(self, U: np.ndarray, aside: float = 0.0) -> list[Obstacle]:
-        """Plates at a local shape ``U`` (k, 3) of the solve, or ``aside`` of it."""
+        """Plates around a local shape ``U`` (k, 3), each at a distance ``aside``."""
         X = U[np.unique(self._rest.solve_mesh.F)]
         self.travel = way = plate_travel(X, *self._asked)
-        # The middle of the bounding box: plates need a place across their axis, too.
+        # Centre of the bounding box: plates also need a position perpendicular to their axis.
         middle, size = 0.5 * (X.min(axis=0) + X.max(axis=0)), diagonal(X)
         middle = middle - (middle @ way.axis) * way.axis
         self._shifts = 0.5 * way.length * np.array([way.axis, -way.axis])
@@ -127,12 +127,12 @@ class PlatePress:
 
     @property
     def share(self) -> float:
-        """Share of their way that the plates have gone."""
+        """Fraction of the plates' travel completed."""
         return self._from + self._contact.share * (self._to - self._from)
 
     @property
     def is_stopped(self) -> bool:
-        """True if the plates can go no farther."""
+        """True if the plates can move no further."""
         return self._contact.is_stopped
 
     @property
@@ -142,7 +142,7 @@ class PlatePress:
         return load_excess(self._contact.elastic.material, cell_stiffness(shape.V, shape.F))
 
     def steps(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
-        """Press: the shapes at rest, from the first touch on.
+        """Press the mesh; yield the equilibrium shapes from the first contact on.
 
         A shape to begin from comes to rest by itself before the plates touch it.
 
@@ -169,7 +169,7 @@ class PlatePress:
                 return
 
     def release(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
-        """Open the plates again: the shapes at rest, until the plates no longer touch.
+        """Open the plates; yield the equilibrium shapes until they no longer touch.
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ class PlatePress:
         return float(np.abs(self.solver.frame().loads).max())
 
     def settle_at(self, share: float, tick: Callable[[float], object] = lambda _: None) -> None:
-        """Go to a share of the way, and come to rest there, as far as iterations suffice.
+        """Move the plates to a fraction of their travel, and iterate to equilibrium.
 
         Walls in the way of the plates may give way once they have come to rest.
         """
@@ -201,7 +201,7 @@ class PlatePress:
             self._go_to(share, tick)
 
     def aim(self, share: float) -> None:
-        """Let the plates go to a share of their way with the next iterations."""
+        """Set the plates' next target, a fraction of their travel."""
         self._from, self._to = self.share, share
         self.solver.aim(self._targets, shifts=share * self._shifts)
 
@@ -236,7 +236,7 @@ class PlatePress:
 
     @property
     def _stretching(self) -> float:
-        """Share of the wall's energy in its stretching, 0 to 1."""
+        """Fraction of the elastic energy due to stretching, 0 to 1."""
         elastic = self._contact.elastic
         if elastic.energy <= _NO_ENERGY * self._rest.area:
             return 0.0
@@ -245,7 +245,7 @@ class PlatePress:
 
     @cached_property
     def _membrane(self) -> Membrane:
-        """Stretching alone: cells without bending are triangles of a membrane."""
+        """Membrane with the wall's stretching energy alone, without bending."""
         shape, material = self._rest.solve_mesh, self._contact.elastic.material
         return Membrane(shape.V, shape.all_triangles, 2.0 * material.rigidity + material.shear, material.area)
 
@@ -261,7 +261,7 @@ def _check_count(given: int, most: int, otherwise: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class PressStep:
-    """Shape between two plates at rest, and its readings.
+    """Shape between two plates after a step, and its readings.
 
     Attributes
     ----------
@@ -315,7 +315,7 @@ class PressStep:
 
 
 class PlateTravel(NamedTuple):
-    """Way of two parallel plates.
+    """Travel of two parallel plates.
 
     Attributes
     ----------
@@ -334,17 +334,17 @@ class PlateTravel(NamedTuple):
 
     @property
     def first_distance(self) -> float:
-        """Distance at the first touch."""
+        """Distance of the plates at first contact."""
         return self.high - self.low
 
     @property
     def length(self) -> float:
-        """Distance by which they close."""
+        """Distance by which the plates close."""
         return self.first_distance - self.last_distance
 
 
 def plate_travel(points: np.ndarray, axis: np.ndarray, to: float, thickness: float | None) -> PlateTravel:
-    """Way of plates that touch ``points`` at first, and are ``to`` apart in the end.
+    """Travel of plates from first contact with ``points`` to a distance ``to``.
 
     Parameters
     ----------

@@ -21,13 +21,13 @@ from apd_viewer.geometry.solver.methods import (
 )
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress, PressStep
 
-# Share of the time that plates take to close, where they open again.
+# Estimated fraction of the time for closing, if the plates open again.
 _PRESSING = 0.7
 
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """A pressed mesh.
+    """Steps of a pressed mesh, with its load curve.
 
     Attributes
     ----------
@@ -61,12 +61,12 @@ class Pressed:
 
     @property
     def stretching(self) -> float:
-        """Largest share of the wall's energy in its stretching as the plates close."""
+        """Largest fraction of the energy due to stretching while the plates close."""
         return max(step.stretching for step in self.steps)
 
     @property
     def last(self) -> PressStep:
-        """The end of all."""
+        """Last step, of the release if there was one."""
         return (self.steps + self.released)[-1]
 
     @property
@@ -99,7 +99,7 @@ def press(
     weld: bool = False,
     progress: Callable[[float], object] = lambda _: None,
 ) -> Pressed:
-    """Press a mesh between two plates that close along ``axis``.
+    """Press a mesh between two plates closing along ``axis``.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def press(
 def press_between(
     plates: PlatePress, release: bool, progress: Callable[[float], object] = lambda _: None
 ) -> Pressed:
-    """Press with plates that are in place; see :func:`press`."""
+    """Press with given plates; see :func:`press`."""
     part = _PRESSING if release else 1.0
     steps = list(plates.steps(lambda done: progress(part * done)))
     stopped = plates.is_stopped
@@ -182,20 +182,20 @@ def press_between(
 def pressed_mesh(
     steps: Sequence[PressStep], released: Sequence[PressStep], is_stopped: bool, excess: float | None
 ) -> Pressed:
-    """Steps of a press with the readings of their loads."""
+    """Pressed mesh from its steps, with the readings of its load curve."""
     loads = [0.5 * (step.load_low + step.load_high) for step in steps]
     curve = load_curve(np.array([step.deflection for step in steps]), np.array(loads))
     return Pressed(tuple(steps), tuple(released), curve, is_stopped, excess)
 
 
-# A load that falls by this part after its maximum has yielded: less is the noise of shapes nearly at rest.
+# Relative fall of the load after its maximum taken as yielding; smaller ones are convergence noise.
 _FALLS = 0.01
-# The apparent stiffness is the slope of the line through the first points up to this part of the yield load.
+# Fraction of the yield load up to which points are fitted for the apparent stiffness.
 _STRAIGHT = 0.5
 
 
 class LoadCurve(NamedTuple):
-    """Readings of a curve of loads.
+    """Readings of a load-deflection curve.
 
     Attributes
     ----------
@@ -217,7 +217,7 @@ class LoadCurve(NamedTuple):
 
 
 def load_curve(deflection: np.ndarray, load: np.ndarray) -> LoadCurve:
-    """Readings of the loads (s,) at deflections (s,), both from 0 on.
+    """Readings of the curve of loads (s,) over deflections (s,), both from 0.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ def load_curve(deflection: np.ndarray, load: np.ndarray) -> LoadCurve:
 
 
 def _first_maximum(y: np.ndarray) -> int | None:
-    """Place of the first maximum that is followed by a fall; None without one."""
+    """Index of the first maximum followed by a fall; None without one."""
     top = 0
     for k in range(1, len(y)):
         if y[k] > y[top]:

@@ -20,18 +20,18 @@ from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.rotations import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel
 
-# Radius of a coarse vertex's influence in mean lengths of its edges, and the rings of neighbours that reach
-# so far.
+# Radius of a coarse vertex's influence in mean lengths of its edges, and the rings of neighbours within
+# that radius.
 _REACH, _RINGS = 2.5, 4
-# Share of the rotation in a gradient: across the surface the neighbours say nothing.
+# Weight of the rotation in a gradient: across the surface it is not determined by the neighbours.
 _ROTATION = 1e-2
 _COMPONENTS = 15
-# Vertices per task of a core.
+# Vertices per parallel task.
 _PORTION = 1024
 
 
 class Prolongation:
-    """Smooth weights of coarse vertices at every fine one.
+    """Smooth interpolation from coarse vertices to every fine one.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class Prolongation:
 
 @njit(cache=True, nogil=True)
 def _rings_of(start: np.ndarray, neighbour: np.ndarray, depth: int) -> tuple[np.ndarray, np.ndarray]:
-    """Every vertex and those up to ``depth`` edges away, nearest first, in rows."""
+    """Rows of every vertex and those up to ``depth`` edges away, nearest first."""
     n = len(start) - 1
     rows, mark = np.zeros(n + 1, dtype=np.int64), np.full(n, -1)
     found = np.empty(64 * n + 64, dtype=np.int32)

@@ -16,7 +16,7 @@ from apd_viewer.geometry.goals.goal_projection import ElasticResponse, GoalProje
 from apd_viewer.geometry.linalg.lbfgs import LbfgsMemory
 
 _REMEMBERED = 5
-# Least part of the decrease predicted by the slope [Armijo 1966].
+# Smallest accepted fraction of the decrease predicted by the slope [Armijo 1966].
 _SHARE_OF_PROMISE = 1e-4
 _HALVINGS = 12
 
@@ -26,7 +26,7 @@ class DescentSurface(ElasticResponse, Protocol):
 
     @property
     def energy(self) -> float:
-        """The energy of the current positions."""
+        """Energy of the current positions."""
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
@@ -34,13 +34,13 @@ class DescentSurface(ElasticResponse, Protocol):
     def positions_along(
         self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
-        """``U`` (n, 3) plus a share of ``direction`` (f, 3), held at ``targets``."""
+        """``U`` (n, 3) plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current."""
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Make ``U`` (n, 3) current; the energy there."""
+        """Make ``U`` (n, 3) current; return its energy."""
 
 
 class QuasiNewton:
@@ -58,18 +58,18 @@ class QuasiNewton:
         self._growth, self._share = growth, 1.0
         self._elastic, self._projection = elastic, projection
         self._memory = LbfgsMemory(len(elastic.free), _REMEMBERED)
-        # G and g where the last step began.
+        # G and g at the start of the last step.
         self._last: tuple[np.ndarray, np.ndarray] | None = None
         self.multipliers = np.zeros(len(projection.goals))
         self.energy = elastic.energy
 
     def resume(self) -> None:
-        """Go on from where the surface was put, with what is remembered of its steps."""
+        """Continue from changed positions, keeping the memory of earlier steps."""
         self._last = None
         self.energy = self._elastic.energy
 
     def step(self, held: np.ndarray) -> bool:
-        """One step for ``held`` (k, 3) as already placed; False at a minimum."""
+        """Do one step with held vertices at ``held`` (k, 3); return False at a minimum."""
         elastic, projection = self._elastic, self._projection
         projection.evaluate(elastic.U)
         if projection.has_outdated_directions:
@@ -100,7 +100,7 @@ class QuasiNewton:
                 enough = energy <= self.energy + _SHARE_OF_PROMISE * share * promise
                 if enough and self._projection.has_met_goals:
                     self.energy, self._share = energy, share
-                    self._memory.note_step(start, U, elastic.free)
+                    self._memory.record_step(start, U, elastic.free)
                     return True
             elastic.local_step(start)
             self._projection.evaluate(start)

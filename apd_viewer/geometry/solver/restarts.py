@@ -24,25 +24,25 @@ from apd_viewer.geometry.solver.multilevel import (
     multilevel_descent,
 )
 
-# A minimum is better, and shown, if it takes so much of the energy away.
+# Relative reduction of the energy from which a minimum counts as better, and is shown.
 _GAIN = 1e-3
-# A minimum is followed no further while others are tried than to where ten steps bring less than that of the
-# energy; the best of them is, at the end. Less far, at 1e-3, the folds found are worse.
+# Tolerance of minima during trials: ten steps reduce the energy by less than this fraction. Only the best
+# is converged further, at the end. With a coarser tolerance of 1e-3 the folds found are worse.
 _TRIAL_TOLERANCE = 1e-4
-# So many minima in a row may be higher than the best.
+# Number of successive minima that may be higher than the best.
 _PATIENCE = 1
-# Where a Hessian ends the descent, which takes longer than elsewhere, the first trial that is higher is the
-# last. None goes on whose coarse surface has come to rest higher than before, and only those whose is lower
-# go on once a Hessian would be factored for them.
+# Descents with a Hessian take longer, so the first trial with a higher minimum is the last. A trial ends if
+# its coarse surface converges to a higher energy than before or, if to about the same one, as soon as a
+# Hessian would be factored for it.
 _PATIENCE_BY_HESSIAN, _BEFORE_HESSIAN = 0, LATE_TOLERANCE
-# Coarse shapes closer than this part of their size are the same: there is no other minimum to follow.
+# Relative distance below which coarse shapes are the same, and lead to no other minimum.
 _SAME = 5e-3
 
 
 def make_solver(
     elastic: ElasticSurface, goals: tuple[Goal, ...], method: Method, handle_of: np.ndarray, plain: bool
 ) -> IterativeSolver:
-    """Solver of a method; ``handle_of`` (k + s,) tells handles from base, from 1."""
+    """Solver of a method, with handle numbers (k + s,) from 1 and 0 for the base."""
     if method.moves_handles:
         return LiHui(elastic, handle_of, goals)
     if plain or method.is_plain_only or not len(elastic.fixed):
@@ -51,7 +51,7 @@ def make_solver(
 
 
 def minimizer(elastic: ElasticSurface, goals: tuple[Goal, ...]) -> IterativeSolver:
-    """Solver with coarse levels and restarts as useful."""
+    """Minimising solver, with coarse levels and restarts where useful."""
     if gains_from_coarse_level(elastic):
         return Restarts(multilevel_descent(elastic, goals))
     return ConstrainedDescent(elastic, goals)
@@ -80,7 +80,7 @@ class Restarts:
 
     @property
     def progress(self) -> SolverProgress:
-        """Readings of the best shape while another is on trial.
+        """Readings of the best shape so far during a trial.
 
         It has converged once no further restart promises a lower minimum.
         """
@@ -95,28 +95,28 @@ class Restarts:
 
     @property
     def energy(self) -> float | None:
-        """The energy of the shape to show; None if it is not known."""
+        """Energy of the displayed shape; None if unknown."""
         return self._best[0] if self._on_trial else self.inner.energy
 
     @property
     def ready(self) -> bool:
-        """True if a step has nothing to wait for."""
+        """True if a step need not wait for a factorization."""
         return self.inner.ready
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Take a minimum for one once ten steps reduce the energy by at most this part."""
+        """Accept a minimum once ten steps reduce the energy by at most this fraction."""
         self._end_trial()
         self.inner.set_tolerance(tolerance)
         self._reset()
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
-        """Meet these goals from now on."""
+        """Replace the goals."""
         self._end_trial()
         self.inner.set_goals(goals)
         self._reset()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
+        """Set the target positions (k + s, 3) of the held and soft vertices."""
         self._end_trial()
         self.inner.aim(targets)
         self._reset()
@@ -127,10 +127,10 @@ class Restarts:
         self._reset()
 
     def _reset(self) -> None:
-        # Energy, shapes of all levels, multipliers.
+        # Energy, shapes of all levels and multipliers of the best minimum.
         self._best: tuple[float, list[np.ndarray], np.ndarray] = (np.inf, [], np.zeros(0))
         self._minima: list[float] = []
-        # Of the coarse surface, where it has led from.
+        # Lowest coarse energy, whether the coarse level has converged in this trial, and without lowering it.
         self._coarse_minimum, self._led, self._doubtful = np.inf, False, False
         self._on_trial = self._finishing = self._done = False
 
@@ -141,7 +141,7 @@ class Restarts:
         progress = inner.progress
         energy = self.elastic.energy if self._on_trial else np.inf
         gain = 0.0 if self._finishing else _GAIN
-        # Once shown it stays: switching back would flicker.
+        # Once shown, the shape of a trial stays: switching back would flicker.
         self._on_trial = self._on_trial and not energy < (1.0 - gain) * self._best[0]
         if self._finishing:
             if progress.stuck or progress.converged:
@@ -154,7 +154,7 @@ class Restarts:
             self._begin_trial()
 
     def _leads_nowhere(self) -> bool:
-        """True if the coarse level has come to rest on trial, and promises nothing."""
+        """True if a trial's coarse level has converged without prospect of a new minimum."""
         coarse = self.inner.coarse
         if self._led or not coarse.converged:
             return False
@@ -171,14 +171,14 @@ class Restarts:
         return float(np.abs(now - before).max()) <= _SAME * float(np.ptp(before, axis=0).max())
 
     def _fails(self, energy: float, progress: SolverProgress) -> bool:
-        """True if the trial has converged and is the last one worth it."""
+        """True if the trial has converged, and no further trial is worthwhile."""
         if not (progress.converged or self._stalls(energy)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
         return known or len(self._minima) - int(np.argmin(self._minima)) > self._patience
 
     def _stalls(self, energy: float) -> bool:
-        """True if steps on trial gain too little at this energy."""
+        """True if steps of the trial gain too little at this energy."""
         soon = self._by_hessian and self._doubtful and not energy < self._best[0]
         return self.inner.has_stalled(_BEFORE_HESSIAN if soon else _TRIAL_TOLERANCE)
 
@@ -192,19 +192,19 @@ class Restarts:
         self._best, self._minima, self._on_trial = best, [*minima, energy], True
 
     def _finish(self) -> None:
-        """Settle the best shape, and show it once it is better still."""
+        """Converge the best shape fully, and show it once its energy is lower."""
         best, minima = self._best, self._minima
         self._end_trial()
         self._best, self._minima = best, minima
         self._finishing = self._on_trial = True
 
     def _end(self) -> None:
-        """Come to rest in the best shape."""
+        """End with the best shape."""
         self._end_trial()
         self._done = True
 
     def _end_trial(self) -> None:
-        """Restore the best shape, if another one is on trial."""
+        """Restore the best shape, if a trial is in progress."""
         if self._on_trial:
             _, shapes, multipliers = self._best
             self.inner.restore(shapes)

@@ -1,4 +1,4 @@
-"""Settings of a deformation, and the table of what is known of each.
+"""Settings of a deformation, and the table of their properties.
 
 Options of the command line, columns of plans, keys of sessions, rows of reports and arguments of exported
 scripts all follow from the table.
@@ -30,7 +30,7 @@ _LARGEST_STIFFNESS = 1e6
 
 
 class SettingKind(Enum):
-    """Kind of value; readers and writers have a case for each."""
+    """Kind of a setting's value; readers and writers handle each kind."""
 
     METHOD = auto()
     NUMBER = auto()
@@ -72,7 +72,7 @@ class Setting:
 
 
 def _setting(default: object, *row: Any, factored: bool = False, **more: Any) -> Any:
-    """Field of the settings with its row; ``factored`` if a change refactors."""
+    """Settings field with its description; ``factored`` if a change needs factoring."""
     metadata = {"setting": Setting(*row, **more), "factored": factored}
     return field(default=default, metadata=metadata)
 
@@ -89,7 +89,7 @@ def _stiffness(default: float, title: str, words: str, **more: Any) -> Any:
 
 @dataclass(frozen=True)
 class Settings:
-    """Method, material, targets and criteria of a deformation, whatever the mesh.
+    """Method, material, targets and criteria of a deformation, for any mesh.
 
     Attributes
     ----------
@@ -238,12 +238,12 @@ class Settings:
 
     @property
     def uses_contact(self) -> bool:
-        """True if walls are kept apart, by a method that can."""
+        """True if contact is on and the method supports it."""
         return self.contact and self.traits.may_use_contact
 
     @property
     def in_effect(self) -> Settings:
-        """The settings, those that do not apply at their defaults."""
+        """Settings with those not applicable reset to their defaults."""
         idle = {name for name, setting in SETTINGS.items() if not setting.applies(self)}
         return replace(self, **{name: getattr(DEFAULT_SETTINGS, name) for name in idle})
 

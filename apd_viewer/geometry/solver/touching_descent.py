@@ -18,22 +18,22 @@ from apd_viewer.geometry.solver.iterative_solver import SolverProgress
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
 from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
-# Lengths of parts, in sizes of the mesh: the first, the longest, and what is no part any more.
+# Path increments in mesh sizes: the first, the longest and the shortest.
 _FIRST, _LONGEST, _NONE = 2e-3, 8e-3, 1e-4
-# A part that is refused is tried with less, so many times; the next one is longer.
+# Attempts at a path increment, and its factors after a blocked and after a successful one.
 _TRIES, _LESS, _MORE = 6, 0.4, 1.4
-# Steps between two parts, as many as bring more than this part of the energy: a shape that has not followed
-# would be wound up.
+# Steps between two path increments: fewest, most, and the relative energy gain below which they end. A shape
+# lagging behind the held vertices would be wound up.
 _LEAST_STEPS, _MOST_STEPS, _FOLLOWS = 4, 40, 1e-3
-# The path ends where so many parts together bring the held vertices no farther.
+# Number of path increments without progress after which the path ends.
 _PATIENCE = 12
-# Convergence is judged over so many steps.
+# Number of steps over which convergence is judged.
 _WINDOW = 10
-# Where much is in the way, about as long a step as the last is what can be gone.
+# Largest growth of a step: in dense contact about the length of the last one is collision-free.
 _GROWTH = 1.6
-# Largest way of a disturbance, in sizes of the mesh: a tenth of the distance that walls keep by default.
+# Largest displacement of a disturbance, in mesh sizes: a tenth of the default distance between walls.
 _DISTURBED, _SEED = 1e-4, 0
-# Loads on a mesh that nothing holds cancel out up to this part of their sum; so many more steps are spent.
+# Largest load imbalance of a mesh without held vertices, and most additional steps to reach it.
 _BALANCED, _MORE_STEPS = 2e-3, 300
 
 
@@ -84,7 +84,7 @@ class TouchingDescent:
 
     @property
     def progress(self) -> SolverProgress:
-        """Current shape and readings; hidden after a step that only tried to go on.
+        """Current shape and readings; hidden after a step along the path.
 
         It is stuck where no free way leads to shapes that meet the goals.
         """
@@ -106,12 +106,12 @@ class TouchingDescent:
 
     @property
     def is_stopped(self) -> bool:
-        """True if contact lets the held vertices go no farther."""
+        """True if contact keeps the held vertices from moving any further."""
         return self.share < 1.0 and self._waited >= _PATIENCE
 
     @property
     def is_on_its_way(self) -> bool:
-        """True while the held vertices have part of their path ahead."""
+        """True while the held vertices are moving along their path."""
         return self.share < 1.0 and not self.is_stopped
 
     @property
@@ -130,7 +130,7 @@ class TouchingDescent:
 
     @property
     def load_imbalance(self) -> float:
-        """Length of the sum of all loads on obstacles, in the sum of their lengths.
+        """Length of the sum of all obstacle loads over the sum of their lengths.
 
         0 where something is held, which takes the rest.
         """
@@ -143,12 +143,12 @@ class TouchingDescent:
 
     @property
     def convergence_ratio(self) -> float | None:
-        """Gain of the last steps in multiples of its tolerance; None before them."""
+        """Energy gain of the last steps in multiples of the tolerance; None at first."""
         E = self._energies
         return float(E[0] - E[-1]) / (self.tolerance * float(E[-1])) if len(E) > _WINDOW else None
 
     def follow_path(self, path: HeldPath, share: float) -> None:
-        """Follow ``path`` from ``share``, the present place of the held vertices."""
+        """Follow ``path`` from ``share``, the held vertices' current fraction of it."""
         self._path, self.share = path, share
         part = self._size / max(path.length, _NONE * self._size)
         self._part, self._longest, self._no_part = _FIRST * part, _LONGEST * part, _NONE * part
@@ -167,7 +167,7 @@ class TouchingDescent:
             return
         self._steps += 1
         if self._surface.renew_springs():
-            # The directions of the goals yield to what touches, too: otherwise each step pushes against it.
+            # Goal directions depend on the contact springs; outdated ones would push against the contact.
             self._projection.refresh_directions(self.U)
             self._quasi_newton.resume()
         self._at_minimum = not self._quasi_newton.step(self.held_positions)
@@ -177,13 +177,13 @@ class TouchingDescent:
 
     @property
     def _has_followed(self) -> bool:
-        """True if the shape has come to where the held vertices are, by and large."""
+        """True if the shape has roughly adapted to the held vertices."""
         E = self._energies
         slow = len(E) > 1 and E[-2] - E[-1] <= _FOLLOWS * E[-1]
         return self._steps >= _MOST_STEPS or (self._steps >= _LEAST_STEPS and slow)
 
     def _walk(self) -> None:
-        """Go the next part of the path, or as much of it as is free."""
+        """Move the held vertices along the next collision-free part of the path."""
         self._steps = 0
         for _ in range(_TRIES):
             share = min(1.0, self.share + self._part)
@@ -199,7 +199,7 @@ class TouchingDescent:
         self._quasi_newton.resume()
 
     def _goes_to(self, share: float) -> bool:
-        """Move held vertices and obstacles, the free ones following; False if refused."""
+        """Move held vertices and obstacles, free vertices following; False if blocked."""
         surface, projection, start = self._surface, self._projection, self._surface.U
         held = self._path.positions_at(share)
         surface.contact.aim_obstacles(self._path.shifts_at(share))
@@ -212,8 +212,8 @@ class TouchingDescent:
         self.held_positions = held
         return True
 
-    def disturb_shape(self) -> None:
-        """Move the free vertices a little, if that is free, always in the same manner.
+    def perturb_shape(self) -> None:
+        """Perturb the free vertices slightly and reproducibly, if collision-free.
 
         A wall that is pressed evenly would stay straight beyond the load at which it buckles: nothing would
         tell it to which side. So it gives to small random forces as its stiffness has it, most where it is
@@ -229,7 +229,7 @@ class TouchingDescent:
         self._quasi_newton.resume()
 
     def _moves_to(self, W: np.ndarray) -> bool:
-        """Move to what is near ``W`` (n, 3) and meets the goals; False if refused."""
+        """Move to a shape near ``W`` (n, 3) meeting the goals; False if blocked."""
         W, _ = self._projection.project(W)
         if not self._projection.has_met_goals:
             return False

@@ -22,9 +22,9 @@ from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.linear_solver import Factor, LinearSolver
 
-# The springs of what touches are renewed after so many steps.
+# Steps after which the contact springs are renewed.
 _RENEWED = 40
-# Attempts at a free way: so many with shares of their own for all vertices, then with one for all.
+# Attempts at a collision-free step: first with a fraction for each vertex, then with one for all.
 _LOCAL, _ATTEMPTS = 3, 4
 _MOST_AT_ONCE = 0.5
 
@@ -54,11 +54,11 @@ class TouchingSurface:
 
     @property
     def energy(self) -> float:
-        """The energy of the current positions."""
+        """Energy of the current positions."""
         return self._whole(self.elastic.energy)
 
     def _whole(self, elastic: float) -> float:
-        """The energy of the current positions, with that of the elastic surface."""
+        """Total energy of the current positions, given the ``elastic`` energy."""
         gas = self.gas.energy(self.elastic.U) if self.gas else 0.0
         return elastic + self.contact.energy_at(self.elastic.U) + gas
 
@@ -71,7 +71,7 @@ class TouchingSurface:
         return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
-        """Response to forces ``b_f``, both (f, 3), with the springs of what touches.
+        """Response to forces ``b_f``, both (f, 3), with the contact springs.
 
         Where nothing is held it has no turn of the whole against the shape at first: between plates without
         friction all would topple.
@@ -82,7 +82,7 @@ class TouchingSurface:
         return turns.without_rotation(self.metric.solve(turns.without_torque(b_f)))
 
     def without_rotation(self, U: np.ndarray, weight: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3) less its turn against the shape at first, where nothing is held.
+        """``U`` (n, 3) without rotation from the initial shape, if nothing is held.
 
         What contact pushes along or stops has turned the whole a little. The others turn it back, each by as
         much as ``weight``, (n,), has it.
@@ -98,7 +98,7 @@ class TouchingSurface:
         return self.rest.vertex_areas[self.free]
 
     def following_positions(self, held: np.ndarray, held_after: np.ndarray) -> np.ndarray:
-        """Free positions (f, 3) after a move of all else.
+        """Free positions (f, 3) after a motion of held vertices and obstacles.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class TouchingSurface:
     def positions_along(
         self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
-        """Positions ``U`` plus a share of ``direction`` (f, 3), held at ``targets``."""
+        """Positions ``U`` plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
         return self.elastic.positions_along(U, share, direction, targets)
 
     def local_step(self, U: np.ndarray) -> None:
@@ -148,12 +148,12 @@ class TouchingSurface:
         self.elastic.local_step(U)
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Make ``U`` (n, 3) current; the energy there."""
+        """Make ``U`` (n, 3) current; return its energy."""
         return self._whole(self.elastic.energy_after_local_step(U))
 
 
 class CollisionFreeProjection(GoalProjection):
-    """Projection onto goals that leads only to shapes with a free way to them.
+    """Projection onto goals by collision-free steps only.
 
     Parameters
     ----------
@@ -169,11 +169,11 @@ class CollisionFreeProjection(GoalProjection):
 
     @property
     def has_met_goals(self) -> bool:
-        """True if all goals are met at the last positions, and the way there is free."""
+        """True if the goals are met at the last positions by a collision-free step."""
         return self._is_free and super().has_met_goals
 
     def project(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions near ``U`` (n, 3) that meet the goals by a free way, and steps."""
+        """Collision-free positions near ``U`` (n, 3) meeting the goals, and steps."""
         start, self._is_free = self._contact.start, False
         W, mu = super().project(U)
         for attempt in range(_ATTEMPTS + 1):
@@ -195,7 +195,7 @@ _AXES = np.eye(3)
 
 
 class OverallRotation:
-    """Turns about the centre of a shape.
+    """Projection removing overall rotation, or torque, about the centre of a shape.
 
     Parameters
     ----------
@@ -230,17 +230,17 @@ class OverallRotation:
 
 
 def _moment(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
-    """Sum (3,) of the cross products of rows."""
+    """Sum (3,) of the cross products of corresponding rows."""
     P = _products(X, Y)
     return np.array([P[1, 2] - P[2, 1], P[2, 0] - P[0, 2], P[0, 1] - P[1, 0]])
 
 
 def _turned_by(turn: np.ndarray) -> np.ndarray:
-    """The matrix (3, 3) whose products with rows are ``turn x row``."""
+    """Matrix (3, 3) mapping a row vector to ``turn x row``."""
     return np.cross(turn, _AXES)
 
 
-# Without BLAS, whose sums depend on its number of threads.
+# einsum instead of BLAS, whose sums depend on the number of threads.
 
 
 def _mean(m: np.ndarray, X: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The document and its shape: frozen values, replaced and never edited."""
+"""Document of user input: an immutable value, replaced rather than edited."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from apd_viewer.session.model.named_obstacle import NamedObstacle, geometric_obs
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """User input only, nothing derived; compared by identity, arrays read-only.
+    """User input without derived values; compared by identity, arrays read-only.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Document:
     labels: np.ndarray = field(metadata=FACTORED)
     grip: np.ndarray = field(metadata=NOT_FACTORED)
     member: np.ndarray = field(metadata=NOT_FACTORED)
-    # Each field of a handle and of the settings declares it for itself.
+    # Fields of handles and settings carry their own declarations.
     handles: tuple[Handle, ...] = field(
         default=(Handle(default_name(tr("Handle"), 1)),), metadata=NOT_FACTORED
     )
@@ -91,26 +91,26 @@ class Document:
     poses: tuple[NamedPose, ...] = field(default=(), metadata=NOT_FACTORED)
     mirror_axis: int | None = field(default=None, metadata=NOT_FACTORED)
 
-    # What follows from it
+    # Derived values
 
     @property
     def paint_problem(self) -> str | None:
-        """Sentence about paint missing for moving anything; None if none is."""
+        """Sentence about missing paint needed for a motion; None if complete."""
         return memo.paint_problem(self.labels, self.has_active_obstacles)
 
     @property
     def has_active_obstacles(self) -> bool:
-        """True if there are obstacles, and contact for them to push by."""
+        """True if there are obstacles and contact is on."""
         return bool(self.obstacles) and self.settings.uses_contact
 
     @property
     def active_obstacles(self) -> tuple[Obstacle, ...]:
-        """The obstacles that push, where they were put."""
+        """Active obstacles at their initial positions."""
         return geometric_obstacles(self.obstacles, self.mesh.V) if self.has_active_obstacles else ()
 
     @property
     def label_counts(self) -> np.ndarray:
-        """Number of the vertices with each label, (256,) int array."""
+        """Number of vertices with each label, (256,) int array."""
         return memo.label_counts(self.labels)
 
     @property
@@ -119,13 +119,13 @@ class Document:
         return memo.label_centre(self.labels, self.grip, BASE) if self.label_counts[BASE] else None
 
     def centre(self, k: int) -> np.ndarray | None:
-        """Centre of the grip of handle ``k``, (3,); None if it holds nothing."""
+        """Centre of the grip of handle ``k``, (3,); None if it has no vertices."""
         return (
             memo.label_centre(self.labels, self.grip, HANDLE + k) if self.label_counts[HANDLE + k] else None
         )
 
     def pivot(self, k: int) -> np.ndarray | None:
-        """Pivot of handle ``k`` at its grip, (3,); None if it holds nothing."""
+        """Pivot of handle ``k`` at its grip, (3,); None if it has no vertices."""
         centre, own = self.centre(k), self.handles[k].pivot
         return centre if own is None or centre is None else own
 
@@ -152,7 +152,7 @@ class Document:
 
     @property
     def is_posed(self) -> bool:
-        """True if any handle has been moved from its grip, or an obstacle that pushes."""
+        """True if any handle or active obstacle has been moved."""
         handles = any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
         return handles or (self.has_active_obstacles and any(each.shift.any() for each in self.obstacles))
 
@@ -163,7 +163,7 @@ class Document:
 
     @property
     def target_percentages(self) -> tuple[float | None, ...]:
-        """Percentages asked for: of the area, the volume and each region."""
+        """Target percentages of the area, the volume and each region."""
         return self.settings.area, self.settings.volume, *(part.area for part in self.regions)
 
     @property
@@ -174,7 +174,7 @@ class Document:
         return memo.rest_areas(self.mesh.V, self.mesh.F, self.member, len(self.regions))
 
     def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
-        """Area of each region at ``U`` (n, 3), of the triangles with all corners in it."""
+        """Areas of the regions in shape ``U`` (n, 3), from triangles fully inside."""
         if U is self.mesh.V or not self.regions:
             return self.rest_areas
         return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
@@ -185,10 +185,10 @@ class Document:
         handles, regions = (part.flags for part in self.handles), (part.flags for part in self.regions)
         return DocumentFlags(self.base, tuple(handles), tuple(regions))
 
-    # The same document, but for one thing
+    # Modified copies
 
     def at_rest(self) -> Document:
-        """The document with all handles reset, and every percentage at 100."""
+        """Document with all handles reset and all target percentages at 100."""
         regions = tuple(part if part.area is None else replace(part, area=100.0) for part in self.regions)
         volume = None if self.settings.volume is None else 100.0
         settings = replace(self.settings, area=100.0, volume=volume)
@@ -200,7 +200,7 @@ class Document:
 
     @property
     def relative_to_rest(self) -> Document:
-        """The same document with whole motions, gripped at rest.
+        """Equivalent document with motions relative to the rest shape.
 
         But for vertices that were painted on a deformed shape: these are where they were without the motions.
         """
@@ -212,11 +212,11 @@ class Document:
         return replace(self, grip=self.mesh.V if grip is None else grip, handles=handles)
 
     def with_settings(self, **changes: Any) -> Document:
-        """The document with other settings, by their names."""
+        """Document with changed settings, given by name."""
         return replace(self, settings=replace(self.settings, **changes))
 
     def with_label(self, ids: np.ndarray, label: int) -> Document:
-        """The document with ``ids`` and their coincident vertices labelled.
+        """Document with ``ids`` and their coincident vertices labelled.
 
         Locked parts stay as they are.
         """
@@ -224,7 +224,7 @@ class Document:
         return self if labels is self.labels else replace(self, labels=labels)
 
     def with_region_number(self, ids: np.ndarray, number: int) -> Document:
-        """The document with ``ids`` and their coincident vertices in a region; 0 is none.
+        """Document with ``ids`` and their coincident vertices in a region; 0 is none.
 
         Locked regions stay as they are.
         """
@@ -232,24 +232,24 @@ class Document:
         return self if member is self.member else replace(self, member=member)
 
     def with_pose(self, k: int, pose: np.ndarray) -> Document:
-        """The same document with handle ``k`` at ``pose`` (4, 4), reached directly."""
+        """Document with handle ``k`` at ``pose`` (4, 4), without waypoints."""
         return self.with_handle(k, self.handles[k].with_pose(pose))
 
     def with_handle_moved(self, k: int, pose: np.ndarray) -> Document:
-        """The same document with handle ``k`` moved on to ``pose`` (4, 4)."""
+        """Document with handle ``k`` moved to ``pose`` (4, 4), extending its path."""
         return self.with_handle(k, self.handles[k].moved_to(pose))
 
     def with_handle(self, k: int, handle: Handle) -> Document:
-        """The same document with another handle ``k``, or one more."""
+        """Document with handle ``k`` replaced or appended."""
         return replace(self, handles=(*self.handles[:k], handle, *self.handles[k + 1 :]))
 
     def with_region(self, k: int, region: NamedRegion) -> Document:
-        """The same document with another region ``k``, or one more."""
+        """Document with region ``k`` replaced or appended."""
         return replace(self, regions=(*self.regions[:k], region, *self.regions[k + 1 :]))
 
 
 def _painted(codes: np.ndarray, ids: np.ndarray, code: int, locked: np.ndarray) -> np.ndarray:
-    """Codes with ``code`` at ``ids``, but for locked ones; itself if nothing changes."""
+    """Codes with ``code`` at unlocked ``ids``; the identical array if nothing changes."""
     ids = ids[~(locked[codes[ids]] | locked[code])]
     if (codes[ids] == code).all():
         return codes

@@ -1,4 +1,4 @@
-"""Parts and targets of a document: handles and regions added, removed, painted."""
+"""Handles, regions and targets of a document: adding, removing and painting."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def with_next_region(document: Document) -> Document:
-    """The document with one more region, named anew."""
+    """Document with an additional region under a new name."""
     name = next_name(tr("Region"), [region.name for region in document.regions])
     return document.with_region(len(document.regions), NamedRegion(name))
 
@@ -38,7 +38,7 @@ def have_same_paint(document: Document, other: Document) -> bool:
 
 
 def obstacle_shifts(document: Document) -> np.ndarray:
-    """Motion of each obstacle that pushes, (o, 3)."""
+    """Displacement of each active obstacle, (o, 3)."""
     return np.array([each.shift for each in document.obstacles if document.has_active_obstacles]).reshape(
         -1, 3
     )
@@ -58,20 +58,20 @@ def with_handles_reset(document: Document, *numbers: int) -> Document:
 
 
 def without_paint(document: Document) -> Document:
-    """The document with nothing painted, but for locked parts."""
+    """Document with all paint removed except on locked parts."""
     every = np.arange(len(document.labels))
     return document.with_label(every, FREE).with_region_number(every, 0)
 
 
 def without_handle(document: Document, k: int) -> Document:
-    """The document without handle ``k``; its vertices are free."""
+    """Document without handle ``k``; its vertices become free."""
     left = document.handles[:k] + document.handles[k + 1 :]
     labels = _without(document.labels, HANDLE + k, FREE)
     return replace(document, handles=left or (Handle(default_name(tr("Handle"), 1)),), labels=labels)
 
 
 def without_region(document: Document, k: int) -> Document:
-    """The same document without region ``k``."""
+    """Document without region ``k``."""
     left = document.regions[:k] + document.regions[k + 1 :]
     return replace(document, regions=left, member=_without(document.member, k + 1, 0))
 
@@ -89,7 +89,7 @@ def selection_of(document: Document) -> Selection:
 
 
 def with_selection(document: Document, selection: Selection) -> Document:
-    """The same document, painted in another way."""
+    """Document painted with a selection."""
     regions = map(NamedRegion, selection.regions, selection.areas)
     weld = document.mesh.weld
     codes = selection.labels, selection.member
@@ -106,12 +106,12 @@ def with_selection(document: Document, selection: Selection) -> Document:
 
 
 def next_name(kind: str, taken: Collection[str], first: int = 1) -> str:
-    """The first free name of "kind 1", "kind 2" and so on."""
+    """First unused name among "kind 1", "kind 2" and so on."""
     return next(name for k in count(first) if (name := default_name(kind, k)) not in taken)
 
 
 def unique_name(requested: str, current: str, taken: Collection[str]) -> str:
-    """New name; the ``current`` one if blank, numbered if taken."""
+    """Requested name; the ``current`` one if blank, numbered if taken."""
     requested, others = requested.strip(), set(taken) - {current}
     if requested in others:
         return next_name(requested, others, first=2)
@@ -119,22 +119,22 @@ def unique_name(requested: str, current: str, taken: Collection[str]) -> str:
 
 
 class PaintedPart(NamedTuple):
-    """The base or a handle, by its label, or a region, by its number from 1."""
+    """Base or handle given by its label, or region given by its number from 1."""
 
     code: int
     is_region: bool = False
 
     def codes(self, document: Document) -> np.ndarray:
-        """The labels of all vertices, or the numbers of their regions, (n,) uint8."""
+        """Labels or region numbers of all vertices, (n,) uint8."""
         return document.member if self.is_region else document.labels
 
     @property
     def unpainted_code(self) -> int:
-        """The code of unpainted vertices."""
+        """Code of unpainted vertices."""
         return 0 if self.is_region else FREE
 
     def mask(self, document: Document) -> np.ndarray:
-        """Membership of the vertices, (n,) bool."""
+        """Mask of the vertices in the part, (n,) bool."""
         return np.asarray(self.codes(document) == self.code)
 
     def name(self, document: Document) -> str:
@@ -148,7 +148,7 @@ class PaintedPart(NamedTuple):
         return document.base if named is None else named.flags
 
     def document_with_flags(self, document: Document, flags: PartFlags) -> Document:
-        """The document with other flags of the part."""
+        """Document with other flags for the part."""
         if self.is_region:
             k = self.code - 1
             return document.with_region(k, replace(document.regions[k], flags=flags))
@@ -158,7 +158,7 @@ class PaintedPart(NamedTuple):
         return document.with_handle(k, replace(document.handles[k], flags=flags))
 
     def is_in(self, document: Document) -> bool:
-        """True but for the region of a first stroke."""
+        """True unless the part is a region not yet created."""
         return not self.is_region or self.code <= len(document.regions)
 
     def _named(self, document: Document) -> Handle | NamedRegion | None:
@@ -167,9 +167,9 @@ class PaintedPart(NamedTuple):
         return None if self.code == BASE else document.handles[self.code - HANDLE]
 
     def document_with_members(self, document: Document, members: np.ndarray) -> Document:
-        """The document with the ``members`` vertices, (n,) bool, and no others, in it."""
+        """Document with exactly the vertices ``members`` (n,) bool in the part."""
         if not self.is_in(document) and members.any():
-            document = with_next_region(document)  # the part need not exist yet, as for a stroke
+            document = with_next_region(document)  # a stroke may create the region
         paint = type(document).with_region_number if self.is_region else type(document).with_label
         cleared = paint(document, np.flatnonzero(self.mask(document) & ~members), self.unpainted_code)
         return paint(cleared, np.flatnonzero(members), self.code)

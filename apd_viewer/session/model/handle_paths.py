@@ -1,4 +1,4 @@
-"""Paths of the handles of a document, and the document on its way along them."""
+"""Handle paths of a document, and intermediate documents along them."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from apd_viewer.geometry.pose.held_turn import LEAST_TURN, HandleTurns
 from apd_viewer.geometry.pose.waypoint_path import HandlePath, handle_path, rounded_pose
 from apd_viewer.session.model.document import Document
 
-# Radians: with steps this large a shape follows the turn, and a full turn takes a second on the samples.
+# Radians per step: the shape follows the turn, and a full turn takes a second on the samples.
 _STEP = math.radians(45.0)
 
 
 class PosePath(Protocol):
-    """Poses of a handle by the part of its way."""
+    """Handle pose as a function of the fraction of its path."""
 
     def pose_at(self, share: float, /) -> np.ndarray:
         """Pose (4, 4) at ``share`` of the path."""
 
 
 def handle_paths(document: Document) -> tuple[HandlePath, ...]:
-    """Path of each handle from its grip; raises InputError where there is none."""
+    """Path of each handle from its grip; raises InputError if one is undefined."""
     pivots = [document.pivot(k) for k in range(len(document.handles))]
     return tuple(
         handle_path((), np.eye(4), np.zeros(3))
@@ -37,12 +37,12 @@ def handle_paths(document: Document) -> tuple[HandlePath, ...]:
 
 
 def handle_pose_sequences(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
-    """Poses (4, 4) of each handle on its way from the grip, the present one last."""
+    """Waypoints and current pose (4, 4) of each handle, from its grip."""
     return tuple((*handle.waypoints, handle.pose) for handle in document.handles)
 
 
 def handle_turns(document: Document) -> HandleTurns | None:
-    """Ways of the handles from rest, for their turns; None without a large one."""
+    """Handle poses from rest, for measuring turns; None without a large turn."""
     if not all(np.isfinite(handle.pose).all() for handle in document.handles):
         return None
     document = document.relative_to_rest
@@ -52,7 +52,7 @@ def handle_turns(document: Document) -> HandleTurns | None:
 
 
 def document_at(document: Document, paths: Sequence[PosePath], share: float) -> Document:
-    """The document with its handles and obstacles at a part of their ways."""
+    """Document with handles and obstacles at fraction ``share`` of their paths."""
     there = tuple(each.with_shift(share * each.shift) for each in document.obstacles)
     document = replace(document, obstacles=there)
     for k, path in enumerate(paths):
@@ -61,7 +61,7 @@ def document_at(document: Document, paths: Sequence[PosePath], share: float) -> 
 
 
 def intermediate_documents(document: Document) -> Iterator[Document]:
-    """The document at steps on the way to winding poses, without the end."""
+    """Documents at steps along paths of half a turn or more, without the end."""
     if not document.has_half_turn:
         return
     paths = handle_paths(document)
@@ -72,7 +72,7 @@ def intermediate_documents(document: Document) -> Iterator[Document]:
 
 
 def with_rounded_poses(document: Document) -> Document:
-    """The document with the poses of winding handles rounded."""
+    """Document with rounded poses of all handles with half a turn or more."""
     return _rounded(document, [handle.has_half_turn for handle in document.handles])
 
 

@@ -22,7 +22,7 @@ NOT_FACTORED = MappingProxyType({"factored": False})
 
 
 def factored_fields(cls: type) -> tuple[str, ...]:
-    """Names of the FACTORED fields; raises TypeError for a field without declaration."""
+    """Names of the FACTORED fields; raises TypeError for undeclared fields."""
     undeclared = [each.name for each in fields(cls) if "factored" not in each.metadata]
     if undeclared:
         raise TypeError(f"{cls.__name__}.{undeclared[0]} is neither FACTORED nor NOT_FACTORED")
@@ -34,7 +34,7 @@ IDENTITY = frozen(np.eye(4))
 
 
 class PartFlags(NamedTuple):
-    """Flags of a part.
+    """Locked and hidden flags of a part.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ NO_FLAGS = PartFlags()
 
 
 class FlagsByCode(NamedTuple):
-    """One of the flags by label, (256,) bool, and by region number, (256,) bool."""
+    """Values of a flag by label, (256,) bool, and by region number, (256,) bool."""
 
     labels: np.ndarray
     regions: np.ndarray
@@ -67,12 +67,12 @@ class DocumentFlags(NamedTuple):
 
     @property
     def locked(self) -> FlagsByCode:
-        """Locked labels and region numbers."""
+        """Locked flags by label and by region number."""
         return self._by_code("locked")
 
     @property
     def hidden(self) -> FlagsByCode:
-        """Hidden labels and region numbers."""
+        """Hidden flags by label and by region number."""
         return self._by_code("hidden")
 
     def _by_code(self, name: str) -> FlagsByCode:
@@ -85,7 +85,7 @@ class DocumentFlags(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Handle:
-    """A part moved rigidly as one.
+    """Handle with its pose, waypoints, pivot and falloff.
 
     Attributes
     ----------
@@ -115,37 +115,37 @@ class Handle:
     former_twist_axis: np.ndarray | None = field(default=None, metadata=NOT_FACTORED)
 
     def with_pose(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
-        """The handle at ``pose`` (4, 4), reached along waypoints."""
+        """Handle at ``pose`` (4, 4), reached along waypoints."""
         return replace(self, pose=frozen(np.array(pose, dtype=np.float64)), waypoints=waypoints)
 
     def moved_to(self, pose: np.ndarray) -> Handle:
-        """The handle moved on to ``pose`` (4, 4), by the shortest rotation."""
+        """Handle moved to ``pose`` (4, 4) by the shortest rotation."""
         return self.with_pose(pose, extended_waypoints(self.waypoints, self.pose, pose))
 
     @cached_property
     def rotation(self) -> np.ndarray:
-        """Total rotation since it was gripped, (3,): unit axis times angle, radians."""
+        """Total rotation since gripping, (3,): unit axis times angle in radians."""
         return frozen(rotation_vector(self.waypoints, self.pose))
 
     @property
     def has_half_turn(self) -> bool:
-        """True if it has turned by half a turn or more, which its pose does not tell."""
+        """True if the handle has turned by half a turn or more along its waypoints."""
         return has_half_turn(self.waypoints, self.pose)
 
     @property
     def is_moved(self) -> bool:
-        """True if it has been moved since it was gripped, by full turns too."""
+        """True if the handle has moved since gripping, including by full turns."""
         return bool(self.waypoints) or not np.array_equal(self.pose, IDENTITY)
 
     def regripped(self) -> Handle:
-        """The handle gripped at its current pose; its motion from rest is kept."""
+        """Handle gripped at its current pose; its motion from rest is kept."""
         whole = self.relative_to_rest
         earlier = (*whole.waypoints, whole.pose) if whole.is_moved else ()
         return replace(self.with_pose(IDENTITY), pivot=_carried(self.pivot, self.pose), earlier_poses=earlier)
 
     @property
     def relative_to_rest(self) -> Handle:
-        """The handle as if gripped at rest: with its whole motion, and its pivot there."""
+        """Equivalent handle gripped at rest, with its total motion and rest pivot."""
         if not self.earlier_poses:
             return self
         whole, start = (
@@ -157,12 +157,12 @@ class Handle:
         return replace(whole, pivot=_carried(self.pivot, np.linalg.inv(start)))
 
     def with_pose_from_rest(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
-        """The handle at ``pose`` (4, 4) from rest, reached along waypoints."""
+        """Handle at ``pose`` (4, 4) from rest, reached along waypoints."""
         if not self.earlier_poses:
             return self.with_pose(pose, waypoints)
         handle, back = self.with_pose(IDENTITY), np.linalg.inv(self.earlier_poses[-1])
         for each in (*reversed(self.earlier_poses[:-1]), IDENTITY, *waypoints, pose):
-            handle = handle.moved_to(each @ back)  # what both ways share is taken off
+            handle = handle.moved_to(each @ back)  # cancels the common part of both paths
         return handle
 
 
@@ -190,7 +190,7 @@ class HandlePlacement(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class NamedPose:
-    """Places of the handles, kept under a name.
+    """Poses of the handles, stored under a name.
 
     Attributes
     ----------
@@ -204,7 +204,7 @@ class NamedPose:
 
 @dataclass(frozen=True, eq=False)
 class NamedRegion:
-    """A part with its area measured, and kept if it has a target.
+    """Region with its area measured, and preserved if it has a target.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Undo and redo: two stacks of states, one entry a gesture."""
+"""Undo and redo: two stacks of states, one entry per gesture."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ import numpy as np
 
 from apd_viewer.session.model.state import State
 
-_MANY = 1000  # items of a list, beyond which all count like the first
+_MANY = 1000  # items of a list; the size of a longer one is estimated from its first item
 
 
 @dataclass(frozen=True, eq=False)
 class HistoryEntry:
-    """A gesture and the state on the other side of it."""
+    """Gesture with the state before it for undo, or after it for redo."""
 
     gesture: str
     state: State
 
     @cached_property
     def array_bytes(self) -> dict[int, int]:
-        """Bytes that it keeps in memory, see :func:`array_bytes`."""
+        """Memory held by the entry in bytes; see :func:`array_bytes`."""
         return array_bytes(self.state)
 
 
 class History:
-    """Undo and redo stacks within a budget of memory.
+    """Undo and redo stacks within a memory budget.
 
     Parameters
     ----------
@@ -49,13 +49,13 @@ class History:
         self.most_bytes = most_bytes
         self._undo: list[HistoryEntry] = []
         self._redo: list[HistoryEntry] = []
-        self._keepers = Counter[int]()  # number of entries to undo that keep a thing in memory
+        self._keepers = Counter[int]()  # number of undo entries holding each object in memory
         self.undo_bytes = 0
         self.entries_dropped: Callable[[], object] = lambda: None
 
     @property
     def last_entry(self) -> HistoryEntry | None:
-        """The next gesture to undo; the same while repeated keys are joined to it."""
+        """Next entry to undo; stays identical while repeated keys are merged into it."""
         return self._undo[-1] if self._undo else None
 
     @property
@@ -95,7 +95,7 @@ class History:
         self._drop_oldest(undone)
 
     def limit_memory(self, most_bytes: int) -> None:
-        """Set the budget, and drop what is beyond it."""
+        """Set the memory budget, and drop entries beyond it."""
         self.most_bytes = most_bytes
         self._drop_oldest([])
 
@@ -103,11 +103,11 @@ class History:
         while len(self._undo) > 1 and self.undo_bytes > self.most_bytes:
             dropped.append(self._pop(0))
         if dropped:
-            dropped.clear()  # so that nothing keeps their memory
+            dropped.clear()  # release their memory before the callback
             self.entries_dropped()
 
     def undo(self, state: State) -> State | None:
-        """The state before the last gesture; None if there is none."""
+        """State before the last gesture; None if there is none."""
         if not self._undo:
             return None
         entry = self._pop(-1)
@@ -115,7 +115,7 @@ class History:
         return entry.state
 
     def redo(self, state: State) -> State | None:
-        """The state after the gesture undone last; None if there is none."""
+        """State after the last undone gesture; None if there is none."""
         if not self._redo:
             return None
         entry = self._redo.pop()

@@ -12,12 +12,12 @@ from apd_viewer.language import tr, trn
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
 
-# The smallest of thousands of parts are decided on together.
+# Most parts listed individually; smaller ones are decided on together.
 _MOST = 100
 
 
 def loose_component_findings(document: Document) -> Iterator[tuple[Finding, tuple[int, ...]]]:
-    """All loose parts together, then each, with the lowest vertex of each.
+    """Findings on all loose parts, then on each, with the lowest vertex of each part.
 
     Before anything is painted the largest part does not count: it is the one to be painted.
     """

@@ -51,13 +51,13 @@ paint_problem = memoised(next_paint_sentence)
 
 @memoised
 def label_counts(labels: np.ndarray) -> np.ndarray:
-    """Number of the vertices with each label or in each region, (256,) int array."""
+    """Number of vertices with each label or in each region, (256,) int array."""
     return frozen(np.bincount(labels, minlength=256))
 
 
 @memoised
 def label_centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
-    """Mean of the points of ``X`` (n, 3) with a label, (3,); there must be one."""
+    """Mean (3,) of the points ``X`` (n, 3) with a label in use."""
     # One axis at a time: ten times faster than all at once.
     return frozen(np.array([x.mean() for x in X[labels == label].T]))
 
@@ -100,7 +100,7 @@ def rest_grip(
 
 @memoised
 def is_displaced(V: np.ndarray, X: np.ndarray, labels: np.ndarray, label: int) -> bool:
-    """True if vertices of a label are elsewhere in ``X`` (n, 3) than in ``V`` (n, 3)."""
+    """True if vertices with a label differ between ``X`` (n, 3) and ``V`` (n, 3)."""
     mine = labels == label
     return not np.array_equal(V[mine], X[mine])
 
@@ -128,7 +128,7 @@ cell_stiffness = memoised(cell_bending.cell_stiffness)
 
 @memoised
 def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
-    """Lengths of the edges, (n, n)."""
+    """Edge graph weighted by edge lengths, (n, n)."""
     return edge_graph(V, F)
 
 
@@ -147,7 +147,7 @@ def falloff_constraints(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]
 ) -> SoftConstraints:
     """Soft constraints of handles by their falloffs; ``F`` has welded vertices."""
-    # A falloff being swept needs a new search only after doubling.
+    # Rounded up to powers of two, so that sweeping a falloff rarely needs a new search.
     reaches = [2.0 ** np.ceil(np.log2(r)) if r > 0.0 else 0.0 for r in falloffs]
     strength = np.zeros((len(falloffs), len(labels)))
     for k, (falloff, reach) in enumerate(zip(falloffs, reaches, strict=True)):

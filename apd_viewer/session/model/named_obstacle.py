@@ -1,4 +1,4 @@
-"""Obstacles of a document: plates, spheres and cylinders that a surface touches."""
+"""Obstacles of a document: plates, spheres and cylinders."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class ObstacleKind(Enum):
 
     @property
     def title(self) -> str:
-        """Word for it, as in the names of new ones."""
+        """Title of the kind, used in names of new obstacles."""
         return _TITLES[self]
 
     @property
     def word(self) -> str:
-        """Word for it within a sentence."""
+        """Word for the kind within a sentence."""
         return _WORDS[self]
 
 
@@ -49,7 +49,7 @@ _WORDS = {
 
 @dataclass(frozen=True, eq=False)
 class NamedObstacle:
-    """An obstacle, and how far it has been moved.
+    """Named obstacle with its displacement.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class NamedObstacle:
     shift: np.ndarray = field(default_factory=lambda: _NO_SHIFT)
 
     def to_obstacle(self, extent: float) -> Obstacle:
-        """The obstacle where it was put, in the way of what is ``extent`` large.
+        """Obstacle at its initial position, blocking a shape of size ``extent``.
 
         Parameters
         ----------
@@ -96,23 +96,23 @@ class NamedObstacle:
         return capsule(self.place - half, self.place + half, self.radius)
 
     def with_shift(self, shift: np.ndarray) -> NamedObstacle:
-        """The obstacle ``shift`` (3,) from where it was put."""
+        """Obstacle displaced by ``shift`` (3,) from its initial position."""
         return replace(self, shift=frozen(np.array(shift, dtype=np.float64)))
 
     def with_shift_applied(self, shift: np.ndarray) -> NamedObstacle:
-        """The obstacle put where it is after ``shift`` (3,), with no motion since."""
+        """Obstacle with its initial position moved by ``shift`` (3,) and no displacement."""
         return replace(self, place=frozen(self.place + shift), shift=_NO_SHIFT)
 
     @property
     def centre(self) -> np.ndarray:
-        """Its place now, (3,)."""
+        """Current position, (3,)."""
         return self.place + self.shift
 
 
 def carried_shifts(
     before: Sequence[NamedObstacle], shifts: np.ndarray, after: Sequence[NamedObstacle]
 ) -> np.ndarray:
-    """Motion of obstacles so far, (o, 3), where there are others now.
+    """Displacements reached so far, (o, 3), carried over to changed obstacles.
 
     Parameters
     ----------
@@ -128,12 +128,12 @@ def carried_shifts(
 
 
 def geometric_obstacles(obstacles: Sequence[NamedObstacle], V: np.ndarray) -> tuple[Obstacle, ...]:
-    """The obstacles in the way of a mesh with vertices ``V`` (n, 3)."""
+    """Geometric obstacles for a mesh with vertices ``V`` (n, 3)."""
     return tuple(each.to_obstacle(stopping_extent(each, V)) for each in obstacles)
 
 
 def stopping_extent(obstacle: NamedObstacle, V: np.ndarray) -> float:
-    """Extent of all that an obstacle is to stop of a mesh with vertices ``V`` (n, 3)."""
+    """Extent needed for an obstacle to block a mesh with vertices ``V`` (n, 3)."""
     middle = 0.5 * (V.min(axis=0) + V.max(axis=0))
-    # A plate far away has to reach as far.
+    # A distant plate needs a larger extent.
     return diagonal(V) + float(np.linalg.norm(obstacle.place - middle))

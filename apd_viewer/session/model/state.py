@@ -51,12 +51,12 @@ class State:
 
     @property
     def region_counts(self) -> np.ndarray:
-        """Number of the vertices with each region number, (256,) int array."""
+        """Number of vertices with each region number, (256,) int array."""
         return memo.label_counts(self.document.member)
 
     @property
     def is_at_rest(self) -> bool:
-        """True if the shape is at rest, nothing moved and every percentage 100 or none."""
+        """True for the rest shape, with nothing moved and all percentages 100 or unset."""
         document = self.document
         asks = any(percent not in (None, 100.0) for percent in document.target_percentages)
         moved = document.is_posed or any(each.shift.any() for each in document.obstacles)
@@ -70,18 +70,18 @@ class State:
 
     @property
     def is_contact_active(self) -> bool:
-        """True if contact is on, and the method has it."""
+        """True if contact is on and supported by the method."""
         return self.document.settings.uses_contact
 
     @property
     def is_safe_from_crossing(self) -> bool:
-        """True if contact keeps all of the shape apart, on its way too."""
+        """True if contact prevents self-intersections of the whole shape along its path."""
         touch = self.frame.contact
         return self.is_contact_active and touch is not None and not touch.exempt
 
     @property
     def obstacle_shifts(self) -> np.ndarray:
-        """Motions of the obstacles, as far as contact has let them come, (o, 3)."""
+        """Displacements of the obstacles reached under contact, (o, 3)."""
         obstacles, come = self.document.obstacles, self.frame.shifts
         if self.is_contact_active and len(come) == len(obstacles):
             return come
@@ -108,10 +108,10 @@ class State:
         )
 
     def updated(self, document: Document | None = None, frame: Frame | None = None) -> State:
-        """The state with another document or frame, and its regions measured anew."""
+        """State with another document or frame; region areas are updated."""
         before, shown = self.document, self.frame
         document, frame = document or before, frame or shown
-        # Handles move more often than the rest shape is measured anew.
+        # Skipped for handle motions, which leave the region areas of a frame unchanged.
         same = frame is shown and document.member is before.member and document.regions is before.regions
         if frame is shown and document.obstacles is not before.obstacles:
             frame = replace(frame, shifts=carried_shifts(before.obstacles, frame.shifts, document.obstacles))
@@ -120,12 +120,12 @@ class State:
         return State(document, self.inspection, self.surface_index, frame)
 
     def as_unsettled(self) -> State:
-        """The state with its shape marked as unfinished."""
+        """State with its shape marked as not converged."""
         return replace(self, frame=replace(self.frame, converged=False, settled=False))
 
 
 def initial_document(mesh: Mesh, labels: np.ndarray | None = None) -> Document:
-    """Document of a mesh as new work begins, with ``labels`` (n,) or nothing painted."""
+    """Initial document of a mesh, with ``labels`` (n,) or without paint."""
     if labels is None:
         labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
     if face_areas(mesh.V, mesh.F).sum() <= 0.0:
@@ -144,18 +144,18 @@ def initial_document(mesh: Mesh, labels: np.ndarray | None = None) -> Document:
 
 
 def initial_state(mesh: Mesh, labels: np.ndarray | None = None) -> State:
-    """A mesh at rest as new work begins, with ``labels`` (n,) or nothing painted."""
+    """Initial state of a mesh at rest, with ``labels`` (n,) or without paint."""
     document, inspection = initial_document(mesh, labels), inspect(mesh)
     return State(document, inspection, surface_index_of(mesh), rest_frame(mesh, inspection))
 
 
 def surface_index_of(mesh: Mesh) -> SurfaceIndex:
-    """The part of a mesh to be drawn and touched."""
+    """Surface index of a mesh, for drawing and picking."""
     return SurfaceIndex.from_triangles(mesh.F, len(mesh.V), mesh.joined_F, mesh.V, mesh.corner_normals)
 
 
 def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
-    """The rest shape as a frame, without regions: nothing is left to iterate."""
+    """Converged frame of the rest shape, without regions."""
     return Frame(
         U=mesh.V,
         iteration=0,
@@ -170,7 +170,7 @@ def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
 
 
 def shape_frame(mesh: Mesh, inspection: Inspection, U: np.ndarray) -> Frame:
-    """Another shape ``U`` (n, 3) of the mesh as a frame, measured, without regions."""
+    """Frame of another shape ``U`` (n, 3) of the mesh, measured, without regions."""
     frame = rest_frame(mesh, inspection)
     if U is mesh.V:
         return frame
@@ -181,11 +181,11 @@ def shape_frame(mesh: Mesh, inspection: Inspection, U: np.ndarray) -> Frame:
 
 
 def welded_state(state: State) -> State:
-    """The state with welded seams, both sides painted alike and at one place."""
+    """State with welded seams; both sides share paint and position."""
     before, mesh = state.document, state.document.mesh.welded()
 
     def beside(X: np.ndarray) -> np.ndarray:
-        """Positions ``X`` (n, 3) with the other side of a seam beside the first."""
+        """Positions (n, 3) with both sides of each seam at the position of the first side."""
         return X if X is mesh.V else frozen(mesh.weld.to_file(X[mesh.weld.first]))
 
     document = replace(
@@ -208,7 +208,7 @@ def welded_state(state: State) -> State:
 def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
     """Codes shared by both sides of a seam; ``none`` yields to the other side's."""
     shared = np.full(len(weld.first), none, dtype=codes.dtype)
-    said = np.flatnonzero(codes != none)[::-1]  # of several the first one counts
+    said = np.flatnonzero(codes != none)[::-1]  # the first of several codes is used
     shared[weld.inverse[said]] = codes[said]
     return frozen(shared[weld.inverse])
 

@@ -1,4 +1,4 @@
-"""Sentences about files opened and written."""
+"""Status messages on files, findings and warnings."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 
 def about_findings(findings: Sequence[Finding]) -> str | None:
-    """Sentences about the findings of an opened mesh; None if there are none.
+    """Sentences about the findings of an opened mesh; None without any.
 
     Those about its file are told as they are, since much else is found in any file of some formats.
     """
     said = [finding.sentence for finding in findings if finding.is_about_file or len(findings) == 1]
     if len(findings) > len(said):
-        # Without their number: those about the current shape are searched for in the background.
+        # No count is given: findings on the current shape are still computed in the background.
         said.append(tr("The mesh check has found issues; click the badge at the lower right to see them."))
     return " ".join(said) or None
 
@@ -45,7 +45,7 @@ def about_export(name: str, area: float, rest_area: float, unit: Unit) -> str:
 
 
 def about_deck(name: str, deck: Deck) -> str:
-    """Sentence about an FE deck: its size, and how much of it is held."""
+    """Sentence about an FE deck: its size and number of held nodes."""
     said = trn(
         "{name}: {shells:,} shells, {held:,} held nodes, {n} step.",
         "{name}: {shells:,} shells, {held:,} held nodes, {n} steps.",
@@ -56,7 +56,7 @@ def about_deck(name: str, deck: Deck) -> str:
 
 
 def about_baking(area: float, before: float, unit: Unit) -> str:
-    """Sentence about a new rest area, and its share of the one before."""
+    """Sentence about a new rest area, with its ratio to the previous one."""
     return tr(
         "New rest shape: 100 % is now {area}, {percent} % of before, and motions count from here. "
         "Undo to go back."
@@ -80,12 +80,12 @@ _LOST = {
 
 
 def lost_file_text(name: str, file_state: FileState) -> str:
-    """Sentence about a session file changed or gone; empty if it is neither."""
+    """Sentence about a changed or missing session file; empty otherwise."""
     return _LOST[file_state].format(name=name) if file_state in _LOST else ""
 
 
 def about_lost_file(name: str, file_state: FileState) -> str:
-    """Sentences about a lost file, and what to do."""
+    """Sentences about a lost file, with a remedy."""
     remedy = tr("What is shown here is in no file until you save it.")
     return f"{lost_file_text(name, file_state)} {remedy}"
 
@@ -106,13 +106,13 @@ def about_loaded_selection(name: str, selection: Selection) -> str:
 
 
 def about_missing_target(document: Document) -> str | None:
-    """Sentence about a target shape that was not found again; None if there is none."""
+    """Sentence about a missing target shape; None if nothing is missing."""
     missing = document.missing_target_shape
     return None if missing is None else tr("The target shape is not shown: {why}").format(why=missing.reason)
 
 
 def about_target(target: TargetShape, mesh: Mesh) -> str:
-    """Sentence about a loaded target shape, and about its size if that is another."""
+    """Sentence about a loaded target shape, with a warning on a different size."""
     name, factor = target.mesh.name, target.size_ratio(mesh)
     if factor is None:
         return tr("Comparing with {name}.").format(name=name)
@@ -133,10 +133,10 @@ def caps_phrase(openings: int) -> str:
 
 
 def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
-    """Finding about what contact leaves as it is, by the triangles crossing at rest."""
+    """Finding on vertices exempt from contact, near triangles crossing at rest."""
     if crossing is None or not len(crossing):
         return ()
-    # Here, because the window shows some of these sentences before they are loaded.
+    # Imported here: the window shows other sentences before these modules are loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
     from apd_viewer.geometry.contact.contact import is_near_crossing
 
@@ -152,7 +152,7 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
     """Finding about intersecting triangles; empty if there are none."""
     if crossing is None or not len(crossing):
         return ()
-    # Here, because the window shows some of these sentences before it is loaded.
+    # Imported here: the window shows other sentences before this module is loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
 
     said = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")
@@ -161,7 +161,7 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
 
 
 def self_passing_warnings(state: State, check: ShapeCheck | None) -> tuple[str, ...]:
-    """Sentences on signs of a surface passing through itself, as far as known."""
+    """Warnings about a surface passing through itself; empty if unchecked."""
     if check is None:
         return ()
     names = [handle.name for handle in state.document.handles]
@@ -170,6 +170,6 @@ def self_passing_warnings(state: State, check: ShapeCheck | None) -> tuple[str, 
 
 
 def held_turn_phrase(check: ShapeCheck | None, k: int) -> str:
-    """Turn of handle ``k`` held by the surface, as a phrase; empty without a turn."""
+    """Phrase on the turn of handle ``k`` held by the surface; empty without a turn."""
     held = check.turns[k].degrees[1] if check is not None and k < len(check.turns) else None
     return "" if held is None else tr("the surface holds {angle:.1f}°").format(angle=held).replace("-", "−")

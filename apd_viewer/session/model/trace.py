@@ -1,4 +1,4 @@
-"""Measurements of a shape over time, from the start of a step until it settles."""
+"""Measurements of a shape over time, from the start of a step until convergence."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MOST_SAMPLES = 512
 
 @dataclass(eq=False)
 class _Start:
-    """Start of a trace: the document asked for, its readings and its time."""
+    """Start of a trace: requested document, initial readings and time."""
 
     asked: Document | None
     readings: list[float]
@@ -39,7 +39,7 @@ class _Start:
 
 
 class Trace:
-    """Time series of the frames shown, in bounded memory.
+    """Time series of readings of the displayed frames, in bounded memory.
 
     A trace begins with the shape that it leads away from. Once it is full every other sample is left out, and
     from then on every other frame; the latest one is always there.
@@ -85,16 +85,16 @@ class Trace:
         return None if moment is None else moment - self._start.moment
 
     def begin(self, state: State) -> None:
-        """Begin another trace from ``state``."""
+        """Begin a new trace from ``state``."""
         self._next = self._total = None
         self._begin(_Start(state.document, _readings(state.document, state.frame), self._clock()))
 
     def begin_with_next_frame(self, requested: Document | None, state: State) -> None:
-        """Begin another trace from ``state`` with the first frame of another document."""
+        """Begin a new trace from ``state`` at the first frame of another document."""
         self._next = _Start(requested, _readings(state.document, state.frame), self._clock())
 
     def mark_release(self) -> None:
-        """Mark the end of the gesture; the shape may not have settled yet."""
+        """Mark the end of the gesture, possibly before convergence."""
         (self._next or self._start).released = self._clock()
 
     def add_frame(self, document: Document, frame: Frame) -> None:
@@ -122,14 +122,14 @@ class Trace:
             if self._count == MOST_SAMPLES:
                 self._rows[: MOST_SAMPLES // 2] = self._rows[::2]
                 self._count = MOST_SAMPLES // 2
-                self._since += self._stride  # the last sample left out
+                self._since += self._stride  # account for the last dropped sample
                 self._stride *= 2
             self._count += 1
         self._rows[self._count - 1] = row
 
 
 def _readings(document: Document, frame: Frame) -> list[float]:
-    """The readings of a frame, in the order of the columns from the area on."""
+    """Readings of a frame, in column order starting with the area."""
     wanted = (kept_percentages(document)[0] or 100.0) / 100.0
     miss = abs((1.0 + frame.area_error) / wanted - 1.0)
     known = frame.volume, frame.energy

@@ -1,4 +1,4 @@
-"""The view of a mesh: plain values, without a window."""
+"""View settings as plain values, independent of a window."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
 
-SESSION_SUFFIX = ".apd"  # of a session file
+SESSION_SUFFIX = ".apd"  # suffix of session files
 
 Point3: TypeAlias = tuple[float, float, float]
 
@@ -62,7 +62,7 @@ class View:
     up_axis: UpAxis | None = None
 
 
-# Right, up and towards the viewer, seen from the front: X stays at the right where it can.
+# Front view directions right, up and towards the viewer; X points right if possible.
 _FRAMES = {
     "+X": ((0, -1, 0), (1, 0, 0), (0, 0, 1)),
     "-X": ((0, 1, 0), (-1, 0, 0), (0, 0, 1)),
@@ -71,12 +71,12 @@ _FRAMES = {
     "+Z": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
     "-Z": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
 }
-# glTF prescribes +Y and 3MF +Z; in the other formats there are meshes of either kind.
+# glTF prescribes +Y and 3MF +Z; meshes in other formats use either.
 _PRESCRIBED = {".glb": "+Y", ".gltf": "+Y", ".3mf": "+Z"}
 
 
 class UpAxis(Enum):
-    """Axis of the mesh directed upwards on the screen."""
+    """Mesh axis pointing up on the screen."""
 
     PLUS_Y = "+Y"
     PLUS_Z = "+Z"
@@ -87,7 +87,7 @@ class UpAxis(Enum):
 
     @classmethod
     def from_suffix(cls, suffix: str, default: UpAxis) -> UpAxis:
-        """Up axis prescribed by a file format, or another."""
+        """Up axis prescribed by a file format, or a default."""
         return cls(_PRESCRIBED.get(suffix.lower(), default))
 
     @classmethod
@@ -97,18 +97,18 @@ class UpAxis(Enum):
 
     @cached_property
     def frame(self) -> np.ndarray:
-        """Unit vectors right, up and to the viewer of the front view, rows (3, 3)."""
+        """Unit vectors of the front view: right, up and towards the viewer, rows (3, 3)."""
         return frozen(np.array(_FRAMES[self.value], dtype=float))
 
     @property
     def direction(self) -> np.ndarray:
-        """Unit vector upwards, (3,)."""
+        """Unit vector pointing up, (3,)."""
         up: np.ndarray = self.frame[1]
         return up
 
     @property
     def index(self) -> int:
-        """0, 1 or 2: the coordinate along the axis."""
+        """Coordinate index of the axis: 0, 1 or 2."""
         return "XYZ".index(self.value[1])
 
     @property

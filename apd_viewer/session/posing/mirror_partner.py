@@ -16,17 +16,17 @@ from apd_viewer.session.model.document_parts import with_handles_reset
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.memo import memoised
 
-# Of the size of a handle: so near to the mirror image of a vertex there is another. A mesh need not have the
-# same vertices on both sides.
+# Matching tolerance for mirror images of vertices, relative to the size of a handle. A mesh need not have
+# mirrored vertices on both sides.
 _NEAR = 0.1
-# Of the diagonal of the mesh: the same for a handle of one vertex.
+# Matching tolerance for a handle of one vertex, relative to the diagonal of the mesh.
 _NEAR_VERTEX = 0.002
-# Of the vertices of two handles, so many are mirror images: brushes are not led exactly.
+# Minimum fraction of mirrored vertices of two partner handles, since brush strokes are inexact.
 _LIKE = 0.5
 
 
 class MirrorPartner(NamedTuple):
-    """Handle that is the mirror image of another, or of itself.
+    """Handle mirroring another handle or itself.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class MirrorPartner(NamedTuple):
 
 
 def mirror_plane(mesh: Mesh, axis: int) -> MirrorPlane:
-    """Plane through the middle of the bounding box of the mesh at rest.
+    """Mirror plane through the middle of the bounding box of the rest shape.
 
     At rest: a bent mesh has no mirror plane.
     """
@@ -50,7 +50,7 @@ def mirror_plane(mesh: Mesh, axis: int) -> MirrorPlane:
 
 @memoised
 def _named(V: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Vertices of triangles, (n,) bool array."""
+    """Mask of the vertices used by triangles, (n,) bool array."""
     named = np.zeros(len(V), dtype=bool)
     named[F.ravel()] = True
     return named
@@ -65,7 +65,7 @@ def _box(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @memoised
 def _images(V: np.ndarray, F: np.ndarray, labels: np.ndarray, label: int, plane: MirrorPlane) -> np.ndarray:
-    """Share of the mirror images of a label's vertices on each label, (256,)."""
+    """Fraction of the mirror images of a label's vertices on each label, (256,)."""
     named = _named(V, F)
     ids = np.flatnonzero((labels == label) & named)
     if not len(ids):
@@ -77,7 +77,7 @@ def _images(V: np.ndarray, F: np.ndarray, labels: np.ndarray, label: int, plane:
 
 
 def mirror_partner(document: Document, k: int) -> MirrorPartner | None:
-    """Mirror partner of handle ``k``, if handles move symmetrically and there is one."""
+    """Mirror partner of handle ``k``; None without symmetry or a partner."""
     if document.mirror_axis is None:
         return None
     mesh, labels = document.mesh, document.labels
@@ -90,7 +90,7 @@ def mirror_partner(document: Document, k: int) -> MirrorPartner | None:
 
 
 def with_pair_moved(document: Document, k: int, pose: np.ndarray) -> Document:
-    """The document with handle ``k`` and its partner moved on to ``pose`` (4, 4).
+    """Document with handle ``k`` moved to ``pose`` (4, 4), and its partner mirrored.
 
     A handle that is its own mirror image moves only within the mirror plane.
     """
@@ -102,7 +102,7 @@ def with_pair_moved(document: Document, k: int, pose: np.ndarray) -> Document:
 
 
 def with_pair_placed(document: Document, k: int, handle: Handle) -> Document:
-    """The document with handle ``k`` and its partner in other places."""
+    """Document with handle ``k`` replaced, and its partner mirrored."""
     partner = mirror_partner(document, k)
     document = document.with_handle(k, handle)
     if partner is None or partner.number == k:
@@ -112,7 +112,7 @@ def with_pair_placed(document: Document, k: int, handle: Handle) -> Document:
 
 
 def with_pair_reset(document: Document, k: int) -> Document:
-    """The document with handle ``k`` and its partner back at rest."""
+    """Document with handle ``k`` and its partner reset."""
     partner = mirror_partner(document, k)
     return (
         with_handles_reset(document, k)
@@ -122,7 +122,7 @@ def with_pair_reset(document: Document, k: int) -> Document:
 
 
 def mirrored_handle(document: Document, handle: Handle, other: Handle) -> Handle:
-    """The ``other`` handle in the mirrored place, reached on the mirrored path."""
+    """Copy of ``other`` with the mirrored pose and path of ``handle``."""
     assert document.mirror_axis is not None
     plane = mirror_plane(document.mesh, document.mirror_axis)
     whole = handle.relative_to_rest

@@ -1,4 +1,4 @@
-"""Motions of a handle: the table of their kinds.
+"""Handle motions: the table of motion kinds.
 
 The words of texts and options, the motions that the window offers, titles, tips and the columns of studies
 are all read from its rows.
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 LINE = "LINE"
 AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
-_SAMPLE = math.radians(10.0)  # by which the axis of a rotation is found
+_SAMPLE = math.radians(10.0)  # trial rotation for finding the axis of a motion
 
 
 class MotionReference(NamedTuple):
-    """Points that a motion refers to; each raises InputError if it is missing.
+    """Reference points of a motion; properties raise InputError for missing ones.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class MotionReference(NamedTuple):
 
     @property
     def at_rest(self) -> MotionReference:
-        """The same before any motion."""
+        """Reference with the handle in its rest pose."""
         document = self.document.relative_to_rest
         return self._replace(document=document.with_pose(self.handle, IDENTITY))
 
@@ -80,7 +80,7 @@ class MotionReference(NamedTuple):
 
 
 class AmountKind(Enum):
-    """Kind of amount, with its name on the command line."""
+    """Kind of a motion amount; its value is its name on the command line."""
 
     ANGLE = "ANGLE"
     LENGTH = "LENGTH"
@@ -91,7 +91,7 @@ class AmountKind(Enum):
     def parse(
         self, text: str, unit: Unit, names: Mapping[str, float], rest: MotionReference | None = None
     ) -> float:
-        """Radians, mesh units or a factor, by lengths with names; raises InputError.
+        """Parse an amount into radians, mesh units or a factor; raises InputError.
 
         Percentages are of the distance of base and handle at ``rest``; None stands for any mesh.
         """
@@ -107,7 +107,7 @@ class AmountKind(Enum):
                 return parse_length(text, unit, names)
 
     def format(self, amount: float, unit: Unit) -> str:
-        """Text with a sign, lengths in a unit."""
+        """Text of an amount with a sign, and of a length with its unit."""
         match self:
             case AmountKind.ANGLE:
                 return localized_number(f"{math.degrees(amount):+.4g}°")
@@ -119,11 +119,11 @@ class AmountKind(Enum):
                 return unit.format_length(localized_number(f"{amount:+.4g}"))
 
     def at(self, amount: float, share: float) -> float:
-        """Amount at a share of a motion: factors grow by equal factors."""
+        """Amount at fraction ``share`` of a motion; factors grow geometrically."""
         return float(amount**share) if self is AmountKind.FACTOR else share * amount
 
     def remaining(self, total: float, motion: Motion, now: MotionReference) -> float:
-        """Amount of a motion left to a total from rest.
+        """Remaining amount of a motion for a total from rest.
 
         The total of a rotation is its part about the axis of the motion, that of a shift its part along it.
         """
@@ -144,7 +144,7 @@ class AmountKind(Enum):
 
 @dataclass(frozen=True, eq=False)
 class MotionKind:
-    """Kind of motion: a row of the table.
+    """Kind of handle motion, a row of the table.
 
     Attributes
     ----------
@@ -185,12 +185,12 @@ class MotionKind:
 
     @property
     def needs_axis(self) -> bool:
-        """True if its text must name an axis."""
+        """True if the text of the motion must name an axis."""
         return bool(self.preposition) and not self.may_omit_axis
 
     @property
     def is_one_amount(self) -> bool:
-        """True if its text needs an amount and no more."""
+        """True if the text of the motion may consist of one amount."""
         return not (self.needs_axis or self.has_all_axes)
 
 
@@ -213,7 +213,7 @@ class Motion:
 
     def pose_after(self, now: MotionReference, amounts: Sequence[float]) -> np.ndarray:
         """Pose (4, 4) of the handle after the motion; raises InputError if impossible."""
-        _ = now.pivot  # nothing moves an empty handle
+        _ = now.pivot  # raises InputError for an empty handle
         posed: np.ndarray = self.kind.matrix(now, self.axis, amounts) @ now.document.handles[now.handle].pose
         return posed
 
@@ -318,7 +318,7 @@ SHEAR = MotionKind(
     stretches=True,
 )
 MOTION_KINDS = {kind.word: kind for kind in (TWIST, PUSH, MOVE, TURN, BEND, SCALE, SHEAR)}
-# In the order in which the window offers them.
+# Motions in their order in the window.
 MOTIONS = {
     motion.name: motion
     for kind in MOTION_KINDS.values()

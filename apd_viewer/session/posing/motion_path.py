@@ -1,4 +1,4 @@
-"""Steps of motions by known amounts, and the paths of handles along them."""
+"""Motion steps by given amounts, and handle paths along them."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ from apd_viewer.session.posing.motion import (
 from apd_viewer.session.quantities.units import Unit
 
 MOST_TURNS = 100
-_QUARTER = math.radians(90.0)  # between two poses that the window takes
-_ARC = math.radians(5.0)  # between two documents on the way: arcs drawn through them look round
-_STEP = math.radians(60.0)  # between two poses of a path that is written down by its waypoints
-_ROUNDING = 1e-9  # of a pose; of the diagonal of the mesh for its translation
+_QUARTER = math.radians(90.0)  # largest rotation of a single move, so that full turns are kept
+_ARC = math.radians(5.0)  # between intermediate documents: arcs drawn through them look smooth
+_STEP = math.radians(60.0)  # largest rotation between the stored waypoints of a path
+_ROUNDING = 1e-9  # tolerance of a pose; relative to the mesh diagonal for its translation
 
 
 @dataclass(frozen=True, eq=False)
 class MotionStep:
-    """A motion of one handle by known amounts.
+    """Motion of one handle by given amounts.
 
     Attributes
     ----------
@@ -58,16 +58,16 @@ class MotionStep:
 
     @property
     def angle(self) -> float:
-        """Angle of its rotation, radians, signed."""
+        """Signed rotation angle, radians; 0 without a rotation."""
         return self.amounts[0] if self.motion.kind.amount is AmountKind.ANGLE else 0.0
 
     def check_turns(self) -> None:
-        """Raise InputError for too many turns."""
+        """Raise InputError for more than ``MOST_TURNS`` turns."""
         if abs(self.angle) > MOST_TURNS * 2.0 * math.pi:
             raise InputError(tr("Enter at most {most} turns at a time.").format(most=MOST_TURNS))
 
     def pose_at(self, document: Document, share: float) -> np.ndarray:
-        """Pose (4, 4) of the handle after a part of it; raises InputError."""
+        """Pose (4, 4) of the handle at fraction ``share``; raises InputError."""
         amount = self.motion.kind.amount
         return self._pose(document, [amount.at(each, share) for each in self.amounts])
 
@@ -75,7 +75,7 @@ class MotionStep:
         return self.motion.pose_after(MotionReference(document, self.handle, self.line), amounts)
 
     def intermediate_documents(self, document: Document) -> list[Document]:
-        """The document along a motion of at most a turn, with its end; else the last turn.
+        """Documents along the last turn of the motion, including its end.
 
         A stretch is no way: there is its end only.
         """
@@ -90,7 +90,7 @@ class MotionStep:
         return [*there, end]
 
     def end_document(self, document: Document) -> Document:
-        """The document after the motion; raises InputError if it is impossible."""
+        """Document after the motion; raises InputError if it is impossible."""
         self.check_turns()
         end, before = document, document.handles[self.handle]
         pose, count = before.pose, max(1, math.ceil(abs(self.angle) / _QUARTER))
@@ -107,7 +107,7 @@ class MotionStep:
 
 
 def _are_alike(pose: np.ndarray, other: np.ndarray, size: float) -> bool:
-    """True if two poses (4, 4) are the same to rounding."""
+    """True if two poses (4, 4) are equal up to rounding."""
     away = np.abs(other - pose)
     return bool(away[:, :3].max() <= _ROUNDING and away[:, 3].max() <= _ROUNDING * size)
 
@@ -138,7 +138,7 @@ class MotionPath:
 
     @property
     def angle(self) -> float:
-        """Sum of the angles, radians."""
+        """Sum of the signed rotation angles, radians."""
         return sum(step.angle for step in self.steps)
 
     @property
@@ -148,7 +148,7 @@ class MotionPath:
 
     @property
     def has_stretch(self) -> bool:
-        """True if there is more than rotations and translations."""
+        """True if a step includes more than rotations and translations."""
         return any(step.motion.kind.stretches for step in self.steps)
 
 
@@ -163,7 +163,7 @@ def motion_paths(document: Document, steps: Sequence[MotionStep]) -> tuple[Handl
 
 def _path(document: Document, k: int, steps: tuple[MotionStep, ...]) -> HandlePath | MotionPath:
     path = MotionPath(document, k, steps)
-    path.pose_at(1.0)  # what is impossible is said before anything is computed
+    path.pose_at(1.0)  # raises early if a step is impossible
     if [step.motion.kind for step in steps] != [TWIST]:
         return path
     start = MotionReference(document, k)
@@ -184,7 +184,7 @@ def _at_grip(document: Document) -> Document:
 def document_along(
     document: Document, paths: Sequence[HandlePath | MotionPath], share: float = 1.0
 ) -> Document:
-    """The document with its handles moved along their paths, turns of any size kept."""
+    """Document with handles moved along their paths, keeping turns of any size."""
     document = _at_grip(document)
     for k, path in enumerate(paths):
         count = max(1, math.ceil(share * total_turn(path) / _STEP))
@@ -193,12 +193,12 @@ def document_along(
     return document
 
 
-# Relative: what a drag computes in floating point is equal within this.
+# Relative tolerance for rounding errors of a drag.
 _SAME = 1e-9
 
 
 def motion_title(motion: Motion, amount: float, handles: str, unit: Unit) -> str:
-    """Title such as “Twist +60° (Handle 1)”; radians, a length or a factor."""
+    """Title such as “Twist +60° (Handle 1)”, for radians, a length or a factor."""
     return _titled(motion.title, motion.kind.amount.format(amount, unit), handles)
 
 
@@ -222,7 +222,7 @@ def motion_title_between(before: Document, after: Document, k: int, unit: Unit) 
     if np.abs(by[:3, :3] @ by[:3, :3].T - np.eye(3)).max() <= _SAME:
         turn = rigid_transform(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
         if abs(float(turn.displacement @ turn.axis)) <= _SAME * diagonal(before.mesh.V):
-            # The handles tell its full turns.
+            # Full turns follow from the waypoints of the handles.
             made = summed_rotations(new.waypoints, new.pose) - summed_rotations(old.waypoints, old.pose)
             full = 2.0 * math.pi * round((float(made @ turn.axis) - turn.angle) / (2.0 * math.pi))
             free = TURN.amount.format(turn.angle + full, unit)
@@ -232,13 +232,13 @@ def motion_title_between(before: Document, after: Document, k: int, unit: Unit) 
 
 
 def moved_handle_names(before: Document, after: Document) -> str:
-    """Names of the handles with other poses."""
+    """Names of the handles with different poses in two documents."""
     pairs = zip(before.handles, after.handles, strict=True)
     return comma_separated(new.name for old, new in pairs if old.pose is not new.pose)
 
 
 def _title_along(kind: MotionKind, vector: np.ndarray, amount: float, unit: Unit, names: str) -> str:
-    """Title of a motion along a vector (3,); empty if that is along no axis."""
+    """Title of a motion along a vector (3,); empty unless parallel to an axis."""
     largest = int(np.argmax(np.abs(vector)))
     if np.abs(np.delete(vector, largest)).max() > _SAME * abs(vector[largest]):
         return ""

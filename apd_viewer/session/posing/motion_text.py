@@ -1,4 +1,4 @@
-"""Motions of the handles in words, such as ``twist 120deg; push 30%``.
+"""Text form of handle motions, such as ``twist 120deg; push 30%``.
 
 Steps are separated by semicolons and follow each other; each moves the handle that ``handle N:`` named last,
 at first the first one. The words are those of :data:`MOTION_KINDS`. An axis stands behind the amount, as in
@@ -26,12 +26,12 @@ ANY_LENGTHS = dict.fromkeys("XYZLD", 1.0)
 _HANDLE = re.compile(r"handle\s+(\d{1,3})\s*:\s*(.*)", re.DOTALL | re.IGNORECASE)
 _PREPOSITIONS = {kind.preposition for kind in MOTION_KINDS.values() if kind.preposition}
 _AXIS = re.compile(rf"(.*?)\s+({'|'.join(_PREPOSITIONS)})\s+([xyz])", re.DOTALL | re.IGNORECASE)
-_SHOWN = 40  # characters quoted from invalid input
+_SHOWN = 40  # maximum number of characters quoted from invalid input
 
 
 @dataclass(frozen=True)
 class MotionTextStep:
-    """One motion of one handle, in words.
+    """One motion of one handle, as text.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class MotionTextStep:
 
     @property
     def text(self) -> str:
-        """The step in words, written in one way only."""
+        """Canonical text of the step."""
         kind, axis = self.motion.kind, self.motion.axis.lower()
         words = [kind.word, *self.amounts, *([kind.preposition, axis] if axis else [])]
         return f"handle {self.handle + 1}: {' '.join(words)}"
@@ -56,7 +56,7 @@ class MotionTextStep:
     def parse_amounts(
         self, unit: Unit, names: Mapping[str, float] = ANY_LENGTHS, rest: MotionReference | None = None
     ) -> tuple[float, ...]:
-        """Amounts for one mesh or any mesh; raises InputError on meaningless ones."""
+        """Parse the amounts for one mesh or any mesh; raises InputError if invalid."""
         amount = self.motion.kind.amount
         found = tuple(amount.parse(each, unit, names, rest) for each in self.amounts)
         if amount is AmountKind.FACTOR and not min(found) > 0.0:
@@ -73,19 +73,19 @@ class MotionTextStep:
                 )
             )
         rest = MotionReference(document, k).at_rest
-        if kind.may_omit_axis and not axis:  # the one most nearly at right angles to the line to the base
+        if kind.may_omit_axis and not axis:  # axis most nearly perpendicular to the line to the base
             axis = "XYZ"[int(np.argmin(np.abs(rest.base - rest.centre).round(12)))]
         return MotionStep(k, Motion(kind, axis), self.parse_amounts(unit, names, rest))
 
 
 def motion_steps(document: Document, text: str, unit: Unit) -> tuple[MotionStep, ...]:
-    """Steps of a motion in words on a mesh; raises InputError if it is none."""
+    """Parse a motion text into steps on a mesh; raises InputError."""
     document, names = document.relative_to_rest, document.mesh.named_lengths
     return tuple(step.on(document, unit, names) for step in parse_motion(text))
 
 
 def parse_motion(text: str) -> tuple[MotionTextStep, ...]:
-    """Steps of a motion in words.
+    """Parse a motion text into steps.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Named poses: places of the handles from the rest shape, to be returned to.
+"""Named poses: stored handle poses relative to the rest shape.
 
 From the rest shape, for what the handles were gripped at changes with every stroke and every reset.
 """
@@ -17,13 +17,13 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, HandlePlacement, NamedPose
 from apd_viewer.session.model.memo import memoised
 
-# Of a matrix and of an angle in radians; of the diagonal of the mesh for translations.
+# Tolerance of matrices and angles in radians; relative to the mesh diagonal for translations.
 _SAME = 1e-7
 
 
 @memoised
 def _grip_motion(V: np.ndarray, grip: np.ndarray, labels: np.ndarray, label: int) -> np.ndarray:
-    """Motion (4, 4) that brought the vertices of a label from rest to their grip."""
+    """Motion (4, 4) of the vertices with a label from rest to their grip."""
     mine = labels == label
     if grip is V or np.array_equal(V[mine], grip[mine]):
         return IDENTITY
@@ -37,7 +37,7 @@ def _size(V: np.ndarray) -> float:
 
 
 def _gripped(document: Document, k: int) -> Handle:
-    """Handle ``k`` with its motion until it was gripped, as nearly as can be known."""
+    """Handle ``k`` with its motion before gripping, estimated if not recorded."""
     handle = document.handles[k]
     if not handle.earlier_poses:
         motion = _grip_motion(document.mesh.V, document.grip, document.labels, HANDLE + k)
@@ -46,7 +46,7 @@ def _gripped(document: Document, k: int) -> Handle:
 
 
 def handle_placements(document: Document) -> tuple[HandlePlacement, ...]:
-    """Present places of all handles with vertices."""
+    """Current placements of all handles with vertices."""
     found = [
         _gripped(document, k).relative_to_rest
         for k in range(len(document.handles))
@@ -56,7 +56,7 @@ def handle_placements(document: Document) -> tuple[HandlePlacement, ...]:
 
 
 def _targets(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]]:
-    """Handles that a named pose places and the document has, each in its place."""
+    """Handles of a document at their placements in a named pose, with their numbers."""
     numbers = {
         handle.name: k for k, handle in enumerate(document.handles) if document.label_counts[HANDLE + k]
     }
@@ -68,20 +68,20 @@ def _targets(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]
 
 
 def with_named_pose(document: Document, pose: NamedPose) -> Document:
-    """The document with its handles in a named pose; others stay where they are."""
+    """Document with its handles in a named pose; other handles are unchanged."""
     for k, handle in _targets(document, pose):
         document = document.with_handle(k, handle)
     return document
 
 
 def missing_handles(document: Document, pose: NamedPose) -> list[str]:
-    """Names of the handles that a named pose places and the document has not."""
+    """Names of the handles in a named pose missing from the document."""
     found = {document.handles[k].name for k, _ in _targets(document, pose)}
     return [placement.handle for placement in pose.placements if placement.handle not in found]
 
 
 def is_in_pose(document: Document, pose: NamedPose) -> bool:
-    """True if the handles are in a named pose, as far as they are there."""
+    """True if all existing handles of a named pose are in it."""
     size, there = _size(document.mesh.V), list(_targets(document, pose))
     return bool(there) and all(_alike(document.handles[k], handle, size) for k, handle in there)
 
@@ -94,7 +94,7 @@ def _alike(one: Handle, other: Handle, size: float) -> bool:
 
 
 def with_handle_renamed(document: Document, before: str, after: str) -> Document:
-    """The document with a handle called otherwise in its named poses."""
+    """Document with a handle renamed in its named poses."""
     poses = tuple(
         replace(
             pose,
@@ -108,7 +108,7 @@ def with_handle_renamed(document: Document, before: str, after: str) -> Document
 
 
 def rebased_poses(document: Document) -> tuple[NamedPose, ...]:
-    """Named poses from the present places of the handles, which become those at rest."""
+    """Named poses relative to the current handle poses as the new rest."""
     present = {each.handle: each for each in handle_placements(document)}
     return tuple(
         replace(
@@ -123,7 +123,7 @@ def rebased_poses(document: Document) -> tuple[NamedPose, ...]:
 
 
 def _rebased(placement: HandlePlacement, present: HandlePlacement) -> HandlePlacement:
-    """Placement from another one: back along its path, then along its own."""
+    """Placement relative to ``present``: back along its path, then to the placement."""
     handle = Handle(placement.handle, earlier_poses=(*present.waypoints, present.pose))
     there = handle.with_pose_from_rest(placement.pose, placement.waypoints)
     return HandlePlacement(there.name, there.pose, there.waypoints)

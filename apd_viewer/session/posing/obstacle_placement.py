@@ -1,4 +1,4 @@
-"""Places of obstacles that touch a shape and do not stand in it."""
+"""Placement of obstacles touching a shape without intersecting it."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from apd_viewer.session.model.document_parts import next_name
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import State
 
-# Of new ones, in longest sides of the mesh: about a thumb on a bottle.
+# Sizes of new obstacles relative to the longest side of the mesh: about a thumb on a bottle.
 _RADIUS = {ObstacleKind.PLATE: 0.0, ObstacleKind.SPHERE: 0.08, ObstacleKind.CYLINDER: 0.05}
 _LENGTH = 0.3
-# Out of a narrow fold it takes steps; each is at least so long, in distances that walls keep.
+# Steps out of a narrow fold: minimum length relative to the contact distance, and maximum number of steps.
 _LEAST_STEP, _MOST_STEPS = 0.05, 500
-# Relative to the distance that walls keep: what was put there in floating point is still clear.
+# Rounding tolerance of a clear position, relative to the contact distance.
 _ROUNDING = 1e-6
 
 
 def contact_distance(state: State, thickness: float | None) -> float:
-    """Distance that walls and obstacles keep, mesh units."""
+    """Contact distance of walls and obstacles, mesh units."""
     mesh = state.document.mesh
     return contact_thickness(diagonal(mesh.V[_corners(mesh.F)]), thickness)
 
 
 def obstacle_clearance(obstacle: NamedObstacle, state: State) -> float:
-    """Distance of an obstacle, where it was put, from the shape; negative within it.
+    """Distance of an obstacle's initial position from the shape; negative inside.
 
     Raises InputError if it has no extent or direction.
     """
@@ -43,7 +43,7 @@ def obstacle_clearance(obstacle: NamedObstacle, state: State) -> float:
 
 @memo.memoised
 def _corners(F: np.ndarray) -> np.ndarray:
-    """Vertices of the triangles, ascending."""
+    """Sorted ids of the vertices used by triangles."""
     return frozen(np.unique(F))
 
 
@@ -53,7 +53,7 @@ def is_clear(obstacle: NamedObstacle, state: State, distance: float) -> bool:
 
 
 def moved_clear(obstacle: NamedObstacle, state: State, distance: float) -> NamedObstacle:
-    """The obstacle, moved back along its axis to ``distance`` from the shape.
+    """Obstacle moved back along its axis to ``distance`` from the shape.
 
     No obstacle comes nearer faster than it moves, so that no place in between is passed over.
     """
@@ -70,7 +70,7 @@ def moved_clear(obstacle: NamedObstacle, state: State, distance: float) -> Named
 def proposed_obstacle(
     kind: ObstacleKind, point: np.ndarray, normal: np.ndarray, state: State, distance: float
 ) -> NamedObstacle:
-    """New obstacle at a point of the surface, ready to be pushed in; without a name.
+    """New unnamed obstacle near a surface point, with its axis into the surface.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def proposed_obstacle(
 
 
 def reset_obstacles(state: State) -> tuple[NamedObstacle, ...]:
-    """Obstacles of a state where they were put, moved back out of its shape."""
+    """Obstacles at their initial positions, moved back out of the shape if needed."""
     apart, found = contact_distance(state, state.document.settings.thickness), []
     for obstacle in state.document.obstacles:
         obstacle = obstacle.with_shift_applied(np.zeros(3))
@@ -99,7 +99,7 @@ def reset_obstacles(state: State) -> tuple[NamedObstacle, ...]:
 
 
 def obstacles_outside_shape(state: State, thickness: float | None) -> tuple[NamedObstacle, ...]:
-    """Obstacles of a state; those put where its shape is now are moved back out of it.
+    """Obstacles of a state; those inside the current shape are moved back out of it.
 
     ``thickness`` is the distance that they keep, as of a document.
     """
@@ -113,7 +113,7 @@ def obstacles_outside_shape(state: State, thickness: float | None) -> tuple[Name
 
 
 def touching_plate(name: str, axis: np.ndarray, state: State, distance: float) -> NamedObstacle:
-    """Plate that touches the shape from behind, with its normal along ``axis`` (3,)."""
+    """Plate touching the shape from behind, with its normal along ``axis`` (3,)."""
     axis = checked_direction(axis)
     X = state.frame.U[_corners(state.document.mesh.F)]
     middle = 0.5 * (X.min(axis=0) + X.max(axis=0))
@@ -122,5 +122,5 @@ def touching_plate(name: str, axis: np.ndarray, state: State, distance: float) -
 
 
 def obstacle_name(kind: ObstacleKind, taken: Collection[str]) -> str:
-    """The first free name, such as Plate 1."""
+    """First unused name, such as Plate 1."""
     return next_name(kind.title, taken)

@@ -1,4 +1,4 @@
-"""Handles as far as the shape on screen has come, and gripped there anew."""
+"""Regripping of handles at the displayed shape."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from apd_viewer.session.model.state import State
 
 
 def regripped_document(before: Document, document: Document, frame: Frame) -> Document:
-    """The document with base and handles gripped at the shape of a frame.
+    """Document with base and handles gripped at the shape of a frame.
 
     A handle keeps its motion from rest while it keeps a vertex that made it.
 
@@ -68,7 +68,7 @@ def _line(document: Document, k: int) -> np.ndarray | None:
 
 
 def reached_handle(document: Document, k: int, frame: Frame, ids: np.ndarray | None = None) -> Handle:
-    """Handle ``k`` as far as the shape of a frame has followed it; itself if it has.
+    """Handle ``k`` at the pose reached by the shape of a frame.
 
     Parameters
     ----------
@@ -86,14 +86,14 @@ def reached_handle(document: Document, k: int, frame: Frame, ids: np.ndarray | N
         return handle
     pose = fitted_motion(X, Y)
     ways = [handle.waypoints[:count] for count in range(len(handle.waypoints) + 1)]
-    # A pose does not tell full turns: the share of the way does.
+    # A pose does not include full turns; the fraction of the path determines them.
     wanted = frame.share_reached * handle.rotation
     nearest = min(ways, key=lambda way: float(np.linalg.norm(rotation_vector(way, pose) - wanted)))
     return handle.with_pose(pose, nearest)
 
 
 def gesture_motion(before: State, document: Document) -> Document | None:
-    """The document with the motion of a gesture alone; None if there is none.
+    """Document with the motion of a gesture alone; None if there is none.
 
     Its base and handles are gripped at the shape before the gesture.
 
@@ -126,12 +126,12 @@ def gesture_motion(before: State, document: Document) -> Document | None:
 
 
 def has_moved(before: Handle, after: Handle) -> bool:
-    """True if a handle has another pose, or came there another way."""
+    """True if a handle has a different pose or number of waypoints."""
     return not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints)
 
 
 def _rest_of_way(before: Handle, after: Handle) -> Handle:
-    """Handle gripped where it was before, with its way from there to where it is.
+    """Handle gripped at its previous pose, with the path from there to its new pose.
 
     Back to where both ways part, and on from there: what is gone back along is taken off again.
     """
@@ -146,6 +146,6 @@ def _rest_of_way(before: Handle, after: Handle) -> Handle:
 
 
 def _shared(before: Handle, after: Handle) -> int:
-    """Number of common first waypoints."""
+    """Number of common leading waypoints."""
     pairs = zip(before.waypoints, after.waypoints, strict=False)
     return sum(1 for _ in itertools.takewhile(lambda pair: np.array_equal(*pair), pairs))

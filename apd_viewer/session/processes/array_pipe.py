@@ -1,4 +1,4 @@
-"""Messages between processes, with the identity of arrays and meshes kept.
+"""Messages between processes, preserving the identity of arrays and meshes.
 
 The solver knows by the identity of meshes and arrays what it need not do again. So every mesh and every array
 travels once, under a number, and is only named from then on, until a message comes that does not mention it.
@@ -45,7 +45,7 @@ def read_message(source: BinaryIO) -> bytes | None:
 
 
 class _Array(NamedTuple):
-    """A new array; ``place`` is its content, or its offset in the envelope."""
+    """New array; ``place`` is its content or its offset in shared memory."""
 
     number: int
     dtype: str
@@ -54,7 +54,7 @@ class _Array(NamedTuple):
 
 
 class _Mesh(NamedTuple):
-    """A new mesh, by the numbers of its arrays."""
+    """New mesh, given by the numbers of its arrays."""
 
     number: int
     V: int
@@ -75,7 +75,7 @@ class ArrayPacker:
     def __init__(self) -> None:
         self.shared_arrays: SharedArrays | None = None
         self._numbers = itertools.count()
-        # By id, unique as long as the objects are kept alive.
+        # Keyed by id, which is unique while the objects are kept alive.
         self._known: dict[int, tuple[int, Any]] = {}
         self._mentioned: dict[int, tuple[int, Any]] = {}
         self._arrays: list[tuple[int, np.ndarray]] = []
@@ -124,7 +124,7 @@ class ArrayPacker:
         large = [array for _, array in self._arrays if array.nbytes >= LEAST_SHARED_BYTES]
         try:
             self.shared_arrays = SharedArrays(large) if large else None
-        except OSError:  # some machines have almost no shared memory: then everything goes through the pipe
+        except OSError:  # too little shared memory: all arrays are sent through the pipe
             self.shared_arrays, large = None, []
         offsets = iter(self.shared_arrays.offsets if self.shared_arrays else ())
         places = [
@@ -181,7 +181,7 @@ def pickled(value: object, number_of: Callable[[object], int | None]) -> bytes:
 
 
 def unpickled(content: bytes, known: Mapping[int, Any]) -> Any:
-    """Restore a value, given the objects by their numbers."""
+    """Restore a pickled value, given the numbered objects."""
 
     class Unpickler(pickle.Unpickler):
         def persistent_load(self, number: int) -> Any:

@@ -1,4 +1,4 @@
-"""Set-up of every child process, and its end with its owner."""
+"""Set-up of every child process, including its termination with the owner."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable
 from typing import BinaryIO
 
-_DEATH_OF_THE_PARENT = 1  # of prctl(2)
+_DEATH_OF_THE_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
 
 
 def set_up_process(owner_pid: int) -> None:
@@ -26,8 +26,8 @@ def set_up_process(owner_pid: int) -> None:
     # Ctrl+C ends the owner, and this process only with it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.stdout = sys.stderr
-    # A killed owner closes our input, unnoticed by native code running for seconds. Linux signals it;
-    # there this process ends with the thread that started it, so that thread must live as long.
+    # A killed owner closes our input, but native code may run for seconds before reading it. On Linux a
+    # signal ends this process with the thread that started it, so that thread must live as long.
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_DEATH_OF_THE_PARENT, signal.SIGKILL)
         # Linux does not signal an owner killed while this interpreter was starting.
@@ -51,6 +51,6 @@ def run_service(
     """
     if hasattr(os, "nice"):
         os.nice(niceness)
-    # A dead owner reads no more: unread messages are lost when the sink is closed.
+    # If the owner has died, unread messages are lost when the sink is closed.
     with contextlib.suppress(OSError), os.fdopen(reply_descriptor, "wb") as sink:
         serve(sys.stdin.buffer, sink)

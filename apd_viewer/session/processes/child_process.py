@@ -1,4 +1,4 @@
-"""Child processes: start, messages both ways, end and restart, last words."""
+"""Child processes: start, messages, end, restart, and a log of the final output."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from apd_viewer.session.processes import array_pipe
 _log = logging.getLogger(__name__)
 
 # Not multiprocessing and not -m: neither the user's script nor modules in the current folder are imported.
-# Libraries print to the standard error, never between the replies.
+# Output printed by libraries goes to standard error, never between the replies.
 START_SCRIPT = """
 import os, sys
 replies = os.dup(1)
@@ -29,15 +29,15 @@ set_up_process(owner_pid=int(sys.argv[1]))
 from apd_viewer.session.{module} import main
 main(replies)
 """
-# Large arrays come and go: glibc would return their memory each time and have it cleared again.
+# By default glibc returns the memory of every large array to the system and fetches it again.
 _KEEP_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(1 << 30), "MALLOC_TRIM_THRESHOLD_": str(1 << 31)}
-_LINES, _LINE_LENGTH = 40, 300  # largest part of the final output that is kept
-_GRACE = 1.0  # s; time for a process to end by itself
-_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
+_LINES, _LINE_LENGTH = 40, 300  # maximum number of lines of final output kept, and characters per line
+_GRACE = 1.0  # seconds for a process to exit by itself
+_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # exists only on Windows
 
 
 class Process(Protocol):
-    """The part of Popen used here; ``stderr`` may be None."""
+    """Subset of Popen used here; ``stderr`` may be None."""
 
     pid: int
     stdin: BinaryIO
@@ -45,10 +45,10 @@ class Process(Protocol):
     stderr: BinaryIO | None
 
     def kill(self) -> None:
-        """End it at once."""
+        """Kill the process."""
 
     def wait(self, timeout: float | None = None) -> int:
-        """Wait until it has ended and return its exit code; raises TimeoutExpired."""
+        """Wait for the process to end and return its exit code; raises TimeoutExpired."""
 
 
 class ChildProcess:
@@ -85,7 +85,7 @@ class ChildProcess:
         return self._killed
 
     def start(self) -> None:
-        """Start it; raises OSError if there can be no process."""
+        """Start the process; raises OSError on failure."""
         self._killed = self._failed = False
         self._last_words.clear()
         try:
@@ -120,7 +120,7 @@ class ChildProcess:
         return None
 
     def kill(self) -> None:
-        """End the process now, whatever it is doing; does not wait for it."""
+        """Kill the process without waiting for it."""
         self._killed = True
         if (process := self._process) is not None:
             process.kill()
@@ -159,19 +159,19 @@ class ChildProcess:
         return cast("Process", process)
 
     def _read_errors(self, errors: BinaryIO) -> None:
-        """Keep the last lines, and copy all to the log and to our own standard error."""
+        """Keep the last lines of standard error, and copy all to the log and our own."""
         with errors:
             for line in errors:
                 words = line.decode(errors="replace").rstrip()[:_LINE_LENGTH]
                 self._last_words.append(words)
                 _log.info("The %s process says: %s", self.title, words)
-                if sys.__stderr__ is not None:  # a program without a console has none
+                if sys.__stderr__ is not None:  # None in a program without a console
                     with contextlib.suppress(OSError, ValueError):
                         os.write(sys.__stderr__.fileno(), line)
 
 
 def _exit_code(process: Process) -> int | None:
-    """Return the code of a process about to end by itself; None if it does not."""
+    """Exit code of a process about to exit by itself; None if it does not."""
     with contextlib.suppress(subprocess.TimeoutExpired):
         return process.wait(_GRACE)
     return None

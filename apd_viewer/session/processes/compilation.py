@@ -18,13 +18,13 @@ from apd_viewer.session.processes.request_and_reply import CompilationProgress
 
 # The window and the solver come first: on two cores the window would otherwise be ready twice as late.
 _NICENESS = 10
-# Most that is told before all are there: what is compiled beside those that are counted takes its time too.
+# Largest fraction reported before the end, since uncounted kernels take time, too.
 _NEARLY_ALL = 0.99
 _START = START_SCRIPT.format(module="processes.compilation")
 
 
 class Compilation:
-    """Compilation in the solver's process.
+    """Kernel compilation in the solver process.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Compilation:
         self._stop = report_compilations(lambda share: self._say(min(share, _NEARLY_ALL)))
 
     def run(self, is_interrupted: Callable[[], bool]) -> None:
-        """Compile until ``is_interrupted()``; errors are left to the requests."""
+        """Compile until ``is_interrupted()``; errors appear in later requests."""
         with contextlib.suppress(Exception):
             warm_up(is_cancelled=is_interrupted)
         if not is_interrupted():
@@ -49,7 +49,7 @@ class Compilation:
 
 
 class CompilerProcesses:
-    """Processes that compile PARTS beside this one.
+    """Processes compiling the ``SECTIONS`` of kernels in parallel.
 
     On Linux they end with the thread that starts them.
     """
@@ -58,7 +58,7 @@ class CompilerProcesses:
         self._processes: list[ChildProcess] = []
 
     def start(self) -> None:
-        """Start them; once is enough. Where that fails, the solver compiles."""
+        """Start the processes once; on failure the solver compiles by itself."""
         if not self._processes:
             self._processes = [ChildProcess("compiler", _START) for _ in SECTIONS]
             for process, part in zip(self._processes, SECTIONS, strict=True):
@@ -67,19 +67,19 @@ class CompilerProcesses:
                     process.send_messages(part.encode())
 
     def end(self) -> None:
-        """End them, whatever they are doing."""
+        """Kill the processes."""
         for process in self._processes:
             process.kill()
             process.end()
 
 
 def main(reply_descriptor: int) -> None:
-    """Serve the window's process, with answers on a file descriptor."""
+    """Serve the window's process; ``reply_descriptor`` is the descriptor for answers."""
     run_service(reply_descriptor, serve, _NICENESS)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
-    """Compile the part named by ``source``, and say so."""
+    """Compile the section of kernels named by ``source``, and confirm it."""
     name = array_pipe.read_message(source)
     if name is not None:
         warm_up(name.decode())

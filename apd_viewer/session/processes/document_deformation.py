@@ -17,7 +17,7 @@ from apd_viewer.session.model.handle_paths import intermediate_documents
 def deformation_of(
     document: Document, held: Constraints, rest: RestMesh | None = None, factored: Factorizer | None = None
 ) -> Deformation:
-    """Return the deformation of a document, not aimed yet."""
+    """Deformation of a document, without handle targets yet."""
     settings = {**vars(document.settings.in_effect), **targets_of(document)._asdict()}
     del settings["hold_area"]
     return Deformation(

@@ -13,7 +13,7 @@ from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run_service
 
-_NICENESS = 10  # displayed frames come first
+_NICENESS = 10  # displayed frames have priority
 
 
 def main(reply_descriptor: int) -> None:

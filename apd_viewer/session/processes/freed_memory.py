@@ -1,4 +1,4 @@
-"""Freed memory kept by the C library."""
+"""Control of freed memory kept by the C library."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import ctypes
 import sys
 from typing import Any
 
-# Parameters of mallopt and their values in bytes.
+# Parameters of mallopt with their values.
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
 _MOST_ARENAS = (-8, 1)
 
@@ -23,7 +23,7 @@ def keep_freed_memory() -> None:
 
 
 def share_freed_memory() -> None:
-    """Let each thread use what others have freed, on glibc.
+    """Let threads reuse memory freed by other threads, on glibc.
 
     Call it before threads are started. By default they have arenas of their own: of a window that opened 20
     files in turn, 100 MiB lay free in those of the threads that read, a few more after every file.
@@ -32,12 +32,12 @@ def share_freed_memory() -> None:
         mallopt(*_MOST_ARENAS)
 
 
-def give_back_freed_memory() -> None:
-    """Give kept memory back to the system, on glibc."""
+def release_freed_memory() -> None:
+    """Return freed memory to the system, on glibc."""
     if trim := _of_glibc("malloc_trim"):
         trim(0)
 
 
 def _of_glibc(name: str) -> Any:
-    """Function of the C library; None where it has none of this name."""
+    """Function of the C library by name; None if missing."""
     return getattr(ctypes.CDLL(None), name, None) if sys.platform.startswith("linux") else None

@@ -1,4 +1,4 @@
-"""Geodesics of the newest shape in a process, ended as soon as they are forgotten."""
+"""Geodesics of the newest shape in a process, killed when no longer needed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProces
 from apd_viewer.session.processes.newest_answer import NewestAnswer, answer_to
 
 _START = START_SCRIPT.format(module="processes.geodesic_main")
-_CALM = 0.1  # s; a shape that has just settled is often moved again at once
+_CALM = 0.1  # seconds; a shape that has just converged is often moved again at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class GeodesicQuery:
 
 
 class GeodesicFinder(NewestAnswer[GeodesicQuery, CarriedPath]):
-    """Finds one geodesic at a time; the newest wins.
+    """Finder of one geodesic at a time; a new query replaces the old one.
 
     Where there is none, or the process died, the path is empty.
 
@@ -41,7 +41,7 @@ class GeodesicFinder(NewestAnswer[GeodesicQuery, CarriedPath]):
 
 
 def find_geodesic(query: GeodesicQuery) -> CarriedPath:
-    """Find a geodesic in a process of its own, and wait for it."""
+    """Find a geodesic in a separate process, and wait for it."""
     return answer_to(ChildProcess("geodesic", _START), _path, CarriedPath.empty(), query)
 
 

@@ -35,7 +35,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     ):
         F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
         points = [SurfacePoint(int(face), (a, b, c)) for face, a, b, c in np.frombuffer(ends).reshape(-1, 4)]
-        U = np.frombuffer(positions).reshape(-1, 3).copy()  # not read-only: as the kernels are cached for
+        U = np.frombuffer(positions).reshape(-1, 3).copy()  # writable, as the cached kernels expect
         found = _found(U, F, *points)
         array_pipe.write_message(sink, found.corners.astype(np.int64).tobytes())
         array_pipe.write_message(sink, found.weights.tobytes())

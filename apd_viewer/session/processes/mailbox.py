@@ -1,4 +1,4 @@
-"""Mailbox of one value between two threads; the newest wins."""
+"""One-value mailbox between two threads; a new value replaces the old one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """Mailbox of one complete value; a newer one replaces it without loss."""
+    """Mailbox for one value; a newer value replaces an unread one."""
 
     def __init__(self) -> None:
         self._filled = threading.Condition()
@@ -17,7 +17,7 @@ class Mailbox(Generic[T]):
         self._closed = False
 
     def put(self, value: T) -> bool:
-        """Leave ``value``; True if the mailbox was empty and the taker must be woken."""
+        """Store ``value``; return True if the mailbox was empty before."""
         with self._filled:
             was_empty = self._value is None
             self._value = value
@@ -25,7 +25,7 @@ class Mailbox(Generic[T]):
         return was_empty
 
     def offer(self, value: T) -> bool:
-        """Put ``value`` if the mailbox is empty; True if so."""
+        """Store ``value`` if the mailbox is empty; return True on success."""
         with self._filled:
             if self._value is not None:
                 return False
@@ -34,30 +34,30 @@ class Mailbox(Generic[T]):
         return True
 
     def take(self) -> T | None:
-        """Take the value; None if there is none."""
+        """Remove and return the value; None if empty."""
         with self._filled:
             value, self._value = self._value, None
         return value
 
     def wait(self) -> T | None:
-        """Take the value as soon as there is one; None once the mailbox is closed."""
+        """Wait for a value and take it; None once the mailbox is closed."""
         with self._filled:
             self._filled.wait_for(lambda: self.is_ready)
             value, self._value = self._value, None
         return None if self._closed else value
 
     def wait_for_value(self, seconds: float) -> bool:
-        """Wait at most so many seconds for a value or the end; True if one came."""
+        """Wait up to ``seconds`` for a value or closing; return True on either."""
         with self._filled:
             return self._filled.wait_for(lambda: self.is_ready, seconds)
 
     @property
     def is_ready(self) -> bool:
-        """True if there is a value, or the mailbox is closed."""
+        """True if there is a value or the mailbox is closed."""
         return self._value is not None or self._closed
 
     def close(self) -> None:
-        """Wake the taker for the last time."""
+        """Close the mailbox and wake the waiting thread."""
         with self._filled:
             self._closed = True
             self._filled.notify()

@@ -1,4 +1,4 @@
-"""Answers of a process to the newest question, ended as soon as it is forgotten."""
+"""Answers of a process to the newest question; the process is killed on cancel."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def answer_to(
     fallback: Answer,
     question: Question,
 ) -> Answer:
-    """Answer of a process to one question, waited for; see :class:`NewestAnswer`."""
+    """Wait for the answer of a process to one question; see :class:`NewestAnswer`."""
     answer = None
-    with contextlib.suppress(OSError):  # there can be no process
+    with contextlib.suppress(OSError):  # the process cannot be started
         process.start()
         answer = exchange(process, question)
     process.end()
@@ -30,7 +30,7 @@ def answer_to(
 
 
 class NewestAnswer(Generic[Question, Answer]):
-    """Has a process answer one question at a time; the newest wins.
+    """Asynchronous answers of a process; a new question replaces the pending one.
 
     Parameters
     ----------
@@ -65,13 +65,13 @@ class NewestAnswer(Generic[Question, Answer]):
         self._thread.start()
 
     def ask(self, question: Question) -> None:
-        """Answer ``question`` soon instead of any other. Never blocks."""
+        """Ask ``question`` in place of any other, without blocking."""
         self.cancel()
         self._wanted = question
         self._questions.put(question)
 
     def cancel(self) -> None:
-        """Answer nothing; end the work in progress."""
+        """Cancel the pending question, and kill its process."""
         self._wanted = None
         self._questions.take()
         with self._lock:
@@ -79,7 +79,7 @@ class NewestAnswer(Generic[Question, Answer]):
                 self._process.kill()
 
     def take(self) -> tuple[Question, Answer] | None:
-        """Take the answer to the question asked last; None if there is none yet."""
+        """Take the answer to the last question; None if not yet available."""
         answer = self._answers.take()
         return answer if answer is not None and answer[0] is self._wanted else None
 
@@ -90,7 +90,7 @@ class NewestAnswer(Generic[Question, Answer]):
         self._questions.close()
         self._thread.join()
 
-    # The thread
+    # Methods of the thread
 
     def _run(self) -> None:
         first = True
@@ -115,7 +115,7 @@ class NewestAnswer(Generic[Question, Answer]):
                     self._process.start()
                 self._busy = True
             answer = self._exchange(self._process, question)
-        except OSError:  # there can be no process
+        except OSError:  # the process cannot be started
             answer = None
         with self._lock:
             self._busy = False

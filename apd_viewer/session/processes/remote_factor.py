@@ -1,4 +1,4 @@
-"""Factorization in a process of its own, ended once useless."""
+"""Factorization in a separate process, killed once useless."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ENDED = tr("the factoring process ended {times} times; memory may be low")
 
 
 class RemoteFactor:
-    """The factor of a symmetric positive definite matrix, in a process of its own.
+    """Factor of a symmetric positive definite matrix in a separate process.
 
     It is begun by :meth:`begin` or by whoever asks for it, and begun again if the process dies; :meth:`close`
     ends it, however far it is.
@@ -41,7 +41,7 @@ class RemoteFactor:
         self._error: Exception | None = None
         self._missing = True
         self._deaths = 0
-        self._begun = self._took = 0.0  # s; 0 until then
+        self._begun = self._took = 0.0  # seconds; 0 before the factorization
 
     @property
     def seconds(self) -> float:
@@ -56,11 +56,11 @@ class RemoteFactor:
 
     @property
     def is_factoring(self) -> bool:
-        """True while the process has the matrix and no factor yet."""
+        """True while the process is factoring the matrix."""
         return self._thread is not None and self._thread.is_alive()
 
     def begin(self) -> None:
-        """Start a process, if there is none or it has died."""
+        """Start a factor process if none is running."""
         if self.is_factoring or not self._missing or self._error is not None:
             return
         if self._process.pid is not None:
@@ -68,14 +68,14 @@ class RemoteFactor:
         if self._deaths == _MOST_DEATHS:
             self._error = MemoryError(_ENDED.format(times=_MOST_DEATHS))
             return
-        # Not on the waiting thread: on Linux the process ends with the thread that started it.
+        # Started here, not on the new thread: on Linux a process ends with the thread that started it.
         self._process.restart()
         self._missing, self._begun, self._took = False, time.monotonic(), 0.0
         self._thread = threading.Thread(target=self._send, name="factor", daemon=True)
         self._thread.start()
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` for ``B`` (n, 3), float64, to six digits or so.
+        """``A^-1 B`` for ``B`` (n, 3), float64, to about six digits.
 
         Raises
         ------
@@ -89,7 +89,7 @@ class RemoteFactor:
         return self._solved(B, refined=False)
 
     def refined(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` for ``B`` (n, 3) to ten digits or so; raises as :meth:`solve`."""
+        """``A^-1 B`` for ``B`` (n, 3) to about ten digits; raises as :meth:`solve`."""
         return self._solved(B, refined=True)
 
     def _solved(self, B: np.ndarray, refined: bool) -> np.ndarray:
@@ -104,7 +104,7 @@ class RemoteFactor:
                 return np.frombuffer(X).reshape(B.shape).copy()
 
     def close(self) -> None:
-        """End the process; there is no factor any more."""
+        """End the process and discard the factor."""
         if not self._missing:
             self._process.kill()
         self._join()

@@ -1,4 +1,4 @@
-"""Requests to the solver and its replies; whole values, so one may be skipped."""
+"""Requests to the solver and its replies, each complete without earlier ones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from apd_viewer.session.model.handles_and_regions import Handle, factored_fields
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """A document to be solved, and the shape to start from.
+    """Document to be solved, and the shape to start from.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Cost:
 
 @dataclass(frozen=True, eq=False)
 class Reply:
-    """The result of a request: a frame, or a sentence with the reason for none.
+    """Result of a request: a frame, or a sentence with the reason for none.
 
     Attributes
     ----------
@@ -110,8 +110,8 @@ class RequestStage(Enum):
 
     RECEIVED = "received"
     TURNED_TO = "turned to"  # all earlier requests are answered or dropped
-    UNDER_WAY = "under way"  # said every second in which something is done for it
-    ANSWERED = "answered"  # or dropped; nothing more is said of it
+    UNDER_WAY = "under way"  # sent every second while the request is being processed
+    ANSWERED = "answered"  # or dropped; no more messages follow
 
 
 class RequestProgress(NamedTuple):
@@ -123,7 +123,7 @@ class RequestProgress(NamedTuple):
 
 @dataclass(frozen=True)
 class CompilationProgress:
-    """Kernels are being compiled for this computer; the ``share`` done, 1 in the end."""
+    """Progress of kernel compilation on this computer; ``share`` is 1 at the end."""
 
     share: float
 
@@ -141,14 +141,14 @@ def factor_key(document: Document) -> tuple[object, ...]:
 
 
 def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
-    """True if two tuples are equal, arrays by identity."""
+    """True if two keys are equal, with arrays compared by identity."""
     return len(a) == len(b) and all(
         x is y or (not isinstance(x, np.ndarray) and x == y) for x, y in zip(a, b, strict=True)
     )
 
 
 def obstacle_key(document: Document) -> tuple[object, ...]:
-    """Key of the obstacles where they were put; another key needs another contact."""
+    """Key of the initial obstacle positions; another key needs new contact data."""
     if not document.has_active_obstacles:
         return ()
     each = ((one.kind, one.place, one.axis, one.radius, one.length) for one in document.obstacles)

@@ -26,7 +26,7 @@ from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import obstacle_shifts, targets_of
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
-from apd_viewer.session.processes.freed_memory import give_back_freed_memory
+from apd_viewer.session.processes.freed_memory import release_freed_memory
 from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.processes.remote_factor import RemoteFactor
 from apd_viewer.session.processes.request_and_reply import (
@@ -43,18 +43,18 @@ from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
 
 _log = logging.getLogger(__name__)
 _NOTHING = np.zeros((0, 3))
-_MOMENT = 0.0005  # s
-_SOON = 1.0  # s
-# Without a request. Kept memory saves the frames of a drag a third of their time, but from gesture to gesture
-# it lies ever more scattered: 165 MiB after 2,000 of them.
-_PAUSE = 2.0  # s
+_MOMENT = 0.0005  # polling interval in seconds
+_SOON = 1.0  # seconds without a request before idle work
+# Keeping freed memory saves a third of the time of each frame in a drag, but it becomes more fragmented
+# with every gesture: 165 MiB after 2,000 gestures.
+_PAUSE = 2.0  # seconds without a request before freed memory is released
 _NO_ROOM = tr("Not enough memory for this mesh; close other programs and try again.")
-# Matrices with this many rows take more than half a second to factor, which another process does.
+# Matrices with this many rows take over half a second to factor, in another process.
 REMOTE_FACTOR_ROWS = 100_000
 
 
 class RequestSolver:
-    """Answers requests one after another, and caches preparations for the next one.
+    """Solver answering requests in turn, with cached preparations.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class RequestSolver:
         self._warm = False
 
     def run(self, when_idle: Callable[[Callable[[], bool]], object] = lambda _: None) -> None:
-        """Answer requests until there are no more.
+        """Answer requests until the mailbox is closed.
 
         While there are none ``when_idle(called)`` is called, until it has come to its end: it should return
         soon once ``called()``.
@@ -94,7 +94,7 @@ class RequestSolver:
             except InputError as error:
                 self._fail(request, str(error))
             except Exception as error:
-                # A bug or a lack of memory must be reported, and the next request must find a solver.
+                # Bugs and memory errors must be reported without ending the solver for later requests.
                 _log.exception("The solver stopped")
                 said = str(error) or type(error).__name__
                 stopped = tr("The solver stopped ({said}); undo the last step.").format(said=said)
@@ -103,21 +103,21 @@ class RequestSolver:
             if not done and not self._requests.is_ready:
                 done = self._rested(when_idle)
             if not self._requests.wait_for_value(_PAUSE):
-                give_back_freed_memory()
+                release_freed_memory()
         self._drop()
 
     def answer(self, request: Request) -> None:
-        """Tell what a request asks for, or prepare for the next one."""
+        """Answer a request, or prepare for the next one."""
         self.turn_to(request.document.mesh)
         if request.document.paint_problem:
-            # During painting; an undeformable mesh is refused at the first request.
-            if request.with_cost:  # who compares methods waits for an answer
+            # Sent during painting; an undeformable mesh is refused at its first request.
+            if request.with_cost:  # a comparison of methods waits for an answer
                 raise InputError(request.document.paint_problem)
             with contextlib.suppress(InputError):
                 compute_decimations(self._rest_of(request))
             return
         if request.with_cost and not self._warm:
-            warm_up()  # otherwise the first method would pay for all
+            warm_up()  # otherwise the first method's time would include compilation
             self._warm = True
         self._rest_of(request)
         started = time.perf_counter()
@@ -128,7 +128,7 @@ class RequestSolver:
             self._begin_factorizations()
 
     def turn_to(self, mesh: Mesh) -> None:
-        """Forget what is prepared for another mesh."""
+        """Discard preparations for another mesh."""
         if self._rest is not None and self._rest[0] is not mesh:
             self._drop()
             self._rest = self._tray = None
@@ -139,12 +139,12 @@ class RequestSolver:
         return any(factor.is_factoring for factor in self._factors)
 
     def _rested(self, when_idle: Callable[[Callable[[], bool]], object]) -> bool:
-        """Call ``when_idle``; False if a request came first."""
+        """Call ``when_idle``; return False if a request has arrived meanwhile."""
         when_idle(lambda: self._requests.is_ready)
         return not self._requests.is_ready
 
     def _drop(self) -> None:
-        """Forget the deformation, and end its factorizations."""
+        """Discard the deformation, and end its factorizations."""
         self._solver = self._walk = None
         for factor in self._factors:
             factor.close()
@@ -158,7 +158,7 @@ class RequestSolver:
         tray, cost, walk = self._shape_buffer_of(request), None, self._walk
         assert walk is not None
         iterations, since, last = 0, time.perf_counter(), 0
-        while True:  # once at least, or poses faster than their preparation would show nothing
+        while True:  # at least once, or a fast sequence of poses would show nothing
             while not solver.ready:
                 if self._requests.is_ready:
                     return
@@ -226,7 +226,7 @@ class RequestSolver:
         around = obstacle_key(document)
         fresh = self._solver is None or not are_same_keys(key, self._key)
         if self._solver is None or fresh:
-            self._drop()  # frees the memory for the next one
+            self._drop()  # frees memory for the next solver
             self._solver = self._made(request, held)
         else:
             if not are_same_keys(goals, self._goals):
@@ -237,7 +237,7 @@ class RequestSolver:
             document.settings.tolerance,
             document.settings.convergence,
         )
-        self._solver.loose.choose_loose(document.staying_components)
+        self._solver.loose.set_loose_parts(document.staying_components)
         self._warning = self._solver.loose.warning
         jumps = request.generation != self._generation
         elsewhere = jumps or not are_same_keys(around, self._placed)
@@ -274,7 +274,7 @@ class RequestSolver:
 
 
 def _begins_at_rest(solver: Deformation, request: Request) -> bool:
-    """True if contact cannot go on from a shape that crosses itself or an obstacle."""
+    """True if contact cannot start at the shape because of intersections."""
     contact, shifts = solver.contact, request.shifts
     if contact is None:
         return False

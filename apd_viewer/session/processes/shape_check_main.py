@@ -15,7 +15,7 @@ from apd_viewer.geometry.pose.held_turn import HandleTurns
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run_service
 
-_NICENESS = 10  # nobody waits for it
+_NICENESS = 10  # low priority: no one waits for the check
 NOT_CHECKED = b"-"
 
 

@@ -1,4 +1,4 @@
-"""Checks of the newest shape in a process, ended as soon as the shape moves."""
+"""Checks of the newest shape in a process, killed as soon as the shape moves."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from apd_viewer.session.processes.newest_answer import NewestAnswer, answer_to
 from apd_viewer.session.processes.shape_check_main import NOT_CHECKED
 
 _START = START_SCRIPT.format(module="processes.shape_check_main")
-# A settled shape is often moved again at once, and a program just starting has more urgent work.
-NEXT_PAUSE, FIRST_PAUSE = 0.3, 2.0  # s
+# A converged shape is often moved again at once, and at startup other work is more urgent.
+NEXT_PAUSE, FIRST_PAUSE = 0.3, 2.0  # seconds before a check
 # Result if the process died or cannot be started.
 _NONE = (math.nan, math.nan, math.nan)
 UNKNOWN_CHECK = ShapeCheck(None, _NONE, HullReadings(math.nan, math.nan, _NONE))
@@ -26,7 +26,7 @@ UNKNOWN_CHECK = ShapeCheck(None, _NONE, HullReadings(math.nan, math.nan, _NONE))
 
 @dataclass(frozen=True, eq=False)
 class ShapeQuery:
-    """A shape to check: positions ``U`` (n, 3), welded triangles ``F`` (m, 3), turns."""
+    """Shape to check: positions ``U`` (n, 3), welded triangles ``F`` (m, 3), turns."""
 
     U: np.ndarray
     F: np.ndarray
@@ -34,7 +34,7 @@ class ShapeQuery:
 
 
 class ShapeChecker(NewestAnswer[ShapeQuery, ShapeCheck]):
-    """Checks one shape at a time; the newest wins.
+    """Checker of one shape at a time; a new shape replaces the old one.
 
     Parameters
     ----------
@@ -49,8 +49,8 @@ class ShapeChecker(NewestAnswer[ShapeQuery, ShapeCheck]):
         )
 
 
-def check_shape_apart(query: ShapeQuery) -> ShapeCheck:
-    """Check a shape in a process of its own, and wait for it."""
+def check_shape_in_process(query: ShapeQuery) -> ShapeCheck:
+    """Check a shape in a separate process, and wait for the result."""
     return answer_to(ChildProcess("shape check", _START), _answer, UNKNOWN_CHECK, query)
 
 

@@ -1,4 +1,4 @@
-"""Shared memory: arrays on their way to the solver, its shapes on their way back.
+"""Shared memory for arrays sent to the solver and shapes sent back.
 
 Whoever asks for work makes the blocks and removes them; the solver only looks into them.
 """
@@ -18,13 +18,13 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.atomic_access import load_acquire, store_release
 
-_LINE = 64  # bytes; arrays begin at multiples of it
+_LINE = 64  # bytes; arrays start at multiples of this
 _COUNTER = 8  # bytes of an int64
-_PUT, _COPIED, _SEEN = range(3)  # the counters of a tray
+_PUT, _COPIED, _SEEN = range(3)  # indices of the counters of a shape buffer
 
 
 class SharedArrays:
-    """Copies of arrays in one block, discarded once they have been read.
+    """Copies of arrays in one shared block, discarded after reading.
 
     Its name travels by a pipe, whose two ends take the same lock in the kernel: the reader of the message
     sees what was written before it.
@@ -55,7 +55,7 @@ class SharedArrays:
 
 
 class SharedArraysReader:
-    """The reader's side of an envelope."""
+    """Reader of a block of shared arrays."""
 
     def __init__(self, name: str) -> None:
         self._block = _attached(name)
@@ -65,7 +65,7 @@ class SharedArraysReader:
         return _view(self._block, np.dtype(dtype), shape, offset).copy()
 
     def close(self) -> None:
-        """Close the reader's side."""
+        """Close the block for this process."""
         self._block.close()
 
 
@@ -96,7 +96,7 @@ class SharedCounters:
 
 
 class SharedShapeBuffer:
-    """Room for one shape, written by the solver and copied by its owner.
+    """Shared buffer for one shape, written by the solver and copied by its owner.
 
     Three counters beside it: the shapes put so far, the last one copied, the last one displayed. Each is
     written by one side only and read by the other at any time. The solver writes a shape once the last one
@@ -124,7 +124,7 @@ class SharedShapeBuffer:
         # Any thread with a reply may hold the last reference.
         weakref.finalize(self, _remove if name is None else SharedMemory.close, block)
 
-    # The solver's side
+    # Methods for the solver
 
     @property
     def is_free(self) -> bool:
@@ -137,16 +137,16 @@ class SharedShapeBuffer:
         return self._counters.load(_SEEN) == self._counters.load(_PUT)
 
     def write_shape(self, U: np.ndarray) -> int:
-        """Write ``U`` (n, 3) and return its number; the tray must be free."""
+        """Write ``U`` (n, 3) and return its number; the buffer must be free."""
         self._U[...] = U
         number = self._counters.load(_PUT) + 1
         self._counters.store(_PUT, number)
         return number
 
-    # The owner's side
+    # Methods for the owner
 
     def take_shape(self, number: int) -> np.ndarray:
-        """Copy the shape of that number and free the tray."""
+        """Copy shape ``number``, and free the buffer."""
         while self._counters.load(_PUT) < number:  # its message may arrive before the store
             time.sleep(0.0)
         U = self._U.copy()
@@ -154,12 +154,12 @@ class SharedShapeBuffer:
         return U
 
     def mark_displayed(self, number: int) -> None:
-        """Note the display of the shape of that number."""
+        """Mark shape ``number`` as displayed."""
         self._counters.store(_SEEN, number)
 
 
 def untrack_shared_memory() -> None:
-    """Keep blocks opened, not created, here at exit, as Python 3.13 does."""
+    """Leave blocks opened but not created here in place at exit, as in Python 3.13."""
     if sys.version_info < (3, 13):
         resource_tracker.register = lambda *_: None
 

@@ -1,15 +1,15 @@
-"""Watch over answers awaited from another process."""
+"""Detection of unresponsive worker processes."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
 
-_TICK = 1.0  # s
+_TICK = 1.0  # seconds between checks
 
 
 class SilenceWatch:
-    """Thread noticing silence while an answer is awaited.
+    """Thread detecting a lack of messages while an answer is pending.
 
     It counts seconds in which it ran itself, so that a computer that slept has missed nothing. While nothing
     is awaited it rests.
@@ -34,7 +34,7 @@ class SilenceWatch:
         self._thread.start()
 
     def expect_answer(self, number: int, patience: int) -> None:
-        """Await answer ``number``; whatever comes before it breaks the silence."""
+        """Start waiting for answer ``number``; any earlier message ends a silence, too."""
         with self._condition:
             if not self._awaits:
                 self._quiet = 0
@@ -42,14 +42,14 @@ class SilenceWatch:
             self._awaited, self._patience = number, patience
 
     def note_message(self, answer: int = 0) -> None:
-        """Note a sign of life, be it the last word of an answer."""
+        """Register a message, and the number of an answer completed by it."""
         with self._condition:
             self._at_start = self._quiet = 0
             self._answered = max(answer, self._answered)
             self._break_silence()
 
     def close(self) -> None:
-        """End the watch."""
+        """Stop the watch thread."""
         with self._condition:
             self._closed = True
             self._break_silence()

@@ -29,8 +29,8 @@ from apd_viewer.session.processes.request_and_reply import (
 from apd_viewer.session.processes.request_solver import RequestSolver
 from apd_viewer.session.processes.shared_memory import untrack_shared_memory
 
-_BEAT = 1.0  # s
-_LEAST_SPENT = 0.001  # s of the processor in a beat; a loop that waits for a flag spends 20 times as much
+_BEAT = 1.0  # seconds between activity reports
+_LEAST_SPENT = 0.001  # CPU seconds per report that count as work; even a polling loop uses 20 times as much
 
 
 def main(reply_descriptor: int) -> None:
@@ -47,7 +47,7 @@ def _serve_when_idle(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 class SolverMessageSender:
-    """Thread-safe sending of messages to the owner."""
+    """Thread-safe sender of messages to the owner."""
 
     def __init__(self, sink: BinaryIO) -> None:
         self._sink = sink
@@ -55,7 +55,7 @@ class SolverMessageSender:
 
     def __call__(self, message: SolverMessage) -> None:
         """Send a message, with requests named by their numbers."""
-        # An owner that stopped listening is gone: the source of requests ends as well.
+        # A write error means that the owner is gone; the source of requests ends as well.
         with self._one_at_a_time, contextlib.suppress(OSError, ValueError):
             array_pipe.write_message(self._sink, array_pipe.pickled(message, _request_number))
 
@@ -65,7 +65,7 @@ def _request_number(thing: object) -> int | None:
 
 
 class _Pulse:
-    """Tells the owner every second of a request under way, or of work at leisure.
+    """Thread reporting work on a request or in idle time every second.
 
     A process that waits for what never comes spends no time of the processor.
     """
@@ -77,7 +77,7 @@ class _Pulse:
         self._thread.start()
 
     def tell(self, message: SolverMessage) -> None:
-        """Send a message of the solver, beating from a request to its answer."""
+        """Send a message, and report activity from a request until its answer."""
         self._tell(message)
         stage = message.stage if isinstance(message, RequestProgress) else None
         if stage is RequestStage.TURNED_TO:
@@ -86,13 +86,13 @@ class _Pulse:
             self._beats.clear()
 
     def during(self, work: Callable[[Callable[[], bool]], object], called: Callable[[], bool]) -> None:
-        """Do some work, beating meanwhile: a request may wait for it."""
+        """Run idle work while reporting activity, since a request may be waiting."""
         self._beats.set()
         work(called)
         self._beats.clear()
 
     def end(self) -> None:
-        """Beat no more."""
+        """Stop the thread."""
         self._ended.set()
         self._beats.set()
         self._thread.join()

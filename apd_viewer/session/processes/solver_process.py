@@ -26,20 +26,20 @@ from apd_viewer.session.processes.request_and_reply import (
 from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
 from apd_viewer.session.processes.silence_watch import SilenceWatch
 
-_PATIENCE = 5  # s
-_AT_START = 30  # s, until its libraries are loaded from a slow disk
+_PATIENCE = 5  # seconds of silence allowed
+_AT_START = 30  # seconds allowed for loading the libraries from a slow disk
 _START = START_SCRIPT.format(module="processes.solver_main")
 
 
 def start_solver_process() -> ChildProcess:
-    """Start the process; raises OSError if it cannot be started."""
+    """Start the solver process; raises OSError on failure."""
     process = ChildProcess("solver", _START)
     process.start()
     return process
 
 
 class SolverProcess:
-    """A solver process; sends requests one after another and publishes the replies.
+    """Solver process receiving requests one at a time and publishing replies.
 
     Parameters
     ----------
@@ -123,12 +123,12 @@ class SolverProcess:
         return self.is_alive
 
     def dismiss(self) -> None:
-        """End the process now, whatever it is doing; does not wait for it."""
+        """Kill the process without waiting for it."""
         self.is_dismissed = True
         self._process.kill()
 
     def join(self) -> None:
-        """Wait until all has ended."""
+        """Wait until the process and its thread have ended."""
         self._thread.join()
 
     def _shape_buffer_for(self, request: Request) -> SharedShapeBuffer | None:
@@ -141,7 +141,7 @@ class SolverProcess:
         return self._tray[1]
 
     def _with_first_start(self, request: Request) -> Request:
-        """Request with the start shape of the first of its kind, sent only once.
+        """Request with the start shape of the first similar request, sent only once.
 
         The process goes on from where it is, and needs it only if it has seen none of them. So it travels
         once, and not with every pose.
@@ -155,7 +155,7 @@ class SolverProcess:
             self._start = start = request
         return replace(request, U=start.U)
 
-    # The thread
+    # Methods of the thread "answers"
 
     def _listen(self) -> None:
         try:
@@ -196,7 +196,7 @@ class SolverProcess:
             self._learned(self._finder_of, reply.decimations)
             return
         if reply.failure:
-            # The process took its state along: the next request starts from the displayed shape.
+            # The process has lost its state: the next request starts from the displayed shape.
             self._start = None
         looked: Callable[[], object] = _nothing
         if (frame := reply.frame) is not None:
@@ -213,7 +213,7 @@ class SolverProcess:
 
 
 def _patience(faces: int) -> int:
-    """Seconds of silence before it is told.
+    """Seconds of silence before it is reported.
 
     Native code holds the interpreter, and with it the pulse of the process, at most 2.4 s for a million
     triangles, on two busy cores.
@@ -222,11 +222,11 @@ def _patience(faces: int) -> int:
 
 
 def _nothing() -> None:
-    """Ignore a displayed reply."""
+    """Do nothing when a reply is displayed."""
 
 
 def _to_solve(request: Request) -> Request:
-    """The request without the target shape: nothing is solved for it."""
+    """Request without the target shape, irrelevant for the solver."""
     document = request.document
     if document.target_shape is None:
         return request

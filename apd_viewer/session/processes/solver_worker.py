@@ -36,8 +36,8 @@ from apd_viewer.session.processes.request_and_reply import Reply, Request
 from apd_viewer.session.processes.solver_process import SolverProcess
 
 _log = logging.getLogger(__name__)
-MOST_CRASHES = 3  # one after another, without a shape
-_CALM = 20.0  # s; a death after this long is counted as the first again
+MOST_CRASHES = 3  # consecutive crashes without a shape before a request is given up
+_CALM = 20.0  # seconds without a crash after which the count restarts
 
 _DIED = tr("The solver stopped unexpectedly and was restarted; nothing was lost.")
 _GIVEN_UP = tr(
@@ -55,7 +55,7 @@ class _Call(Enum):
 
 
 class SolverWorker:
-    """Answers requests by a process, started with the first one.
+    """Access to a solver process, started with the first request.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class SolverWorker:
         self._thread.start()
 
     def put_request(self, request: Request) -> None:
-        """Queue ``request`` in place of any other; never blocks."""
+        """Queue ``request``, replacing any queued one; never blocks."""
         self._requests.put(request)
 
     def take_reply(self) -> Reply | None:
@@ -106,12 +106,12 @@ class SolverWorker:
         return replace(reply, news=news) if news else reply
 
     def restart_process(self) -> None:
-        """End the process, whatever it is doing; the next one goes on from the last shape."""
+        """Kill the process; a new one continues from the last shape."""
         if (child := self._child) is not None:
             child.dismiss()
 
     def close(self) -> None:
-        """End the process, whatever it is doing, and the threads."""
+        """Kill the process and end the threads."""
         with self._changing_child:
             self._closed = True
         self._requests.close()
@@ -123,7 +123,7 @@ class SolverWorker:
         self._known = None, ()
         self._replies.take()
 
-    # The thread "solver"
+    # Methods of the thread "solver"
 
     def _run(self) -> None:
         while (called := self._newest()) is not None:
@@ -137,7 +137,7 @@ class SolverWorker:
                 self._give_up(error)
 
     def _newest(self) -> Request | _Call | None:
-        """Wait for something to do, and for the process to be able to; None in the end."""
+        """Wait for the process, then for the next call; None once closed."""
         if self._child is not None:
             self._child.wait_until_received()
         return self._requests.wait()
@@ -152,7 +152,7 @@ class SolverWorker:
             self._fail(request, _NOT_SENT.format(why=str(error) or type(error).__name__))
 
     def _sent(self, request: Request) -> bool:
-        """Send a request to a process or give it up; False if the process has died."""
+        """Send a request or give it up; return False if the process has died."""
         child = self._child
         if child is not None and not child.is_alive:
             self._child = None
@@ -180,7 +180,7 @@ class SolverWorker:
             return self._child
 
     def _resumed(self, request: Request) -> Request:
-        """Return the request for a new process, starting from the last shape."""
+        """Request for a new process, starting from the last shape."""
         shape, finished = self._shape, self._finished == (request.document, request.generation)
         request = replace(request, iterate=request.iterate and not finished)
         if shape is None or shape[0] != request.generation:
@@ -188,7 +188,7 @@ class SolverWorker:
         return replace(request, U=shape[1].U, shifts=shape[1].shifts)
 
     def _count_crash(self, request: Request) -> bool:
-        """Count a death; True if the request is given up for it."""
+        """Count a crash; return True if the request is given up."""
         now = time.monotonic()
         calm, self._last_death = now - self._last_death > _CALM, now
         self._deaths = 1 if calm else self._deaths + 1
@@ -208,7 +208,7 @@ class SolverWorker:
         if self._replies.put((reply, on_displayed)):
             self._wake()
 
-    # The thread "answers"
+    # Methods of the thread "answers"
 
     def _publish(self, reply: Reply, on_displayed: Callable[[], object]) -> None:
         if reply.frame is not None:

@@ -41,12 +41,12 @@ def parse_length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
 
 
 def parse_angle(text: str, names: Mapping[str, float]) -> float:
-    """Angle in radians, as :func:`parse_length`; a bare number is in degrees."""
+    """Angle in radians from a text; a bare number is in degrees."""
     return math.radians(_parse_value(text, names, None, (0.0, 1.0), tr("an angle such as 30 or 30deg")))
 
 
 def parse_number(text: str, names: Mapping[str, float]) -> float:
-    """Dimensionless number. Otherwise as :func:`parse_length`."""
+    """Dimensionless number from a text; otherwise as :func:`parse_length`."""
     return _parse_value(text, names, None, DIMENSIONLESS, tr("a number such as 0.5"))
 
 
@@ -66,14 +66,14 @@ def _parse_value(
     return said.value
 
 
-# Deeper than needed, and far below Python's own limit.
+# Limit of nested parentheses, far below Python's recursion limit.
 _MOST_NESTED = 30
 _MICROMETRES = {"mm": 1e3, "cm": 1e4, "m": 1e6, "um": 1.0, "in": 25_400.0, "ft": 304_800.0}
 _DEGREES = {"deg": 1.0, "rad": math.degrees(1.0), "turn": 360.0}
 
 
 class ExpressionParser:
-    """Parser of the tokens by recursive descent."""
+    """Recursive-descent parser of tokens."""
 
     def __init__(self, tokens: list[str], names: Mapping[str, float], unit: Unit | None) -> None:
         self._left = tokens[::-1]
@@ -82,7 +82,7 @@ class ExpressionParser:
         self._nested = 0
 
     def parsed_quantity(self) -> Quantity:
-        """Value of all tokens."""
+        """Quantity of all tokens."""
         said = self._sum()
         if self._token:
             raise self._misplaced()
@@ -170,7 +170,7 @@ class ExpressionParser:
             raise InputError(tr("A parenthesis is not closed; close it."))
 
     def _unit_behind(self) -> Quantity:
-        """The unit behind a number; 1 if there is none."""
+        """Unit after a number; 1 if there is none."""
         if self._token in self._names or self._token not in (*_MICROMETRES, *_DEGREES):
             return Quantity(1.0)
         return self._raised(self._named(self._take()))
@@ -314,7 +314,7 @@ def is_number(token: str) -> bool:
 
 
 def quoted_input(text: str) -> str:
-    """Typed text for a sentence: shortened, invisible characters as codes."""
+    """Typed text quoted for a sentence, shortened, invisible characters as codes."""
     short = text if len(text) <= 20 else f"{text[:19]}…"
     return (
         in_quotes(short)
@@ -323,7 +323,7 @@ def quoted_input(text: str) -> str:
     )
 
 
-# One thousand and more in some countries, one and a fraction in others.
+# Numbers such as 1.234: over a thousand in some countries, a fraction in others.
 _DOUBTFUL = re.compile(r"(?<![\w.,])[1-9][0-9]{0,2}([.,])[0-9]{3}(?![0-9.,eE])")
 
 
@@ -340,7 +340,7 @@ def check_unambiguous(text: str, signs: str) -> None:
 
 
 def unambiguous_text(text: str) -> str:
-    """A text from a field, with clear numbers; raises InputError.
+    """Text from a field, checked for ambiguous numbers; raises InputError.
 
     In some languages the window writes a point between groups of digits.
     """

@@ -1,4 +1,4 @@
-"""Newtons of the model's loads, for a wall that bends and hardly stretches.
+"""Conversion of model loads into newtons for a wall with little stretching.
 
 The model's energy of bending is ``stiffness * area * integral(k1² + k2²)``, that of a wall with the bending
 rigidity ``D = 2 stiffness area`` (a squared length) and no Poisson's ratio; the wall's own is
@@ -23,9 +23,9 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import total_curvature
 from apd_viewer.session.quantities.wall import Wall
 
-# Of 4 pi of a sphere: a mesh on a tube has up to 1, with vertices off by a hundredth of the radius.
+# Limit of total curvature: 4 pi for a sphere, up to 1 for a tube with noise of 1 % of its radius.
 _CURVED = 1.5
-# Shares of the energy in stretching: spheres and bottles between plates have 0.2 to 0.5, shallow bends less.
+# Fractions of stretching energy: 0.2 to 0.5 for spheres and bottles between plates, less for bends.
 _STRETCHED, _ROOT = 0.05, 0.5
 
 
@@ -66,22 +66,22 @@ class NewtonConversion:
 
     @property
     def joules_per_work(self) -> float:
-        """Joules of a work of 1."""
+        """Joules per unit of work in the model."""
         return self.newtons_per_load * self.metres_per_unit
 
     @property
     def newtons_per_millimetre(self) -> float:
-        """N/mm of an apparent stiffness of 1."""
+        """N/mm per unit of apparent stiffness in the model."""
         return 1e-3 * self.newtons_per_load / self.metres_per_unit
 
     def gas_amount(self, pascals: float, rest: RestMesh) -> float:
-        """Pressure times volume of a gas at rest in mesh units, in areas of the surface."""
+        """Pressure times volume of a gas at rest over the surface area, model units."""
         volume = (rest.volume if rest.caps is None else rest.volume_capped) or 0.0
         return pascals * self.metres_per_unit**2 / self.newtons_per_load * abs(volume) / rest.area
 
 
 def newton_conversion(wall: Wall, material: Material, rest: RestMesh) -> NewtonConversion | None:
-    """Conversion of the loads of a model of a material; None if newtons are not known."""
+    """Load conversion for a wall and a model material; None if newtons are unknown."""
     metre, rigidity, stiffness = wall.unit.metres, wall.rigidity, material.bending
     own = wall.model_stiffness(rest.area, material.young)
     if metre is None or rigidity is None or own is None or not stiffness > 0.0:

@@ -20,7 +20,7 @@ _KINDS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """A finite number with its powers of length (mesh units) and of angle (degrees)."""
+    """Finite number with powers of length (mesh units) and angle (degrees)."""
 
     value: float
     length: float = 0.0
@@ -37,7 +37,7 @@ class Quantity:
 
     @property
     def kind(self) -> str:
-        """Its kind, in words."""
+        """Name of the kind of quantity, for use in a sentence."""
         return _KINDS.get(self.powers, tr("a product of lengths and angles"))
 
     def with_dimension_of(self, other: Quantity) -> Quantity:

@@ -1,4 +1,4 @@
-"""Units of length, and of the volumes and masses that go with them."""
+"""Units of length, with matching units of capacity and mass."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from enum import Enum
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
-# No-break space: a number is not separated from its unit.
+# No-break space between a number and its unit.
 _GAP = "\u00a0"
 _GUESS = "?"
 _DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0, "in": 0.254, "ft": 3.048}
-# Litres and grams in a unit, smallest first; of the United States, where inches are used.
+# Litres and grams per unit, smallest first; US units for meshes in inches or feet.
 _LITRES = {"ml": 1e-3, "l": 1.0}
 _LITRES_OF_INCHES = {"fl oz": 0.0295735295625, "gal": 3.785411784}
 _GRAMS = {"mg": 1e-3, "g": 1.0, "kg": 1e3}
 _GRAMS_OF_INCHES = {"oz": 28.349523125, "lb": 453.59237}
-_LEGIBLE = 1e6  # from here on another unit is easier to read
+_LEGIBLE = 1e6  # larger values are shown in a larger unit
 _POWERS = {-1: "⁻¹", 1: "", 2: "²", 3: "³"}
 
 
 class Unit(Enum):
-    """A unit of length, as known or as a guess; the value is a symbol.
+    """Unit of length, confirmed or guessed; the value is its symbol.
 
     A guess is a unit that nobody chose or stated. What is written in it ends with a question mark.
     """
@@ -41,47 +41,47 @@ class Unit(Enum):
 
     @property
     def symbol(self) -> str:
-        """The symbol alone, as it is typed."""
+        """Symbol without the mark of a guess."""
         return self.value.removesuffix(_GUESS)
 
     @property
     def is_guess(self) -> bool:
-        """True if nobody chose or stated it."""
+        """True if the unit was neither chosen nor stated in a file."""
         return self.value.endswith(_GUESS)
 
     @property
     def as_guess(self) -> Unit:
-        """The same unit as a guess."""
+        """The unit marked as a guess."""
         return Unit(self.symbol + _GUESS) if self.symbol else self
 
     @property
     def as_confirmed(self) -> Unit:
-        """The same unit, no longer a guess."""
+        """The unit without the mark of a guess."""
         return Unit(self.symbol)
 
     @property
     def title(self) -> str:
-        """The name on a button."""
+        """Text of the unit on a button."""
         return self.value or tr("no unit")
 
     def format_length(self, number: str) -> str:
-        """A length: the number, as it is written, with its unit."""
+        """Text of a length: the given number with its unit."""
         return self._written(number, 1)
 
     def format_area(self, number: str) -> str:
-        """An area: the number, as it is written, with its unit."""
+        """Text of an area: the given number with its unit."""
         return self._written(number, 2)
 
     def format_volume(self, number: str) -> str:
-        """A volume: the number, as it is written, with its unit."""
+        """Text of a volume: the given number with its unit."""
         return self._written(number, 3)
 
     def format_curvature(self, number: str) -> str:
-        """A curvature: the number, as it is written, over the unit of length."""
+        """Text of a curvature: the given number over the unit of length."""
         return self._written(number, -1)
 
     def legible_unit(self, value: float, power: int) -> tuple[Unit, float]:
-        """The unit in which an area or a volume is legible, and the factor into it."""
+        """Unit suited to the size of an area or volume, and the factor to it."""
         unit, factor = self.as_confirmed, 1.0
         while abs(factor * value) >= _LEGIBLE and unit in _LARGER:
             larger = _LARGER[unit]
@@ -91,21 +91,21 @@ class Unit(Enum):
 
     @property
     def metres(self) -> float | None:
-        """Its length in metres; None without a unit."""
+        """Metres per unit; None without a unit."""
         litres = self.to_litres(1.0)
         return None if litres is None else 0.1 * math.cbrt(litres)
 
     def to_litres(self, volume: float) -> float | None:
-        """A volume in cubic mesh units as litres; None without a unit."""
+        """Volume in litres from cubic mesh units; None without a unit."""
         side = _DECIMETRES.get(self.symbol)
         return None if side is None else volume * side**3
 
     def capacity_unit(self, litres: float) -> tuple[str, float]:
-        """The unit of capacity for a volume, and how many of it are a litre."""
+        """Capacity unit suited to a volume in litres, and the factor from litres to it."""
         if self._is_of_inches:
             symbol, factor = _largest(_LITRES_OF_INCHES, abs(litres))
         else:
-            symbol, factor = _largest(_LITRES, 10.0 * abs(litres))  # from a tenth on, litres are usual
+            symbol, factor = _largest(_LITRES, 10.0 * abs(litres))  # litres are usual from a tenth of a litre
         return symbol + self._mark, factor
 
     def mass_unit(self, grams: float) -> tuple[str, float]:
@@ -125,7 +125,7 @@ class Unit(Enum):
         return f"{number}{_GAP}{self.symbol}{_POWERS[power]}{self._mark}" if self.value else number
 
 
-UNITS = tuple(unit for unit in Unit if not unit.is_guess)  # what can be chosen
+UNITS = tuple(unit for unit in Unit if not unit.is_guess)  # units offered to the user
 SYMBOLS = tuple(unit.symbol for unit in UNITS if unit.symbol)
 
 
@@ -133,14 +133,14 @@ _LARGER = {Unit.MILLIMETRE: Unit.CENTIMETRE, Unit.CENTIMETRE: Unit.METRE, Unit.I
 
 
 def _largest(sizes: dict[str, float], amount: float) -> tuple[str, float]:
-    """The largest unit not above an amount, else the smallest, and its reciprocal."""
+    """Largest unit not above an amount, else the smallest, and its reciprocal size."""
     fitting = [symbol for symbol, size in sizes.items() if amount >= size]
     symbol = fitting[-1] if fitting else next(iter(sizes))
     return symbol, 1.0 / sizes[symbol]
 
 
 class NoUnitError(InputError):
-    """A length in a unit, for a mesh without one.
+    """Error for a length in a unit on a mesh without one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Wall of a mesh: as typed, and in numbers, with its mass and its stiffness."""
+"""Wall of a mesh, as typed and as numbers, with its mass and stiffness."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from apd_viewer.session.quantities.wall_material import (
     parse_young_modulus,
 )
 
-_GRAMS = 1e6  # in a cubic metre of 1 g/cm³
+_GRAMS = 1e6  # grams per cubic metre at 1 g/cm³
 
 
 class WallText(NamedTuple):
@@ -52,20 +52,20 @@ class WallText(NamedTuple):
     material: WallMaterial | None = None
 
     def text(self, unit: Unit) -> str:
-        """Thickness and density, a bare number with the unit that it is in; empty if none."""
+        """Thickness and density, with units added to bare numbers; empty if none."""
         thickness, density = self.thickness.strip(), self.density.strip()
         thickness = unit.format_length(thickness) if _is_bare(thickness) else thickness
         density = f"{density}\u00a0g/cm³" if _is_bare(density) else density
         return comma_separated(filter(None, (thickness, density)))
 
     def usable_thickness(self, unit: Unit) -> float | None:
-        """Thickness in mesh units; None where no usable one was typed."""
+        """Thickness in mesh units; None without a valid text."""
         with suppress(InputError):
             return parse_thickness(self.thickness, unit)
         return None
 
     def usable_density(self) -> float | None:
-        """Density in g/cm³; None where no usable one was typed."""
+        """Density in g/cm³; None without a valid text."""
         with suppress(InputError):
             return parse_density(self.density)
         return None
@@ -76,7 +76,7 @@ NO_WALL = WallText()
 
 @dataclass(frozen=True)
 class Wall:
-    """Wall of a mesh in numbers; None where they are not known.
+    """Wall of a mesh as numbers; unknown ones are None.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Wall:
     material: WallMaterial | None = None
 
     def grams(self, area: float, material_volume: float | None = None) -> float | None:
-        """Mass of an area in square mesh units; None if it is not known.
+        """Mass of an area in square mesh units, grams; None if unknown.
 
         Of a double wall the ``material_volume`` between its surfaces counts, cubic mesh units, and no
         thickness.
@@ -117,19 +117,19 @@ class Wall:
 
     @property
     def nu(self) -> float:
-        """Poisson's ratio, the usual one where it is not known."""
+        """Poisson's ratio, or its default if unknown."""
         return DEFAULT_POISSON if self.poisson is None else self.poisson
 
     @property
     def rigidity(self) -> float | None:
-        """Bending rigidity ``D = E t³ / (12 (1 - nu²))``, N m; None if it is not known."""
+        """Bending rigidity ``D = E t³ / (12 (1 - nu²))``, N m; None if unknown."""
         thickness = self._metres
         if thickness is None or self.young is None:
             return None
         return self.young * thickness**3 / (12.0 * (1.0 - self.nu**2))
 
     def model_stiffness(self, area: float, young: float) -> float | None:
-        """Stiffness of the model with this wall's proportion of bending to stretch.
+        """Model stiffness with the wall's ratio of bending to stretching.
 
         ``D / (E t)`` is ``2 stiffness area / young`` in the model, and ``t² / (12 (1 - nu²))`` of the wall.
         None if newtons are not known.
@@ -148,13 +148,13 @@ class Wall:
 
     @property
     def _metres(self) -> float | None:
-        """Thickness, metres."""
+        """Thickness in metres; None if unknown."""
         metre = self.unit.metres
         return None if metre is None or self.thickness is None else self.thickness * metre
 
 
 def wall_from(text: WallText, unit: Unit) -> Wall:
-    """Wall of a text, for a mesh in a unit; raises InputError."""
+    """Wall from a text, for a mesh in a unit; raises InputError."""
     known = text.material
     thickness = _parsed(text.thickness, lambda typed: parse_thickness(typed, unit))
     if known and thickness is None:
@@ -202,7 +202,7 @@ def parse_thickness(text: str, unit: Unit) -> float:
 
 
 def _parsed(text: str, parse: Callable[[str], float]) -> float | None:
-    """Number of a text, None of an empty one."""
+    """Parsed number of a text; None if empty."""
     return parse(text) if text.strip() else None
 
 

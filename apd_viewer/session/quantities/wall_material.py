@@ -1,4 +1,4 @@
-"""Materials of walls: properties as typed, and those of known ones with sources."""
+"""Wall materials: parsing of typed properties, and known materials with sources."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from apd_viewer.session.quantities.expressions import parse_number
 
 DEFAULT_POISSON = 0.4
 GPA = 1e9  # Pa
-# In grams per cubic centimetre, the unit of a bare number.
+# Units of density in g/cm³, the unit of a bare number.
 _DENSITIES = {
     **dict.fromkeys(("g/cm3", "g/cc", "g/ml", "kg/l", "kg/dm3", "t/m3"), 1.0),
     **dict.fromkeys(("kg/m3", "g/l"), 1e-3),
@@ -26,13 +26,13 @@ _PRESSURES = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "mbar": 1e2, "bar": 1e5, "atm":
 _AMOUNT_AND_WORD = re.compile(r"(.*?)\s*([a-zA-Z]*)", re.DOTALL)
 _AMOUNT_AND_RATIO = re.compile(r"(.+?)\s*(?<![a-z])([a-z]+\s*[/∕⁄]\s*[a-z]+\^?[3³]?)", re.DOTALL)
 _SPELLINGS = str.maketrans({"³": "3", "^": "", "∕": "/", "⁄": "/"})
-_SHOWN = 20  # characters quoted from invalid input
+_SHOWN = 20  # maximum number of characters quoted from invalid input
 _HEAVIEST = 100.0  # g/cm³; osmium has 22.6
 _SOFTEST, _HARDEST = 1e3, 2e12  # Pa; gels have more, diamond has 1.2e12
 
 
 class WallMaterial(NamedTuple):
-    """Properties of a material; None where it has none, or they differ too much.
+    """Properties of a wall material; None if undefined or too variable.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class WallMaterial(NamedTuple):
     source: str
 
     def yield_radius(self, thickness: float) -> float | None:
-        """Radius of a bend whose outermost fibres yield, in the unit of ``thickness``.
+        """Bending radius with yielding outermost fibres, in the unit of ``thickness``.
 
         None where bends do not last.
         """
@@ -95,7 +95,7 @@ WALL_MATERIALS = (
 
 
 def wall_material(name: str) -> WallMaterial | None:
-    """Material of a name, None of an empty one; raises InputError."""
+    """Known material by name, None for an empty name; raises InputError."""
     known = {material.name: material for material in WALL_MATERIALS}
     if name and name not in known:
         raise InputError(
@@ -169,7 +169,7 @@ def _amount_and_factor(
 
 
 def _number(amount: str, text: str, refusal: str) -> float:
-    """Number of an amount; the refusal quotes the whole text."""
+    """Parse an amount; the error message quotes the whole text."""
     try:
         return parse_number(amount, {})
     except InputError:

@@ -1,4 +1,4 @@
-"""Handles, regions and named poses to and from the JSON of a session."""
+"""JSON conversion of handles, regions, poses, measurements and obstacles."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from apd_viewer.session.model.handles_and_regions import (
 )
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 
-LARGEST_NUMBER = 1e9  # of a weight or a percentage
+LARGEST_NUMBER = 1e9  # largest weight or percentage
 LEAST_POSITIVE = 1e-12  # smallest number accepted as positive
-_MOST_WAYPOINTS = 10_000  # of a handle
-_MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
+_MOST_WAYPOINTS = 10_000  # maximum number of waypoints of a handle
+_MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # last row of an affine matrix
 
 
 def handle_to_json(handle: Handle) -> dict[str, Any]:
-    """A handle as JSON."""
+    """JSON of a handle."""
     pivot = None if handle.pivot is None else handle.pivot.tolist()
     said = {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot, **flags_to_json(handle.flags)}
     if handle.waypoints:
@@ -47,7 +47,7 @@ def handle_to_json(handle: Handle) -> dict[str, Any]:
 
 
 def pose_to_json(pose: NamedPose) -> dict[str, Any]:
-    """A named pose as JSON."""
+    """JSON of a named pose."""
     return {
         "name": pose.name,
         "handles": [
@@ -62,22 +62,22 @@ def pose_to_json(pose: NamedPose) -> dict[str, Any]:
 
 
 def flags_to_json(flags: PartFlags) -> dict[str, bool]:
-    """The flags that are set: older programs ignore what they do not know."""
+    """JSON of the flags set; older programs ignore unknown ones."""
     return {name: on for name, on in flags._asdict().items() if on}
 
 
 def flags_from_json(fields: JsonFields) -> PartFlags:
-    """The flags again."""
+    """Flags from JSON."""
     return PartFlags(**{name: fields.has_value(name) and fields.flag(name) for name in PartFlags._fields})
 
 
 def number_to_json(value: float | None) -> float | None:
-    """A number as JSON; None is null."""
+    """JSON of a number; None becomes null."""
     return None if value is None else float(value)
 
 
 def handle_from_json(fields: JsonFields) -> Handle:
-    """The handle again."""
+    """Handle from JSON."""
     pose, waypoints = _path(fields)
     pivot = frozen(fields.numbers("pivot", 3)) if fields.has_value("pivot") else None
     falloff = fields.number("falloff", 0.0, LARGEST_NUMBER) if fields.has_value("falloff") else 0.0
@@ -88,7 +88,7 @@ def handle_from_json(fields: JsonFields) -> Handle:
 
 
 def pose_from_json(fields: JsonFields) -> NamedPose:
-    """The named pose again."""
+    """Named pose from JSON."""
     placed = fields.nested_list("handles", MOST_HANDLES)
     return NamedPose(
         fields.text("name"), tuple(HandlePlacement(each.text("name"), *_path(each)) for each in placed)
@@ -111,7 +111,7 @@ def _check_affine(*poses: np.ndarray) -> None:
 
 
 def _earlier(fields: JsonFields) -> tuple[np.ndarray, ...]:
-    """Poses of a handle on its way until it was gripped."""
+    """Poses of a handle before it was gripped."""
     poses = tuple(map(frozen, fields.grids("earlier", _MOST_WAYPOINTS, 4, 4)))
     _check_affine(*poses)
     if any(not np.linalg.det(each) for each in poses):
@@ -120,12 +120,12 @@ def _earlier(fields: JsonFields) -> tuple[np.ndarray, ...]:
 
 
 def region_from_json(fields: JsonFields) -> NamedRegion:
-    """The region again."""
+    """Region from JSON."""
     return NamedRegion(fields.text("name"), percent_from_json(fields, "area"), flags_from_json(fields))
 
 
 def percent_from_json(fields: JsonFields, key: str) -> float | None:
-    """Percentage, or None where the field is missing."""
+    """Percentage; None if the field is missing."""
     return fields.number(key, LEAST_POSITIVE, LARGEST_NUMBER) if fields.has_value(key) else None
 
 
@@ -134,7 +134,7 @@ _ROUNDING = 1e-9
 
 
 def measurements_to_json(measurements: tuple[Measurement, ...]) -> dict[str, Any]:
-    """The measurements as a field of JSON; none where there are none."""
+    """JSON field of the measurements; empty without any."""
     return {"measurements": [_measurement_to_json(each) for each in measurements]} if measurements else {}
 
 
@@ -149,7 +149,7 @@ def _measurement_to_json(measurement: Measurement) -> dict[str, Any]:
 
 
 def measurements_from_json(fields: JsonFields, faces: int) -> tuple[Measurement, ...]:
-    """The measurements of a mesh with so many faces; raises ValueError if damaged."""
+    """Measurements from JSON, on ``faces`` faces; raises ValueError if damaged."""
     if not fields.has_value("measurements"):
         return ()
     return tuple(
@@ -190,7 +190,7 @@ _KINDS = {kind.value: kind for kind in ObstacleKind}
 
 
 def obstacle_to_json(obstacle: NamedObstacle) -> dict[str, Any]:
-    """An obstacle as JSON."""
+    """JSON of an obstacle."""
     return {
         "name": obstacle.name,
         "kind": obstacle.kind.value,
@@ -203,7 +203,7 @@ def obstacle_to_json(obstacle: NamedObstacle) -> dict[str, Any]:
 
 
 def obstacle_from_json(fields: JsonFields, name: str = "") -> NamedObstacle:
-    """Obstacle restored from JSON; ``name`` is the default name.
+    """Obstacle from JSON; ``name`` is the default name.
 
     Fields that its kind does not have may be missing, and so may ``shift``.
     """
@@ -230,14 +230,14 @@ def obstacle_from_json(fields: JsonFields, name: str = "") -> NamedObstacle:
 
 
 def vectors_from_json(fields: JsonFields, key: str, count: int) -> np.ndarray:
-    """A vector (3,) of each of ``count`` obstacles, (o, 3); (0, 3) without any."""
+    """Vectors (o, 3) of ``count`` obstacles; (0, 3) if the field is missing."""
     if not fields.has_value(key):
         return frozen(np.zeros((0, 3)))
     return frozen(fields.numbers(key, count, 3))
 
 
 def read_obstacles(path: Path) -> tuple[NamedObstacle, ...]:
-    """Obstacles of a JSON file: a list in the form of a session.
+    """Obstacles from a JSON file, in the form of a session.
 
     Raises
     ------

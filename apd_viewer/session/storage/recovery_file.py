@@ -1,4 +1,4 @@
-"""Leftovers of killed programs, found at the next start.
+"""Recovery files of crashed programs, found at the next start.
 
 Beside every file lies another one, which is locked while the program lives that writes it, and while another
 one offers it. A process id tells nothing: it may be somebody else's by now. Nor does a time, since clocks may
@@ -27,13 +27,13 @@ from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.storage.session_meshes import JSON_MEMBER
 
 _NAME = re.compile(r"\d+-\d+")
-_DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # s
+_DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # seconds
 _MOST_TRIES = 5
-_FIRST = 1577836800.0  # 2020: a clock that was earlier had not been set
+_FIRST = 1577836800.0  # start of 2020; an earlier clock was not set
 
 
 class RecoveryFile:
-    """File of a dead program, locked by this one.
+    """Recovery file of a crashed program, locked by this program.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class RecoveryFile:
         self._lock = lock
 
     def read(self) -> tuple[State, View]:
-        """Its content; raises InputError if it is damaged or its mesh is missing."""
+        """Read the session; raises InputError if damaged or without its mesh."""
         try:
             found = open_session(self.path)
         except InputError as error:
@@ -74,16 +74,16 @@ class RecoveryFile:
         return found
 
     def discard(self) -> None:
-        """Remove it for good."""
+        """Delete the file and its lock."""
         remove_with_lock(self.path, self._lock)
 
     def release(self) -> None:
-        """Leave it for the next start."""
+        """Release the file for the next start."""
         self._lock.release()
 
 
 def find_recovery_files(folder: Path) -> list[RecoveryFile]:
-    """Leftovers in a folder, newest first."""
+    """Recovery files in a folder, newest first."""
     make_private(folder, 0o700)
     try:
         stems = {path.stem for path in folder.iterdir() if _NAME.fullmatch(path.stem)}
@@ -94,7 +94,7 @@ def find_recovery_files(folder: Path) -> list[RecoveryFile]:
 
 
 def _claimed(path: Path) -> RecoveryFile | None:
-    """The leftover at ``path``; None if its owner lives, or it is claimed or gone."""
+    """Recovery file at ``path``; None if its owner lives, or it is claimed or gone."""
     try:
         lock = acquire_lock(lock_path(path))
     except OSError:
@@ -106,7 +106,7 @@ def _claimed(path: Path) -> RecoveryFile | None:
         if stat.S_ISREG(found.st_mode):
             make_private(path)
             return RecoveryFile(path, lock, found.st_mtime)
-        lock.release()  # it is none of the program's
+        lock.release()  # not a file of this program
     except FileNotFoundError:
         remove_with_lock(path, lock)
     except OSError:
@@ -115,10 +115,10 @@ def _claimed(path: Path) -> RecoveryFile | None:
 
 
 def claim_path(folder: Path) -> tuple[Path, FileLock]:
-    """A path in ``folder`` for this program alone, and its lock; raises OSError."""
+    """Unused path in ``folder``, and its lock; raises OSError."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     make_private(folder, 0o700)
-    for _ in range(_MOST_TRIES):  # a program starting just now may be testing the lock
+    for _ in range(_MOST_TRIES):  # another program may be testing the lock at its start
         path = folder / f"{os.getpid()}-{time.time_ns()}{SESSION_SUFFIX}"
         if (lock := acquire_lock(lock_path(path))) is not None:
             return path, lock
@@ -126,7 +126,7 @@ def claim_path(folder: Path) -> tuple[Path, FileLock]:
 
 
 def lock_path(path: Path) -> Path:
-    """The lock file beside ``path``; locked while its owner lives."""
+    """Path of the lock file beside ``path``, locked while its owner lives."""
     return path.with_suffix(".lock")
 
 
@@ -139,14 +139,14 @@ def remove_with_lock(path: Path, lock: FileLock) -> None:
 
 
 def make_private(path: Path, mode: int = 0o600) -> None:
-    """Let nobody else read it, unless the disk knows no owners."""
+    """Restrict access to the owner, if supported by the file system."""
     with contextlib.suppress(OSError):
         if stat.S_IMODE(path.stat().st_mode) & ~mode:
             path.chmod(mode)
 
 
 def age_text(written_at: float) -> str:
-    """Age of a file in words, by the time when it was written."""
+    """Text of the age of a file from its time of writing."""
     seconds = time.time() - written_at
     if written_at < _FIRST or seconds < -_MINUTE:
         return tr("at an unknown time")
@@ -161,9 +161,9 @@ def age_text(written_at: float) -> str:
 
 
 def _name_of_mesh(path: Path) -> str:
-    """Mesh entry of a session file."""
+    """Name of the mesh in a session file."""
     try:
-        with open_regular(path) as stream:  # which may be large
+        with open_regular(path) as stream:  # read lazily, as the file may be large
             said = JsonFields.parse(Archive(stream).content(JSON_MEMBER), path.name)
         return PurePath(said.nested_fields("mesh").text("name")).name
     except (OSError, ValueError):

@@ -40,8 +40,8 @@ from apd_viewer.session.storage.session_meshes import JSON_MEMBER, mesh_to_json,
 
 SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
-_WELD = "weld"  # for each vertex the one that it is welded to, where seams were welded
-# In bounding-box diagonals; positions farther away are no shape of this mesh.
+_WELD = "weld"  # array of the vertex to which each vertex is welded, if seams were welded
+# Farthest valid positions, in bounding-box diagonals of the mesh.
 _FARTHEST = 1e8
 
 
@@ -54,7 +54,7 @@ def save_session(
     picture: bytes = b"",
     finish: Callable[[Path], object] = lambda _: None,
 ) -> bool:
-    """Write a session to a file, whole or not at all.
+    """Write a session to a file atomically.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def save_session(
     if mesh.has_welded_seams:
         arrays[_WELD] = mesh.weld.representative
     positions = {"grip": document.grip, "shape": state.frame.U}
-    # Rest positions are left out: once opened they are the mesh's own.
+    # Rest positions are left out: they are restored from the mesh.
     arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
     said = {
         "format": SESSION_FORMAT,
@@ -177,7 +177,7 @@ def _check_version(fields: JsonFields, path: Path) -> None:
 
 
 def _welded(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
-    """The mesh with its seams welded as they were."""
+    """Mesh with its seams welded as in the session."""
     if _WELD not in fields.texts("arrays", most=100):
         return mesh
     n = len(mesh.V)
@@ -188,7 +188,7 @@ def _welded(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
 
 
 def _arrays(fields: JsonFields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
-    """Labels, regions and positions of all vertices, by their names."""
+    """Labels, regions and positions of all vertices, by array name."""
     there, n = fields.texts("arrays", most=100), len(mesh.V)
     farthest = _FARTHEST * diagonal(mesh.V)
     arrays = {name: archive.array(name, "|u1", (n,)) for name in _CODES}
@@ -201,11 +201,11 @@ def _arrays(fields: JsonFields, archive: Archive, mesh: Mesh) -> dict[str, np.nd
 
 
 PICTURE_MEMBER = "picture.png"
-PICTURE_SIDE = 256  # pixels at most: what file managers ask for
+PICTURE_SIDE = 256  # largest side in pixels, as requested by file managers
 
 
 def session_picture(path: Path) -> bytes | None:
-    """Content of the PNG file in a session; None if there is none.
+    """PNG picture in a session file; None without one.
 
     Raises
     ------
@@ -219,7 +219,7 @@ def session_picture(path: Path) -> bytes | None:
 
 @contextmanager
 def explaining_errors(path: Path) -> Iterator[None]:
-    """Turn errors of reading into an InputError with a sentence."""
+    """Context converting read errors into InputErrors with a sentence."""
     try:
         yield
     except InputError:
@@ -237,7 +237,7 @@ def explaining_errors(path: Path) -> Iterator[None]:
 
 
 class ChangedFileError(InputError):
-    """Refusal to replace a file changed elsewhere.
+    """Error for a file changed elsewhere and therefore not replaced.
 
     Attributes
     ----------
@@ -258,7 +258,7 @@ class ChangedFileError(InputError):
 def save_if_unchanged(
     known: KnownFile | None, path: Path, state: State, view: View, embed: bool = False, picture: bytes = b""
 ) -> tuple[bool, KnownFile]:
-    """Save a session, unless its file has changed.
+    """Save a session unless its file has been changed elsewhere.
 
     Looks before the work and once more right before the file is replaced. A file that has gone is written
     anew. ``known`` is None where anything may be replaced.

@@ -1,4 +1,4 @@
-"""Document, frame and view to and from the JSON of a session.
+"""JSON conversion of the document, frame and view of a session.
 
 Numbers come back bit for bit. What is read may be damaged, or written to do harm: whatever makes no sense is
 a ValueError with a phrase.
@@ -54,7 +54,7 @@ _NO_OVERLAY = "none"
 
 
 def document_to_json(document: Document) -> dict[str, Any]:
-    """All of a document but for its mesh and its arrays."""
+    """JSON of a document without its mesh and arrays."""
     return {
         "handles": [handle_to_json(handle) for handle in document.handles],
         "regions": [
@@ -67,7 +67,7 @@ def document_to_json(document: Document) -> dict[str, Any]:
             if document.obstacles
             else {}
         ),
-        # Sessions without it are from a time when loose parts stayed.
+        # Sessions without this field were written when loose parts stayed at rest.
         **(
             {"staying": list(document.staying_components)}
             if document.staying_components or document.loose_components
@@ -81,7 +81,7 @@ def document_to_json(document: Document) -> dict[str, Any]:
 
 
 def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
-    """Document from its JSON, its mesh and ``labels``, ``member`` and ``grip``."""
+    """Document from JSON, its mesh and the arrays ``labels``, ``member``, ``grip``."""
     handles = tuple(handle_from_json(part) for part in fields.nested_list("handles", MOST_HANDLES))
     regions = tuple(region_from_json(part) for part in fields.nested_list("regions", MOST_REGIONS))
     labels, member = arrays["labels"], arrays["member"]
@@ -121,7 +121,7 @@ def _axis(name: str) -> int:
 
 
 def _staying(fields: JsonFields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
-    """Parts that stay; of a deformed shape in an older session all loose ones."""
+    """Parts staying at rest; all loose parts in older sessions of a deformed shape."""
     n = len(document.mesh.V)
     if fields.has_value("staying"):
         staying = fields.counts("staying", n)
@@ -132,7 +132,7 @@ def _staying(fields: JsonFields, document: Document, shape: np.ndarray) -> tuple
 
 
 def frame_to_json(frame: Frame) -> dict[str, Any]:
-    """The fields of a frame not measured on its shape, as JSON."""
+    """JSON of the frame fields not measured on the shape."""
     return {
         "iteration": int(frame.iteration),
         "settled": bool(frame.settled),
@@ -147,7 +147,7 @@ def frame_to_json(frame: Frame) -> dict[str, Any]:
 
 
 def _of_obstacles(frame: Frame) -> dict[str, Any]:
-    """Shifts and loads of obstacles; at first there are no loads."""
+    """JSON of obstacle displacements, and of loads if known."""
     if not len(frame.shifts):
         return {}
     loads = {"loads": frame.loads.tolist()} if len(frame.loads) == len(frame.shifts) else {}
@@ -155,7 +155,7 @@ def _of_obstacles(frame: Frame) -> dict[str, Any]:
 
 
 def frame_from_json(fields: JsonFields, state: State, U: np.ndarray) -> Frame:
-    """Frame restored from JSON, with its shape ``U`` (n, 3) measured anew."""
+    """Frame from JSON, with its shape ``U`` (n, 3) measured again."""
     frame = shape_frame(state.document.mesh, state.inspection, U)
     settled, count = fields.flag("settled"), len(state.document.obstacles)
     return replace(
@@ -180,7 +180,7 @@ def _touch(fields: JsonFields) -> FrameContact:
 
 
 def view_to_json(view: View) -> dict[str, Any]:
-    """The view as JSON."""
+    """JSON of the view."""
     eye = view.camera
     camera = eye and {
         **{name: [float(x) for x in getattr(eye, name)] for name in _POINTS},
@@ -198,7 +198,7 @@ def view_to_json(view: View) -> dict[str, Any]:
 
 
 def view_from_json(fields: JsonFields) -> View:
-    """The view again."""
+    """View from JSON."""
     unit = _unit(fields)
     wall = _wall(fields.nested_fields("wall")) if fields.has_value("wall") else WallText()
     overlay = fields.text("overlay") if fields.has_value("overlay") else None
@@ -230,7 +230,7 @@ def _up_axis(name: str) -> UpAxis:
 
 
 def _wall(fields: JsonFields) -> WallText:
-    """The wall as typed; null fields are empty."""
+    """Wall as typed; null fields are empty."""
     typed = [fields.text(name) if fields.has_value(name) else "" for name in _WALL]
     if any(len(text) > MOST_CHARACTERS for text in typed):
         raise ValueError(tr("its “wall” is damaged"))
@@ -244,12 +244,12 @@ def _point(numbers: np.ndarray) -> Point3:
 
 
 def settings_to_json(settings: Settings) -> dict[str, Any]:
-    """All settings by their names; unset ones are null."""
+    """JSON of all settings by name; unset ones are null."""
     return {name: _to_json(setting.kind, getattr(settings, name)) for name, setting in SETTINGS.items()}
 
 
 def settings_from_json(fields: JsonFields) -> Settings:
-    """The settings again; raises ValueError with a phrase on damaged ones."""
+    """Settings from JSON; raises ValueError on damaged ones."""
     return Settings(**{name: _from_json(fields, name, setting.kind) for name, setting in SETTINGS.items()})
 
 
@@ -272,7 +272,7 @@ def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
         case SettingKind.METHOD:
             return _method_from_json(fields.text(name))
         case SettingKind.SWITCH:
-            # Switches that came later were off in the sessions of before.
+            # Switches missing from older sessions are off.
             return fields.has_value(name) and fields.flag(name)
         case SettingKind.CONVERGENCE:
             return (

@@ -1,4 +1,4 @@
-"""The mesh and the target shape of a session: their places and copies."""
+"""Locations and copies of the mesh and the target shape of a session."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import Document
 
-JSON_MEMBER = "session.json"  # member with all that is said in words
-_OF_TARGET = "target-"  # members of the target shape begin with it
+JSON_MEMBER = "session.json"  # archive member with everything except arrays
+_OF_TARGET = "target-"  # prefix of the archive members of the target shape
 
 
 def mesh_to_json(
     mesh: Mesh, session: Path, embed: bool, prefix: str = ""
 ) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """Place of a mesh, and the members of its copy, if there is to be one."""
+    """JSON location of a mesh, and the archive members of its copy, if any."""
     copy = mesh_members(mesh, prefix) if embed or not is_mesh_in_file(mesh) else {}
     return {**mesh_location_to_json(mesh, session), "embedded": list(copy) or None}, copy
 
@@ -36,7 +36,7 @@ def mesh_to_json(
 def target_to_json(
     document: Document, session: Path, embed: bool
 ) -> tuple[dict[str, Any] | None, dict[str, bytes]]:
-    """Place and copy of the target shape; the old place if it is missing."""
+    """Location and copy of the target shape; the old location if it is missing."""
     if document.target_shape is not None:
         return mesh_to_json(document.target_shape.mesh, session, embed, _OF_TARGET)
     missing = document.missing_target_shape
@@ -44,7 +44,7 @@ def target_to_json(
 
 
 def has_mesh(path: Path, mesh: Mesh) -> bool:
-    """True if the session at ``path`` has the mesh, or still finds it."""
+    """True if the session at ``path`` contains the mesh, or still finds it."""
     if is_mesh_in_file(mesh):
         return True
     try:
@@ -57,7 +57,7 @@ def has_mesh(path: Path, mesh: Mesh) -> bool:
 
 
 def with_target(document: Document, fields: JsonFields, path: Path, archive: Archive) -> Document:
-    """The document with its target shape, or with the reason why it is missing."""
+    """Document with its target shape, or with the reason for a missing one."""
     if not fields.has_value("target"):
         return document
     told = fields.nested_fields("target")

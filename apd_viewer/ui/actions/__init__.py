@@ -1,1 +1,1 @@
-"""Menu actions and their keys."""
+"""Menu actions and their shortcuts."""

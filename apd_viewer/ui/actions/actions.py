@@ -1,4 +1,4 @@
-"""Actions of the window: name, tip, icon, shortcut and menu."""
+"""Actions of the window: name, tooltip, icon, shortcut and menu."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Actions:
         )
         tip = tr("Change units, colours, language, autosave and other settings of the program")
         self.settings = make("settings", tr("Se&ttings…"), "settings", tip, "Ctrl+,", open_settings)
-        self.settings.setMenuRole(QAction.MenuRole.PreferencesRole)  # where macOS has its own place
+        self.settings.setMenuRole(QAction.MenuRole.PreferencesRole)  # macOS shows it in the application menu
 
     def _fill(
         self, file: QMenu, edit: QMenu, tools: QMenu, select: QMenu, handle: QMenu, view: QMenu, helps: QMenu
@@ -98,7 +98,7 @@ class Actions:
         helps.addActions(list(self.help.values()))
 
     def set_available(self, is_open: bool, is_at_rest: bool) -> None:
-        """Enable the actions allowed by an open mesh, at rest or not."""
+        """Enable the actions possible with an open mesh, at rest or deformed."""
         studies = [self.pose.compare, self.pose.sweep, self.pose.study, self.pose.press]
         own = [*self.file.mesh_actions, *studies, self.pose.symmetric, *self.obstacles.mesh_actions]
         for action in (*own, *self.select.files, *self.select.changes):
@@ -107,12 +107,12 @@ class Actions:
             action.setEnabled(is_open and not is_at_rest)
 
     def follow(self, document: Document) -> None:
-        """Offer what a document and the file of its mesh have."""
+        """Enable the actions applicable to a document and its mesh file."""
         self.file.follow(document)
         self.display.follow(document)
 
     def add_panels(self, actions: list[QAction]) -> None:
-        """Add the switches of the panels to the View menu."""
+        """Add the actions to show or hide the panels to the View menu."""
         for action in actions:
             tip = tr("Show or hide the panel “{title}”").format(title=without_mnemonic(action.text()))
             name = f"panel:{action.objectName()}"
@@ -121,11 +121,11 @@ class Actions:
 
     @property
     def entries(self) -> list[ShortcutEntry]:
-        """All actions with their descriptions."""
+        """All actions with their texts and default keys."""
         return self._maker.entries
 
     def show_history(self, undo: str | None, redo: str | None) -> None:
-        """Name the steps to undo and redo."""
+        """Show the names of the steps to undo and redo in the Edit menu."""
         for action, bare, verb, gesture in (
             (self.undo, tr("&Undo"), tr("&Undo “{gesture}”"), undo),
             (self.redo, tr("&Redo"), tr("&Redo “{gesture}”"), redo),

@@ -1,4 +1,4 @@
-"""Controllers of a window, as called by its actions."""
+"""Controllers and commands called by the actions of a window."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from apd_viewer.ui.tools.toolbox import SelectionMode
 
 @dataclass(frozen=True, eq=False)
 class Commands:
-    """The controllers, and the commands of the window itself."""
+    """Controllers called by the actions, and commands of the window itself."""
 
     canvas: Canvas
     requests: FileRequests

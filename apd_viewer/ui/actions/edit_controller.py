@@ -1,4 +1,4 @@
-"""Changes of the document and its parts by keys, menus and panel."""
+"""Changes of the document and its parts by shortcuts, menus and panel."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from apd_viewer.ui.tools.toolbox import Tool
 
 
 class EditController:
-    """Changes of the document by a window; during a drag most only take it back.
+    """Commands to change the document; during a drag most only cancel the drag.
 
     Parameters
     ----------
@@ -65,11 +65,11 @@ class EditController:
         return self._session.store.state is not None
 
     def _may_begin(self) -> bool:
-        """True if a document is open and no drag was under way; cancel a drag."""
+        """True if a document is open and no drag was in progress; cancel such a drag."""
         return self._is_open and not self.cancel_drag()
 
     def cancel_drag(self) -> bool:
-        """Cancel the drag or sweep under way; True if there was one."""
+        """Cancel the mouse or slider drag in progress; True if there was one."""
         return self._canvas.viewport.mouse.cancel() or self._panel.cancel_slider_drag()
 
     # Undo, redo and reset
@@ -80,17 +80,17 @@ class EditController:
             self._session.gestures.undo()
 
     def redo(self) -> None:
-        """Redo the step undone last."""
+        """Redo the last undone step."""
         if self._may_begin():
             self._session.gestures.redo()
 
     def go_to_step(self, steps: int) -> None:
-        """Undo or redo until so many steps are done."""
+        """Undo or redo until ``steps`` steps of the history are done."""
         if self._may_begin():
             self._session.gestures.go_to_step(steps)
 
     def reset_all(self) -> None:
-        """Put all handles back, and the mesh in its rest shape."""
+        """Reset all handles and return the mesh to its rest shape."""
         if self._is_open:
             self.cancel_drag()
             self._session.shapes.restore()
@@ -100,10 +100,10 @@ class EditController:
         if self._may_begin():
             self._session.shapes.bake()
 
-    # Parts
+    # Adding and selecting parts
 
     def add_handle(self) -> None:
-        """Add a handle and take its brush."""
+        """Add a handle and select its brush."""
         if self._is_open:
             self._parts.add_handle()
             self._take(Tool.HANDLE)
@@ -114,37 +114,37 @@ class EditController:
             self._parts.next_handle()
 
     def add_region(self) -> None:
-        """Add a region and take its brush."""
+        """Add a region and select its brush."""
         if self._is_open:
             self._parts.add_region()
             self._take(Tool.REGION)
 
     def reshape(self, operation: PartOperation) -> None:
-        """Change the whole part painted by the current tool."""
+        """Apply an operation to the whole part painted by the current tool."""
         if self._may_begin():
             self._session.painting.apply_operation(self._canvas.strokes.part, operation)
 
     def open_vertex_entry(self) -> None:
-        """Choose vertices by ids or coordinates, in a card."""
+        """Open a card to select vertices by ID or coordinates."""
         if self._is_open:
             self.text_entries.open_entry(self.text_entries.vertices)
 
     def open_brush_entry(self) -> None:
-        """Enter the radius of the brush, in a card."""
+        """Open a card to enter the brush radius."""
         if self._is_open:
             if not self._canvas.tool.words.is_brush:
                 self._take(Tool.HANDLE)
             self.text_entries.open_brush_entry()
 
-    # Moving the active handle
+    # Motion of the active handle
 
     def reset_handle(self) -> None:
-        """Put the active handle back."""
+        """Reset the active handle to its rest position."""
         if self._may_begin():
             self._session.handles.reset_handle(self._parts.handle)
 
     def nudge(self, step: tuple[int, int, int]) -> None:
-        """Move the handle or obstacle a little in the picture: right, up, to the viewer."""
+        """Move the handle or obstacle a small step right, up or towards the viewer."""
         may = self._may_begin() and not self.nudge_obstacle(step)
         if may and (pose := self._canvas.nudged_pose(step)) is not None:
             self._session.handles.set_pose(pose, self._parts.handle, tr("Nudge handle"), is_repeat=True)
@@ -161,10 +161,10 @@ class EditController:
         else:
             field.finish_entry()
 
-    # The pivot, and the line to bend about
+    # Pivot and bending axis
 
     def pick_pivot(self) -> None:
-        """Have the next click on the mesh set the pivot of the active handle."""
+        """Let the next click on the mesh set the pivot of the active handle."""
         if self._may_begin():
             self._take(Tool.MOVE)
             self._canvas.picker.pick_points(
@@ -174,17 +174,17 @@ class EditController:
             )
 
     def open_pivot_entry(self) -> None:
-        """Enter the coordinates of the pivot, in a card."""
+        """Open a card to enter the coordinates of the pivot."""
         if self._is_open:
             self.text_entries.open_entry(self.text_entries.pivot)
 
     def centre_pivot(self) -> None:
-        """Put the pivot of the active handle at its centre."""
+        """Move the pivot of the active handle to its centre."""
         if self._may_begin():
             self._session.handles.set_pivot(None, self._parts.handle)
 
     def pick_line(self) -> None:
-        """Have the next two clicks on the mesh set the line to bend about."""
+        """Let the next two clicks on the mesh set the bending axis."""
         if self._may_begin():
             self._take(Tool.MOVE)
             words = tr("Click two points of the mesh to set the line to bend about")
@@ -201,7 +201,7 @@ class EditController:
 
 
 class PartController:
-    """Clears, locks and hides parts; none of it without a document.
+    """Commands to clear, lock and hide parts; no effect without a document.
 
     Parameters
     ----------
@@ -236,12 +236,12 @@ class PartController:
             self._session.painting.clear_all()
 
     def toggle_lock(self) -> None:
-        """Lock the part of the current tool, or unlock it."""
+        """Lock or unlock the part painted by the current tool."""
         if (flags := self._flags) is not None:
             self._session.parts.lock(self._canvas.strokes.part, not flags.locked)
 
     def toggle_hidden(self) -> None:
-        """Hide the part of the current tool, or show it."""
+        """Hide or show the part painted by the current tool."""
         if (flags := self._flags) is not None:
             self._session.parts.hide(self._canvas.strokes.part, not flags.hidden)
 
@@ -254,7 +254,7 @@ class PartController:
 
     @property
     def _flags(self) -> PartFlags | None:
-        """Flags of the part of the current tool; None if there is none."""
+        """Flags of the part painted by the current tool; None without such a part."""
         part, state = self._canvas.strokes.part, self._session.store.state
         if state is None or self._give_up() or not part.is_in(state.document):
             return None

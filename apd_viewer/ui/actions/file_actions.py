@@ -152,7 +152,7 @@ class FileActions:
         self.clear_target.setEnabled(False)
 
     def fill(self, menu: QMenu) -> None:
-        """Put all of them into a menu."""
+        """Add the file actions to a menu."""
         menu.addAction(self.open)
         self.recent = menu.addMenu(tr("Open &recent"))
         menu.addMenu(tr("Open sa&mple")).addActions(self.samples)
@@ -167,12 +167,12 @@ class FileActions:
         menu.addAction(self.quit)
 
     def follow(self, document: Document) -> None:
-        """Offer to clear the target shape where there is one."""
+        """Enable the action to clear the target shape if there is one."""
         compares = document.target_shape is not None or document.missing_target_shape is not None
         self.clear_target.setEnabled(compares)
 
     def fill_recent(self, paths: Sequence[Path]) -> None:
-        """List recent files."""
+        """List the recent files in their submenu."""
         self.recent.clear()
         for path, name in zip(paths, distinct_names(paths), strict=True):
             action = self.recent.addAction(menu_text(name))

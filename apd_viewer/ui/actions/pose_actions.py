@@ -13,7 +13,7 @@ from apd_viewer.ui.obstacles.obstacle_actions import ObstacleActions
 from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.tools.gizmo_drag import GizmoOrientation
 
-# Right, up and towards the viewer, in the picture.
+# Directions in view coordinates: right, up and towards the viewer.
 _NUDGES = (
     (tr("Nudge left"), tr("Move the active handle a little to the left"), "left", "Left", (-1, 0, 0)),
     (tr("Nudge right"), tr("Move the active handle a little to the right"), "right", "Right", (1, 0, 0)),
@@ -30,7 +30,7 @@ _ALONG = {
 
 
 class PoseActions:
-    """Actions to move handles.
+    """Actions to move handles and to keep named poses.
 
     Parameters
     ----------
@@ -189,13 +189,13 @@ class PoseActions:
             "Space",
             commands.pause_or_resume,
         )
-        self.pause.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # Space presses buttons too
+        self.pause.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # Space also presses buttons
         commands.canvas.viewport.addAction(self.pause)
         self.nudges = []
         for title, tip, way, key, step in _NUDGES:
             name, command = f"nudge:({step[0]},{step[1]},{step[2]})", partial(editing.nudge, step)
             nudge = make(name, title, f"nudge-{way}", tip, key, command)
-            nudge.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # arrows move sliders and cursors too
+            nudge.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # arrow keys also move sliders
             commands.canvas.viewport.addAction(nudge)
             self.nudges.append(nudge)
         self.orientations = {}
@@ -209,7 +209,7 @@ class PoseActions:
         self._gizmo.orientation = along
 
     def show_symmetry(self, on: bool) -> None:
-        """Show whether handles are moved symmetrically."""
+        """Check the symmetry action if handles are moved symmetrically."""
         self.symmetric.blockSignals(True)
         self.symmetric.setChecked(on)
         self.symmetric.blockSignals(False)

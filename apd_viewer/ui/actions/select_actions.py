@@ -1,4 +1,4 @@
-"""Actions to select vertices: ways of selection, changes of a whole part."""
+"""Actions to select vertices: selection modes, operations on a whole part."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.tools.toolbox import SelectionMode
 
 _LARGER, _SMALLER = 1.25, 0.8
-# Title, icon, tip, keys and operation on the active part.
+# Title, icon, tooltip, keys and operation on the active part.
 _CHANGES = (
     (
         tr("&Grow"),
@@ -168,11 +168,11 @@ class SelectActions:
 
     @property
     def groups(self) -> list[list[QAction]]:
-        """The actions at hand while a tool paints."""
+        """Actions of the tool bar shown while a painting tool is active."""
         return [list(self.modes.values()), [self.select_hidden], self.changes]
 
     def fill(self, menu: QMenu) -> None:
-        """Put all of them into a menu."""
+        """Add the selection actions to a menu."""
         menu.addActions(list(self.modes.values()))
         menu.addSeparator()
         menu.addActions([self.by_expression, self.select_hidden, *self.sizes])

@@ -1,4 +1,4 @@
-"""Actions of the camera, the appearance, overlays and other viewing aids."""
+"""Actions of the camera, shading, overlays and other display options."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.window_menus import WindowMenus
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.preferences.action_maker import ActionMaker
-from apd_viewer.ui.preferences.shortcuts import show_keys_in_tip
+from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
 from apd_viewer.ui.scene.shading import Shading
 from apd_viewer.ui.tools.canvas import Canvas
 
@@ -61,7 +61,7 @@ class ViewActions:
             "Ctrl+I",
             commands.findings.toggle_list,
         )
-        commands.findings.badge.show_keys_in_tip(self.findings)
+        commands.findings.badge.show_shortcut_in_tooltip(self.findings)
         self.camera = CameraActions(maker, canvas)
         commands.comparison.set_shortcuts(self.camera.directions, self.frame)
         tip = tr("Show the triangle edges")
@@ -86,7 +86,7 @@ class ViewActions:
         self._surface.shading = shading
 
     def refresh(self) -> None:
-        """Offer the shadings that the mesh on screen has, and check the present one."""
+        """Enable the shadings possible for the mesh, and check the current one."""
         of_file, has = self.shadings[Shading.FILE], self._surface.has_normals
         of_file.setEnabled(has)
         of_file.setToolTip("" if has else tr("The file has no normals"))
@@ -94,7 +94,7 @@ class ViewActions:
         self.camera.refresh()
 
     def fill(self, menu: QMenu, display: DisplayActions) -> None:
-        """Put all of them into a menu, with those of the overlays between."""
+        """Add the view actions to a menu, with the display actions in between."""
         menu.addAction(self.frame)
         self.camera.fill(menu)
         menu.addSeparator()
@@ -110,7 +110,7 @@ class ViewActions:
         self._appearance.addActions(list(self.schemes.values()))
 
     def add_panels(self, actions: list[QAction]) -> None:
-        """Add the panels above the appearance."""
+        """Insert the panel actions above the submenu of the appearance."""
         self._menu.insertActions(self._appearance.menuAction(), actions)
         self._menu.insertSeparator(self._appearance.menuAction())
 
@@ -126,7 +126,7 @@ _VIEWS = (
 
 
 class CameraActions:
-    """Actions to choose direction, projection and up axis.
+    """Actions to choose the view direction, projection and up axis.
 
     Parameters
     ----------
@@ -171,13 +171,13 @@ class CameraActions:
         self.refresh()
 
     def refresh(self) -> None:
-        """Check the actions of the camera's projection and up axis."""
+        """Check the actions for the camera's current projection and up axis."""
         eye = self._look.camera
         self.up_axes[eye.up_axis].setChecked(True)
         self.orthographic.setChecked(eye.is_orthographic)
 
     def fill(self, menu: QMenu) -> None:
-        """Put all of them into a menu."""
+        """Add these actions and a submenu of them to a menu."""
         menu.addActions(list(self.directions.values()))
         menu.addAction(self.orthographic)
         up = menu.addMenu(tr("&Up axis"))
@@ -192,7 +192,7 @@ _TARGET = tr("Show the target shape as a transparent ghost")
 
 
 class DisplayActions:
-    """Actions of the display of the shape.
+    """Actions to choose the overlay and the display options.
 
     Parameters
     ----------
@@ -281,12 +281,12 @@ class DisplayActions:
                     looks.shows_file_colors,
                 ),
                 ("textures", tr("Te&xtures"), _TEXTURES, None, looks.show_textures, looks.shows_textures),
-                ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.set_turning, False),
+                ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.set_turntable_running, False),
             )
         }
 
     def follow(self, document: Document) -> None:
-        """Offer what a document and the file of its mesh have."""
+        """Enable the options available for a document and its mesh file."""
         mesh, compares = document.mesh, document.target_shape is not None
         for name, has, tip, lack in (
             ("file_colors", mesh.colors is not None, _COLORS, tr("The file has no vertex colours")),
@@ -299,15 +299,15 @@ class DisplayActions:
             switch.setToolTip(said)
 
     def _follow(self) -> None:
-        """Check the action of the overlay shown, and name equivalent keys."""
+        """Keep check marks and tooltips in step with the display options."""
         looks, switches = self._looks, self.switches
         looks.overlay.changed.connect(self._check_measure)
         looks.before_after.dismissed.connect(partial(switches["compare"].setChecked, False))
         looks.cutting_plane.dismissed.connect(partial(switches["cut"].setChecked, False))
         looks.turntable.stopped.connect(partial(switches["turntable"].setChecked, False))
-        show_keys_in_tip(looks.legend.close_button, self.no_overlay)
-        show_keys_in_tip(looks.legend.next_extreme, self.extremes[0])
-        show_keys_in_tip(looks.cutting_plane.close_button, switches["cut"])
+        show_shortcut_in_tooltip(looks.legend.close_button, self.no_overlay)
+        show_shortcut_in_tooltip(looks.legend.next_extreme, self.extremes[0])
+        show_shortcut_in_tooltip(looks.cutting_plane.close_button, switches["cut"])
         self._check_measure()
 
     def _check_measure(self) -> None:
@@ -317,7 +317,7 @@ class DisplayActions:
         (self.no_overlay if measure is None else self.measures[measure]).setChecked(True)
 
     def fill(self, menu: QMenu) -> None:
-        """Put all of them into a menu."""
+        """Add these actions and a submenu of them to a menu."""
         self.overlay = menu.addMenu(tr("&Overlay"))
         self.overlay.addActions([self.no_overlay, *self.measures.values()])
         self.overlay.addSeparator()

@@ -1,1 +1,1 @@
-"""Methods compared side by side."""
+"""Side-by-side comparison of the methods."""

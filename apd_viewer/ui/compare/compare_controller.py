@@ -1,4 +1,4 @@
-"""Opens and closes the comparison window."""
+"""Controller of the comparison window."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _AT_REST = tr("All methods agree on a mesh at rest; move a handle first, then co
 
 
 class CompareController:
-    """Opens the single comparison window on the current document.
+    """Controller of the single comparison window on the current document.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class CompareController:
         self.window: ComparisonWindow | None = None
 
     def set_shortcuts(self, views: Mapping[str, QAction], frame: QAction) -> None:
-        """Give the window, once open, the shortcuts for turning and framing.
+        """Set the comparison window's shortcuts for view directions and framing.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class CompareController:
         self._views, self._frame = views, frame
 
     def open(self) -> None:
-        """Compare methods on the current document, or say the missing step."""
+        """Compare methods on the current document, or report a missing step."""
         if (state := self._store.state) is None:
             return
         if sentence := _why_not(state):
@@ -109,13 +109,13 @@ class CompareController:
             window.deleteLater()
 
     def set_unit(self, unit: Unit) -> None:
-        """Write lengths in another unit, if the current mesh is compared."""
+        """Change the unit of lengths, if the current mesh is being compared."""
         state = self._store.state
         if state is not None and self.window is not None and self.window.is_comparing(state.document.mesh):
             self.window.set_unit(unit)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the parts beyond the style sheet's reach."""
+        """Apply the theme to the parts not covered by the style sheet."""
         self._theme = theme
         if self.window is not None:
             self.window.set_theme(theme)
@@ -127,5 +127,5 @@ class CompareController:
 
 
 def _why_not(state: State) -> str | None:
-    """Missing step before a comparison, as a sentence; None if none."""
+    """Sentence on the step missing before a comparison; None if there is none."""
     return state.document.paint_problem or (_AT_REST if state.is_at_rest else None)

@@ -1,4 +1,4 @@
-"""Comparison window: a shape for each method, and a table of readings."""
+"""Comparison window: a view of each method's shape, and a table of readings."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _NO_ROOM = tr("Not enough memory to compare methods on this mesh; close other pr
 
 
 class ComparisonWindow(QWidget):
-    """Views beside each other, a legend and a table below them.
+    """Views side by side, with a legend and a table of readings below.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class ComparisonWindow(QWidget):
         self.table = MethodTable()
         self._lay_out()
 
-    # Building
+    # Construction and layout
 
     def _make_checks(self, chosen: list[str]) -> dict[str, CheckBox]:
         checks = {}
@@ -134,15 +134,15 @@ class ComparisonWindow(QWidget):
         column.addLayout(foot)
 
     def add_shortcuts(self, keys: list[QKeySequence], command: Callable[[], object]) -> None:
-        """Add shortcuts of the main window."""
+        """Add shortcuts of the main window to a command."""
         for sequence in keys:
             QShortcut(sequence, self, command)
 
-    # Comparing
+    # Methods and solver runs
 
     @property
     def chosen_methods(self) -> list[str]:
-        """Methods compared."""
+        """Names of the checked methods."""
         return [method for method, check in self.checks.items() if check.isChecked()]
 
     def compare(self, state: State, unit: Unit) -> None:
@@ -167,17 +167,17 @@ class ComparisonWindow(QWidget):
         self.views[self.chosen_methods[0]].viewport.setFocus()
 
     def is_comparing(self, mesh: Mesh) -> bool:
-        """True if this mesh is compared."""
+        """True if this mesh is being compared."""
         return self._state is not None and self._state.document.mesh is mesh
 
     def set_unit(self, unit: Unit) -> None:
-        """Write lengths in another unit."""
+        """Change the unit of lengths in the table."""
         if self._state is not None:
             self.table.set_columns(reading_columns(self._state, unit))
             self._show()
 
     def _prepare(self, state: State) -> None:
-        """Compile the measurements in the background."""
+        """Compile the kernels of the measurements in the background."""
         mesh, skin = state.document.mesh, state.surface_index
 
         def work(_: Callable[[], bool]) -> object:
@@ -193,7 +193,7 @@ class ComparisonWindow(QWidget):
         self.linked.set_deviation(result, self.legend.scale)
 
     def _choose(self) -> None:
-        """Compare the checked methods, at least two."""
+        """Compare the checked methods; the last two cannot be unchecked."""
         chosen = self.chosen_methods
         self._memory.compared_methods = chosen
         for method, check in self.checks.items():
@@ -214,11 +214,11 @@ class ComparisonWindow(QWidget):
 
     @Slot()
     def _receive(self) -> None:
-        # A call may still be on its way when the window is closed.
+        # A queued signal may arrive after the window has been closed.
         if self.comparison is not None and self.comparison.receive():
             self._show()
 
-    # Showing
+    # Display of shapes, readings and messages
 
     def _show(self) -> None:
         comparison, state = self.comparison, self._state
@@ -244,18 +244,18 @@ class ComparisonWindow(QWidget):
         set_style_property(self.status, "warn", warn)
 
     def show_refusal(self, sentence: str) -> None:
-        """Show the reason for a refusal."""
+        """Show a sentence on why the document cannot be compared."""
         self._say(sentence, warn=True)
 
     def _rescale(self) -> None:
         self.linked.show_scale(self.legend.scale)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the backgrounds."""
+        """Apply the theme to the backgrounds of the views."""
         self._theme = theme
         self.linked.set_theme(theme)
 
-    # Saving
+    # Export of the table and the picture
 
     def _ask(self, suffix: str) -> None:
         assert self._state is not None
@@ -282,7 +282,7 @@ class ComparisonWindow(QWidget):
         write_outcomes(path, self._state, self._outcomes())
 
     def write_picture(self, path: Path) -> None:
-        """Write the shapes as they are seen, on white, as PNG; raises InputError."""
+        """Write the views as displayed, on white, as PNG; raises InputError."""
         assert self._state is not None
         shown = []
         for method, outcome in self._outcomes():
@@ -295,7 +295,7 @@ class ComparisonWindow(QWidget):
         self.set_theme(self._theme)
         write_comparison(path, shown, self.linked.column_count, self.legend.scale, self.font())
 
-    # Events
+    # Qt events
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Stop on Esc; close if nothing is running."""
@@ -308,7 +308,7 @@ class ComparisonWindow(QWidget):
             super().keyPressEvent(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """End the process, and the views before their window."""
+        """Stop the solver process, and close the views before the window."""
         if self.comparison is not None:
             self.comparison.stop()
             self.comparison = None
@@ -319,7 +319,7 @@ class ComparisonWindow(QWidget):
 
 
 def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
-    """Progress of a method, details, and its failure."""
+    """Progress of a method, its details, and a failure message."""
     outcome = comparison.outcomes.get(method)
     if outcome is None:
         return (tr("queued") if method in comparison.queued_methods else tr("not started")), "", ""
@@ -335,7 +335,7 @@ def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
 
 
 def _progress(comparison: Comparison, chosen: list[str]) -> str:
-    """Progress in a line."""
+    """Overall progress as one line of text."""
     method = comparison.current_method or ""
     name, count = METHODS[method].title, len(chosen)
     number = chosen.index(method) + 1

@@ -1,4 +1,4 @@
-"""Linked views of the compared shapes: one camera, scale and cursor."""
+"""Linked views of the compared shapes: shared camera, colour scale and cursor."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from apd_viewer.ui.scene.camera_controller import link_cameras
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.theme import Theme
 
-_READ = 250  # ms between two readings while shapes move
+_READ = 250  # ms between two updates of the values while shapes move
 
 
 class LinkedViews(QWidget):
-    """Views laid out for the largest shapes.
+    """Views of the compared shapes, in a grid maximizing their size.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class LinkedViews(QWidget):
             view.show_rest_shape(state)
 
     def set_camera(self, state: State, camera: Camera) -> None:
-        """Set the camera, moved to show the rest and the current shape."""
+        """Set the view direction, and frame both the rest and the current shape."""
         look = self._first.viewport.camera_controller
         own = look.camera
         look.camera = replace(
@@ -85,39 +85,39 @@ class LinkedViews(QWidget):
         self._frame(both)
 
     def look_along(self, axis: str) -> None:
-        """Show all of every shape from an axis: see :meth:`CameraController.along`."""
+        """Frame all shapes along an axis: see :meth:`CameraController.along`."""
         self._first.viewport.camera_controller.look_along(axis)
         self.frame_shapes()
 
     def frame_shapes(self) -> None:
-        """Frame all shapes."""
+        """Zoom to all shapes shown."""
         self._frame(np.vstack([self.views[name].surface.U for name in self._shown]))
 
     @property
     def _first(self) -> MethodView:
-        """View with the leading camera."""
+        """First view; setting its camera sets all linked cameras."""
         return next(iter(self.views.values()))
 
     def _frame(self, points: np.ndarray) -> None:
         for view in self.views.values():
             view.viewport.camera_controller.frame(points)
 
-    # Colours
+    # Colours and values
 
     def set_deviation(self, deviation: Deviation, scale: Scale) -> None:
-        """Show how the shapes differ from rest, from now on."""
+        """Colour the shapes by their local area change from the rest shape."""
         for view in self.views.values():
             view.show_scale(scale)
             view.set_deviation(deviation)
 
     def show_scale(self, scale: Scale) -> None:
-        """Show the changes on another scale."""
+        """Recolour the shapes with another scale."""
         for view in self.views.values():
             view.show_scale(scale)
         self.mark_point(self._place)
 
     def mark_point(self, point: ProbedPoint | None) -> None:
-        """Mark a place on all shapes, and read all of them there."""
+        """Mark a material point on all shapes, and show their values at it."""
         self._place = point
         for view in self.views.values():
             view.mark_point(point, self._unit)
@@ -132,10 +132,10 @@ class LinkedViews(QWidget):
         self.span_measured.emit((min(low), max(high)) if spans else None)
         self.mark_point(self._place)
 
-    # Places
+    # Layout of the views
 
     def show_views(self, names: Sequence[str]) -> None:
-        """Show these views, and no others."""
+        """Show only the views of the named methods."""
         self._shown = names
         self._arrange()
         self._measured()
@@ -153,24 +153,24 @@ class LinkedViews(QWidget):
             view.setVisible(name in places)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Lay the views out anew."""
+        """Rearrange the views for the new size."""
         super().resizeEvent(event)
         self._arrange()
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the backgrounds."""
+        """Apply the theme to the backgrounds."""
         for view in self.views.values():
             view.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
     def close_all(self) -> None:
-        """Free the scenes; the views cannot be used afterwards."""
+        """Release the VTK scenes; the views cannot be used afterwards."""
         self._reading.stop()
         for view in self.views.values():
             view.viewport.close()
 
 
 def _across(count: int, width: int, height: int, aspect: float) -> int:
-    """Columns for ``count`` views with the largest shapes of an aspect."""
+    """Number of columns maximizing the size of ``count`` views of an aspect ratio."""
 
     def size(across: int) -> float:
         return min(width / across / aspect, height * across / count - HEAD_HEIGHT)
@@ -182,7 +182,7 @@ _WIDTH = 248
 
 
 class SharedScale(QWidget):
-    """A legend with its range.
+    """Legend of the colour scale shared by all views, with its range field.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ class SharedScale(QWidget):
         self._show()
 
     def show_span(self, span: tuple[float, float] | None) -> None:
-        """Show the least and the largest value of all shapes; None shows none."""
+        """Show the smallest and largest value of all shapes, or none if None."""
         self.span = span
         self._bar.show_values(span, None)
         self.fit.setEnabled(span is not None)

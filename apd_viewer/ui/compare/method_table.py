@@ -1,4 +1,4 @@
-"""Table of the compared methods' readings, and the picture of a comparison."""
+"""Table of the compared methods' readings, and export of a comparison picture."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from apd_viewer.ui.plots.plots import write_drawing
 from apd_viewer.ui.widgets.theme import LIGHT
 
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-_ROW, _COLUMN = 28, 96  # px
+_ROW, _COLUMN = 28, 96  # px; row height and column width
 
 
 class MethodTable(QTableWidget):
-    """Rows of methods and columns of readings, with aligned figures."""
+    """Table with a row per method and a column per reading, with aligned digits."""
 
     def __init__(self) -> None:
         super().__init__(objectName="outcomes", accessibleName=tr("Measurements of the methods"))
@@ -56,7 +56,7 @@ class MethodTable(QTableWidget):
         self.columns: list[ReadingColumn] = []
 
     def set_columns(self, columns: list[ReadingColumn]) -> None:
-        """Set the columns."""
+        """Set the columns and their titles."""
         self.columns = columns
         self.setColumnCount(len(columns))
         for k, column in enumerate(columns):
@@ -67,13 +67,13 @@ class MethodTable(QTableWidget):
         across.setMinimumSectionSize(max([_COLUMN, *map(across.sectionSizeHint, range(len(columns)))]))
 
     def show_methods(self, titles: Sequence[str]) -> None:
-        """Set the rows."""
+        """Set the rows by the titles of their methods."""
         self.setRowCount(len(titles))
         self.setVerticalHeaderLabels(list(titles))
         self.updateGeometry()
 
     def show_readings(self, row: int, readings: ReadingsByName) -> None:
-        """Write a row; unknown values stay empty."""
+        """Fill a row; unknown values stay empty."""
         for k, column in enumerate(self.columns):
             text = column.cell_text(readings) if readings else ""
             item = self.item(row, k)
@@ -86,23 +86,23 @@ class MethodTable(QTableWidget):
                 item.setText(text)
 
     def sizeHint(self) -> QSize:
-        """Height of all rows."""
+        """Height of the header and all rows."""
         head = self.horizontalHeader().sizeHint().height()
         bar = self.horizontalScrollBar().sizeHint().height()
         return QSize(super().sizeHint().width(), head + _ROW * self.rowCount() + bar)
 
     def minimumSizeHint(self) -> QSize:
-        """The same."""
+        """Preferred size, so that no row is cut off."""
         return QSize(240, self.sizeHint().height())
 
 
-PIXEL_RATIO = 2  # pixels of a shape for each on the screen
-_HEAD, _FOOT, _PAD = 52, 72, 16  # px
+PIXEL_RATIO = 2  # picture pixels for each pixel on the screen
+_HEAD, _FOOT, _PAD = 52, 72, 16  # px; heights of title and legend, and padding
 _LEGEND = QSize(320, 14)
 
 
 class ComparisonShape(NamedTuple):
-    """Shape in the picture: name, line below and pixels (h, w, 3) uint8."""
+    """Shape in the picture: title, caption and pixels (h, w, 3) uint8."""
 
     title: str
     caption: str
@@ -112,7 +112,7 @@ class ComparisonShape(NamedTuple):
 def write_comparison(
     path: Path, shapes: Sequence[ComparisonShape], columns: int, scale: Scale, font: QFont
 ) -> None:
-    """Write shapes of one size side by side as PNG; raises InputError."""
+    """Write pictures of equal size side by side as PNG; raises InputError."""
     height, width = (length // PIXEL_RATIO for length in shapes[0].pixels.shape[:2])
     rows = -(-len(shapes) // columns)
     size = QSize(columns * width, rows * (height + _HEAD) + _FOOT)

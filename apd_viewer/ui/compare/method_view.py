@@ -21,7 +21,7 @@ from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 
-HEAD_HEIGHT = 32  # px
+HEAD_HEIGHT = 32  # px; height of the caption
 
 
 class MethodView(QWidget):
@@ -73,32 +73,32 @@ class MethodView(QWidget):
         self.viewport.tools.insert(0, self.probe)
         self.viewport.pre_draw.append(self._refresh)
 
-    # Showing
+    # Display of the shape and its values
 
     def show_rest_shape(self, state: State) -> None:
-        """Show the rest shape of a document, until there is another."""
+        """Show the rest shape of a document until the method delivers another."""
         document = state.document
         self.values, self._change = None, None
         self.surface.set_color_map(None)
         self.surface.set_mesh(state.surface_index, document.mesh.V, colors_of(document))
 
     def show_shape(self, U: np.ndarray) -> None:
-        """Show another shape (n, 3)."""
+        """Show a new shape (n, 3)."""
         if U is not self.surface.shape:
             self.surface.set_points(U)
 
     def set_deviation(self, deviation: Deviation) -> None:
-        """Show how the shape differs from rest, from now on."""
+        """Colour the shape by its local area change from the rest shape."""
         self._change, self._measured = deviation, -1
         self.viewport.update()
 
     def show_scale(self, scale: Scale) -> None:
-        """Show the change on another scale."""
+        """Recolour the shape with another scale."""
         self._scale, self._measured = scale, -1
         self.viewport.update()
 
     def show_status(self, state: str, tip: str = "", note: str = "") -> None:
-        """Show the progress, details and failure."""
+        """Show the progress, its details as a tooltip, and a failure message."""
         if state != self._state.text():
             self._state.setText(state)
         self._state.setToolTip(tip)
@@ -107,11 +107,11 @@ class MethodView(QWidget):
 
     @property
     def status_texts(self) -> tuple[str, str]:
-        """Progress and failure."""
+        """Texts of the progress and of the failure message."""
         return self._state.text(), self._note.text()
 
     def picture(self, pixel_ratio: int) -> np.ndarray:
-        """Shape on white at a pixel ratio, (h, w, 3) uint8."""
+        """Picture of the shape on white at a pixel ratio, (h, w, 3) uint8."""
         view = self.viewport
         wide, high = view.ren_win.GetSize()
         view.set_theme("#ffffff")
@@ -121,7 +121,7 @@ class MethodView(QWidget):
         return pixels
 
     def _refresh(self) -> None:
-        """Measure and colour the shape about to be drawn."""
+        """Measure the local area change of the shape and update its colours."""
         surface = self.surface
         if self._change is None or surface.shape_revision == self._measured:
             return
@@ -134,11 +134,11 @@ class MethodView(QWidget):
 
     @property
     def span(self) -> tuple[float, float] | None:
-        """Least and largest value, or None."""
+        """Smallest and largest local area change, or None."""
         return span_of(self.values)
 
     def mark_point(self, point: ProbedPoint | None, unit: Unit) -> None:
-        """Mark a place, and read the change there."""
+        """Mark a material point, and show the area change at it."""
         self.probe.marked_point = point
         value = "" if point is None else self._scale.format_value(self._read(point), unit)
         if value != self._value.text():
@@ -147,7 +147,7 @@ class MethodView(QWidget):
 
     @property
     def marked_value(self) -> str:
-        """Change at the marked place, as text."""
+        """Area change at the marked point, as text."""
         return self._value.text()
 
     def _read(self, place: ProbedPoint) -> float:
@@ -156,11 +156,11 @@ class MethodView(QWidget):
         return float(place.weights @ self.values[self.surface.surface_index.F[place.face]])
 
 
-_RING = 6.0  # px
+_RING = 6.0  # px; radius of the ring
 
 
 class ProbedPoint(NamedTuple):
-    """Material point: a face and barycentric weights (3,)."""
+    """Material point on the surface: a face and barycentric weights (3,)."""
 
     face: int
     weights: np.ndarray
@@ -198,11 +198,11 @@ class SurfaceProbe(MouseTool, QObject):
         return False
 
     def leave(self) -> None:
-        """There is no cursor any more."""
+        """Report the cursor as outside the view."""
         self.hovered.emit(None)
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the ring."""
+        """Draw the ring around the marked point."""
         skin = self._surface.surface_index
         if self.marked_point is None or skin is None:
             return

@@ -17,7 +17,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import lost_file_text
 from apd_viewer.session.model.view import View
-from apd_viewer.session.processes.freed_memory import give_back_freed_memory
+from apd_viewer.session.processes.freed_memory import release_freed_memory
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery_files
 from apd_viewer.ui.filing import file_dialogs
@@ -26,7 +26,7 @@ from apd_viewer.ui.widgets.display_names import window_title_text
 
 
 class FileController:
-    """Opens and writes for a window.
+    """Opens and writes files for a window.
 
     Parameters
     ----------
@@ -60,11 +60,11 @@ class FileController:
             session.autosave.start(recovery, view)
 
     def recovery_files(self) -> list[RecoveryFile]:
-        """Recoverable sessions of killed programs, locked for this window."""
+        """Recoverable sessions of crashed processes, locked for this window."""
         return find_recovery_files(self._recovery) if self._recovery is not None else []
 
     def restore(self, recovery_file: RecoveryFile) -> None:
-        """Open a recovered session in the background; its file is not for saving."""
+        """Open a recovered session in the background; saving asks for a path."""
         self.run_unless_unsaved(lambda: self._session.autosave.restore(recovery_file))
 
     def open_path(self, path: str | Path) -> None:
@@ -76,7 +76,7 @@ class FileController:
         self.run_unless_unsaved(lambda: self._session.files.open_sample(name))
 
     def show_mesh(self, mesh: Mesh) -> None:
-        """Show a mesh from memory."""
+        """Show a mesh passed in memory."""
         self.run_unless_unsaved(lambda: self._session.files.open_mesh(mesh))
 
     def export_mesh(self, on_done: Callable[[], object] = lambda: None) -> None:
@@ -88,7 +88,7 @@ class FileController:
             self._session.files.export(path, on_done)
 
     def export_scalars(self) -> None:
-        """Choose a target for the scalars."""
+        """Ask for a file and export the scalars to it."""
         if (state := self._session.store.state) is None:
             return
         found = file_dialogs.ask_where_to_put_scalars(
@@ -98,7 +98,7 @@ class FileController:
             self._session.files.export_scalars(*found)
 
     def export_deck(self) -> None:
-        """Choose a target for the FE deck."""
+        """Ask for a file and export the FE deck to it."""
         if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_put_deck(self._window, self._memory.last_folder, state.document.mesh)
@@ -106,7 +106,7 @@ class FileController:
             self._session.files.export_deck(path, self._view())
 
     def save(self, on_done: Callable[[], object] = lambda: None) -> None:
-        """Save the session to its file; ask for one if there is none or no folder.
+        """Save the session to its file; ask for a path if none is set or its folder gone.
 
         ``on_done()`` follows once it is saved.
         """
@@ -140,14 +140,14 @@ class FileController:
         self._session.files.save(path, self._view(), embeds, then, self._picture(), changed, over)
 
     def remember_opened(self, state: State) -> None:
-        """Add the files of another mesh to the recent ones, and make room."""
+        """Add a new mesh's files to the recent ones, and release freed memory."""
         for path in (user_file(state.document.mesh), self._session.saved_work.path):
-            if path is not None and path.is_file():  # a mesh out of a session may have none
+            if path is not None and path.is_file():  # a mesh embedded in a session may have no file
                 self._memory.remember_file(path)
-        give_back_freed_memory()  # of the meshes before, whose sizes may never be needed again
+        release_freed_memory()  # memory of earlier meshes, whose sizes may never recur
 
     def load_selection(self) -> None:
-        """Choose a selection file to load."""
+        """Ask for a selection file and load it."""
         if self._session.store.state is None:
             return
         path = file_dialogs.ask_for_selection(self._window, self._memory.last_folder)
@@ -155,7 +155,7 @@ class FileController:
             self._session.files.load_selection(path)
 
     def save_selection(self) -> None:
-        """Choose a target for the selection."""
+        """Ask for a file and save the selection to it."""
         if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_put_selection(
@@ -164,10 +164,10 @@ class FileController:
         if path is not None:
             self._session.files.save_selection(path)
 
-    # Unsaved work
+    # Window title and unsaved work
 
     def show_title(self) -> None:
-        """Name session and mesh in the title of the window, and mark unsaved work."""
+        """Show session, mesh and unsaved changes in the window title."""
         state, session = self._session.store.state, self._session.saved_work.path
         if state is None:
             return
@@ -184,12 +184,12 @@ class FileController:
             self._window.setWindowModified(unsaved)
 
     def run_unless_unsaved(self, action: Callable[[], object], closes: bool = False) -> None:
-        """Call ``action()``, first asking about unsaved work and saving it if wanted."""
+        """Call ``action()``, after asking whether to save any unsaved work."""
         if self.may_discard_work(action, closes):
             action()
 
     def may_discard_work(self, action: Callable[[], object], closes: bool = False) -> bool:
-        """True if nothing unsaved is lost by ``action()``, or the user agrees.
+        """True if ``action()`` loses no unsaved work, or the user agrees to the loss.
 
         Otherwise it is done once the user has saved or exported, or never.
         """
@@ -203,7 +203,7 @@ class FileController:
         if answer is UnsavedAnswer.SAVE:
             self.save(
                 partial(self.run_unless_unsaved, action, closes)
-            )  # the work may go on while it is written
+            )  # the user may continue working while the file is written
         elif answer is UnsavedAnswer.EXPORT:
             self.export_mesh(action)
         return answer is UnsavedAnswer.DISCARD
@@ -214,7 +214,7 @@ _Role = QMessageBox.ButtonRole
 
 
 class Question(NamedTuple):
-    """Words of a question.
+    """Title, text and details of a question.
 
     Attributes
     ----------
@@ -234,7 +234,7 @@ class Question(NamedTuple):
 
 
 class Answer(Enum):
-    """Text and role of a button; ``Enter`` gives the first answer, ``Esc`` the last."""
+    """Button text and role; ``Enter`` selects the first answer, ``Esc`` the last."""
 
     def __init__(self, text: str, role: QMessageBox.ButtonRole) -> None:
         self.text, self.role = text, role
@@ -244,7 +244,7 @@ A = TypeVar("A", bound=Answer)
 
 
 class UnsavedAnswer(Answer):
-    """An answer to the question about unsaved work."""
+    """Answer to the question about unsaved work."""
 
     SAVE = tr("&Save session"), _Role.AcceptRole
     EXPORT = tr("&Export mesh…"), _Role.AcceptRole
@@ -253,7 +253,7 @@ class UnsavedAnswer(Answer):
 
 
 class ChangedFileAnswer(Answer):
-    """An answer to the question about a file changed on disk."""
+    """Answer to the question about a file changed on disk."""
 
     SAVE_AS = tr("Save &as…"), _Role.AcceptRole
     OVERWRITE = tr("&Overwrite"), _Role.DestructiveRole
@@ -262,7 +262,7 @@ class ChangedFileAnswer(Answer):
 
 
 def ask_question(parent: QWidget, question: Question, answers: type[A]) -> A:
-    """Ask, and return the answer."""
+    """Show the question and return the chosen answer."""
     box = QMessageBox(parent)
     box.setIcon(QMessageBox.Icon.Question)
     box.setTextFormat(Qt.TextFormat.PlainText)
@@ -296,7 +296,7 @@ def ask_before_leaving(
 def ask_about_changed_file(
     parent: QWidget, name: str, actions: Mapping[ChangedFileAnswer, Callable[[], object]]
 ) -> None:
-    """Ask about a changed file in the next event, and go on as is decided.
+    """Ask about a changed file in the next event, and run the chosen action.
 
     Whoever has found the change may still be at work. ``Enter`` loses nothing.
     """

@@ -1,4 +1,4 @@
-"""Dialogs about files."""
+"""Dialogs to choose files, and the About box."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MESHES = " ".join("*" + suffix for suffix in MESH_FORMATS)
 _OPEN_FILTER = tr("Meshes and sessions ({endings})").format(endings=f"{_MESHES} *.apd")
 _MESH_FILTER = tr("Meshes ({endings})").format(endings=_MESHES)
 _WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
-_ICON = 64  # px, in the description of the program
+_ICON = 64  # px; icon in the About box
 SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
 _SELECTIONS = tr("Selections ({endings})").format(
     endings=" ".join("*" + suffix for suffix in SELECTION_FORMATS)
@@ -27,19 +27,19 @@ _SELECTIONS = tr("Selections ({endings})").format(
 
 
 def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
-    """Choose a mesh or session to open; None if cancelled."""
+    """Ask for a mesh or session to open; None if cancelled."""
     path, _ = QFileDialog.getOpenFileName(parent, tr("Open a mesh or a session"), str(folder), _OPEN_FILTER)
     return Path(path) if path else None
 
 
 def ask_for_target_shape(parent: QWidget, folder: Path) -> Path | None:
-    """Choose a mesh to compare with."""
+    """Ask for a mesh file as target shape; None if cancelled."""
     path, _ = QFileDialog.getOpenFileName(parent, tr("Load target shape"), str(folder), _MESH_FILTER)
     return Path(path) if path else None
 
 
 def ask_where_to_put_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
-    """Choose a target for the session, with or without a copy of the mesh."""
+    """Ask for a session file to write, and whether to embed the mesh."""
     path, chosen = QFileDialog.getSaveFileName(
         parent, tr("Save session"), str(folder / f"{mesh.stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
     )
@@ -50,13 +50,13 @@ def ask_where_to_put_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple
 
 
 def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
-    """Choose a selection file."""
+    """Ask for a selection file to load; None if cancelled."""
     path, _ = QFileDialog.getOpenFileName(parent, tr("Load selection"), str(folder), _SELECTIONS)
     return Path(path) if path else None
 
 
 def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Ask for the path of a selection file to write."""
+    """Ask for a selection file to write; None if cancelled."""
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
@@ -70,7 +70,7 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
 
 
 def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Choose a target for the deformed mesh, asking before an overwrite."""
+    """Ask for a file for the deformed mesh, confirming overwrite and data loss."""
     suffix = mesh.origin.suffix if mesh.origin else ".obj"
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITABLE_FORMATS])}
     path, chosen = QFileDialog.getSaveFileName(
@@ -89,7 +89,7 @@ def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | N
 
 
 def ask_where_to_put_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, ScalarRows] | None:
-    """Choose a target for the scalars, and the rows of a table."""
+    """Ask for a file for the scalars, and for a row per vertex or per triangle."""
     filters = {
         tr("PLY with scalars of vertices and faces (*.ply)"): (".ply", ScalarRows.VERTICES),
         tr("CSV with a row per vertex (*.csv)"): (".csv", ScalarRows.VERTICES),
@@ -106,7 +106,7 @@ def ask_where_to_put_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple
 
 
 def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
-    """Confirm the losses of a poorer format; True if there are none."""
+    """True if the target format loses no data, or the user accepts the loss."""
     lost = dropped_contents(mesh, target)
     if not lost:
         return True
@@ -128,7 +128,7 @@ def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
 
 
 def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
-    """Path with the suffix of the chosen format, asking about an overwrite."""
+    """Path with the chosen format's suffix; None if an overwrite is declined."""
     target = Path(path + suffix)
     buttons = QMessageBox.StandardButton
     if not target.exists():
@@ -139,17 +139,17 @@ def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
 
 
 def ask_where_to_put_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Choose a target for a report."""
+    """Ask for a report file to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Save report"), folder / f"{mesh.stem}-report.html")
 
 
 def ask_where_to_put_deck(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Choose a target for an FE deck."""
+    """Ask for an FE deck to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Export FE deck"), folder / f"{mesh.stem}.inp")
 
 
 def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Choose a target for a picture."""
+    """Ask for a picture file to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Save picture"), folder / f"{mesh.stem}.png")
 
 
@@ -163,7 +163,7 @@ def ask_where_to_save(parent: QWidget, title: str, proposed: Path) -> Path | Non
 
 
 def show_about_box(parent: QWidget) -> None:
-    """Describe the program and its libraries."""
+    """Show version, method, libraries and licence of the program."""
     box = QMessageBox(parent, windowTitle=tr("About APD Viewer"), textFormat=Qt.TextFormat.RichText)
     box.setIconPixmap(parent.windowIcon().pixmap(_ICON))
     box.setText(

@@ -16,7 +16,7 @@ from apd_viewer.ui.preferences.preferences import Preferences
 
 
 class Opener(Protocol):
-    """Opens meshes in the background."""
+    """Protocol for opening meshes in the background."""
 
     def open_path(self, path: str | Path) -> None:
         """Open a file."""
@@ -29,7 +29,7 @@ class Opener(Protocol):
 
 
 class FileRequests:
-    """Hands requests to an opener; until there is one the latest request waits.
+    """Forwards requests to an opener; until one is set, only the latest is kept.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class FileRequests:
         self._waiting: Callable[[Opener], None] | None = None
 
     def ask_for_file(self) -> None:
-        """Let the user choose a file to open."""
+        """Ask for a file to open."""
         path = file_dialogs.ask_for_mesh(self._window, self._memory.last_folder)
         if path is not None:
             self.open_path(path)
@@ -62,7 +62,7 @@ class FileRequests:
         self._request(lambda opener: opener.show_mesh(mesh))
 
     def set_opener(self, opener: Opener) -> None:
-        """Hand this and all later requests to ``opener``."""
+        """Set the opener for the waiting request and all later ones."""
         self._opener = opener
         waiting, self._waiting = self._waiting, None
         if waiting is not None:
@@ -76,7 +76,7 @@ class FileRequests:
 
 
 class FileOpenEvents(QObject):
-    """Opener of files from the Finder and the Dock, by their events.
+    """Event filter for files opened from the macOS Finder or Dock.
 
     They come as events and not as arguments. Of macOS only: a filter in Python of all events costs time in
     every gesture.
@@ -93,7 +93,7 @@ class FileOpenEvents(QObject):
         application.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Open the file of such an event, and let all others pass."""
+        """Open the file of a QFileOpenEvent; pass on all other events."""
         if isinstance(event, QFileOpenEvent) and event.file():
             self._requests.open_path(event.file())
             return True

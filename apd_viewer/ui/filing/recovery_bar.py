@@ -1,4 +1,4 @@
-"""Non-modal bar with the sessions of killed programs."""
+"""Non-modal bar offering the sessions of crashed processes."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from apd_viewer.session.storage.recovery_file import RecoveryFile, age_text
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _MARGIN = 12
-_ABOVE = 68  # px from the bottom of the canvas, with room for the hint below
-_LONGEST_NAME = 240  # px
-_NARROWEST = 120  # px, of the words
-_BESIDE_WORDS = 80  # px, for symbol and margins, if the buttons are below
+_ABOVE = 68  # px from the bottom of the canvas, leaving space for the hint below
+_LONGEST_NAME = 240  # px; longer names are elided
+_NARROWEST = 120  # px; smallest width of the text
+_BESIDE_WORDS = 80  # px; icon and margins beside the text, if the buttons are below
 
 
 class RecoveryBar(QFrame):
-    """Offers leftovers, the newest first, until one is restored.
+    """Bar offering recovered sessions, newest first, until one is restored.
 
     Parameters
     ----------
@@ -38,10 +38,10 @@ class RecoveryBar(QFrame):
 
     def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas)
-        shield(self)
+        block_mouse_events(self)
         self._canvas = canvas
         self._waiting: list[RecoveryFile] = []
-        self._at = 0  # in them
+        self._at = 0  # index of the recovered session on offer
         self.setObjectName("notice")
         self._symbol = QLabel()
         self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
@@ -72,7 +72,7 @@ class RecoveryBar(QFrame):
         self._row.addLayout(words)
         self._row.addLayout(answers)
         for button in self._buttons:
-            # A focused button that disappears would pass the focus to a text field.
+            # A focused button that is hidden would pass its focus to a text field.
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.set_theme(LIGHT)
         self.hide()
@@ -85,7 +85,7 @@ class RecoveryBar(QFrame):
 
     @property
     def text(self) -> str:
-        """Text of the offer; empty if there is none."""
+        """Text of the current offer; empty without one."""
         return self._text.text() if not self.isHidden() else ""
 
     def offer(self, recovery_files: list[RecoveryFile]) -> None:
@@ -102,7 +102,7 @@ class RecoveryBar(QFrame):
             self.postpone_all()
 
     def postpone_all(self) -> None:
-        """Keep unanswered offers for the next start."""
+        """Unlock the remaining sessions, to be offered at the next start."""
         for left in self._waiting:
             left.release()
         self._waiting.clear()

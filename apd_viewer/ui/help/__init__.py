@@ -1,1 +1,1 @@
-"""Help, tour and the list of shortcuts."""
+"""Help, tour and list of shortcuts."""

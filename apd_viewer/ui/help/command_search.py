@@ -1,4 +1,4 @@
-"""Card over the view to find commands by their purpose, and run them."""
+"""Card over the viewport to search for commands by purpose and run them."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from apd_viewer.ui.help.searchable import Searchable, SearchQuery, match_score
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _MARGIN, _WIDEST = 12, 640
-_MOST = 40  # entries found
-_LATER = 0.9  # lost by an entry that cannot be run now
+_MOST = 40  # largest number of entries shown
+_LATER = 0.9  # score penalty of a disabled entry
 _WALKS = Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown
 _OF_ITEM = Qt.ItemDataRole.UserRole
 
@@ -58,7 +58,7 @@ class CommandSearch(QFrame):
         search_manual: Callable[[str], object],
     ) -> None:
         super().__init__(canvas, objectName="finder", accessibleName=tr("Find a command"))
-        shield(self)
+        block_mouse_events(self)
         self._canvas, self._collect, self._search_manual = canvas, collect, search_manual
         self._known: list[Searchable] = []
         self._found: list[Searchable] = []
@@ -83,7 +83,7 @@ class CommandSearch(QFrame):
         return head
 
     def open(self) -> None:
-        """Begin anew, with the present state of all entries."""
+        """Open an empty search with the current state of all entries."""
         self._known = list(self._collect())
         self.search.clear()
         self._show_found("")
@@ -99,7 +99,7 @@ class CommandSearch(QFrame):
         if not self.isHidden():
             self._show_found(self.search.text())
 
-    # Finding
+    # Search and ranking
 
     def _show_found(self, text: str) -> None:
         wish = SearchQuery.from_text(text)
@@ -111,7 +111,7 @@ class CommandSearch(QFrame):
         self._place()
 
     def _run(self) -> None:
-        """Run the marked entry, unless it is disabled."""
+        """Run the selected entry, unless it is disabled."""
         row = self.list.row
         if row < 0:
             return
@@ -125,7 +125,7 @@ class CommandSearch(QFrame):
         else:
             found.run()
 
-    # Place and events
+    # Placement and Qt events
 
     def _place(self) -> None:
         if not self.isHidden():
@@ -136,7 +136,7 @@ class CommandSearch(QFrame):
             self.move((self._canvas.width() - width) // 2, _MARGIN)
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Let the arrow keys walk in the list while the field has the focus."""
+        """Let the arrow keys move the selection while the search field has the focus."""
         if event.type() == QEvent.Type.KeyPress and cast(QKeyEvent, event).key() in _WALKS:
             self.list.keyPressEvent(cast(QKeyEvent, event))
             return True
@@ -153,21 +153,21 @@ class CommandSearch(QFrame):
 
     @property
     def marked_entry(self) -> Searchable | None:
-        """Marked entry, for Enter."""
+        """Selected entry, run by Enter; None without one."""
         return self._found[self.list.row] if 0 <= self.list.row < len(self._found) else None
 
 
-_ROWS = 10  # shown without scrolling
+_ROWS = 10  # rows visible without scrolling
 
 
 class FoundList(QTreeWidget):
-    """Rows of found entries, and a last one for the manual."""
+    """Rows of the matching entries, and a last one to search the manual."""
 
     def __init__(self) -> None:
         super().__init__(columnCount=3, headerHidden=True, rootIsDecorated=False, iconSize=ICON_SIZE)
         self.theme = LIGHT
         self.setUniformRowHeights(True)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # the keys stay in the field
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # the search field keeps the keyboard focus
         self.setAccessibleName(tr("Commands found"))
         self.setToolTip(tr("A click runs the command, or goes to the control"))
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -178,7 +178,7 @@ class FoundList(QTreeWidget):
             header.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
 
     def show_entries(self, entries: Sequence[Searchable], text: str) -> None:
-        """Show entries for a text, the first one marked."""
+        """Show the entries matching a text, and select the first one."""
         self.clear()
         self.addTopLevelItems([_item(each, self.theme) for each in entries])
         if text:
@@ -193,13 +193,13 @@ class FoundList(QTreeWidget):
 
     @property
     def row(self) -> int:
-        """Number of the marked row; -1 if there is none."""
+        """Number of the selected row; -1 if there is none."""
         item = self.currentItem()
         return -1 if item is None else self.indexOfTopLevelItem(item)
 
 
 def _item(found: Searchable, theme: Theme) -> QTreeWidgetItem:
-    """Row of an entry, grey with its reason if it is disabled."""
+    """Row of an entry; a disabled one is grey and shows the reason."""
     item = QTreeWidgetItem([found.texts.title, found.disabled_reason or found.location, found.keys])
     item.setDisabled(bool(found.disabled_reason))
     item.setToolTip(0, found.texts.tip)
@@ -210,7 +210,7 @@ def _item(found: Searchable, theme: Theme) -> QTreeWidgetItem:
 
 
 class SearchRow(QHBoxLayout):
-    """Search field and cross.
+    """Search field with a close button.
 
     Parameters
     ----------
@@ -233,5 +233,5 @@ class SearchRow(QHBoxLayout):
         self.addWidget(self.close_button)
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the cross."""
+        """Redraw the icon of the close button."""
         self.close_button.setIcon(icon("cancel", theme))

@@ -1,4 +1,4 @@
-"""Context help: F1, and clicks with the question mark."""
+"""Context help: F1, and clicks in What's This mode."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.help_button import HelpButton
 
 _WINDOW = ManualPlace("reference/window")
-_AROUND = QMainWindow, Panel, Viewport, CardStack  # their sections and cards are explained one by one
-_SHARED = "RunBar", "PartButtons"  # the same in several sections
+_AROUND = QMainWindow, Panel, Viewport, CardStack  # containers, documented section by section
+_SHARED = "RunBar", "PartButtons"  # widgets shared by several sections
 
 
 class ContextHelp(QObject):
-    """Opens the manual at an action, a setting, or the section about a control.
+    """Opens the manual at an action, a setting, or the section around a control.
 
     The control under the mouse is meant if the mouse has moved since the focus did, and else the one with the
     focus; if neither has a place, the tool in the hand.
@@ -70,12 +70,12 @@ class ContextHelp(QObject):
         HelpButton.explain_widget = staticmethod(explain_widget)
 
     def explain_target(self) -> None:
-        """Open the manual at the place of the current target."""
+        """Open the manual at the control under the mouse or with the focus."""
         show_manual(self.target_place)
 
     @property
     def target_place(self) -> ManualPlace:
-        """Place of the control under the mouse or in use."""
+        """Manual location of the control under the mouse or with the focus."""
         if (marked := self._marked()) is not None:
             return marked
         mouse = QCursor.pos()
@@ -85,7 +85,7 @@ class ContextHelp(QObject):
         return pointed or used or self._tool
 
     def explain_next_click(self) -> None:
-        """Explain the next click."""
+        """Explain the control at the next click."""
         running_application().installEventFilter(self)
         QWhatsThis.enterWhatsThisMode()
 
@@ -94,7 +94,7 @@ class ContextHelp(QObject):
             self._mouse = QCursor.pos()
 
     def _place(self, widget: QWidget, at: QPoint | None) -> ManualPlace | None:
-        """Place of a widget of this window; the view itself has none."""
+        """Manual location of a widget in this window; None for the viewport itself."""
         if widget.window() is not self._shell or isinstance(widget, Viewport):
             return None
         return widget_place(widget, at)
@@ -103,7 +103,7 @@ class ContextHelp(QObject):
     def _tool(self) -> ManualPlace:
         return manual.action_place(f"take:{self._canvas.tool.name}")
 
-    # Events
+    # Qt events
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Show the manual instead of acting, on the help key or a What's This click."""
@@ -128,7 +128,7 @@ class ContextHelp(QObject):
         return self._tool if isinstance(widget, Viewport) else widget_place(widget, at) or _WINDOW
 
     def _explain_entry(self, menu: QMenu, event: QKeyEvent) -> bool:
-        """Explain the marked entry on the key of the action."""
+        """Open the manual at the highlighted menu entry on the help key."""
         keys = [QKeySequence(event.keyCombination())]
         if not any(key in self._action.shortcuts() for key in keys):
             return False
@@ -145,7 +145,7 @@ class ContextHelp(QObject):
 
 
 def widget_place(widget: QWidget, mouse: QPoint | None = None) -> ManualPlace | None:
-    """Place of a widget; None where no section has it.
+    """Manual location of a widget; None if it is in no documented section.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def widget_place(widget: QWidget, mouse: QPoint | None = None) -> ManualPlace | 
 
 
 def section_name(widget: QWidget) -> str:
-    """Class of the section, card or dialog around a widget; empty without."""
+    """Class name of the section, card or dialog around a widget; empty without one."""
     name = ""
     node: QWidget | None = widget
     while node is not None and not isinstance(node, _AROUND) and name not in _SHARED:
@@ -177,7 +177,7 @@ def section_name(widget: QWidget) -> str:
 
 
 def menu_entry_place(action: QAction) -> ManualPlace | None:
-    """Place of a menu entry; of a submenu, the place of its first entry."""
+    """Manual location of a menu entry; for a submenu, that of its first entry."""
     menu = action.menu()
     while isinstance(menu, QMenu) and menu.actions():
         action = menu.actions()[0]
@@ -187,7 +187,7 @@ def menu_entry_place(action: QAction) -> ManualPlace | None:
 
 
 def _action_at(widget: QWidget, at: QPoint | None) -> QAction | None:
-    """Action behind a widget, if any."""
+    """Action of a menu entry or tool button; None for other widgets."""
     if isinstance(widget, QMenu | QMenuBar):
         under = widget.actionAt(widget.mapFromGlobal(at)) if at is not None else None
         return under or widget.activeAction()
@@ -195,27 +195,27 @@ def _action_at(widget: QWidget, at: QPoint | None) -> QAction | None:
 
 
 def explain_widget(widget: QWidget) -> None:
-    """Open the manual at a widget, or at its owner."""
+    """Open the manual at the section of a widget, or at the page on the window."""
     show_manual(widget_place(widget) or _WINDOW)
 
 
 def show_manual(place: ManualPlace) -> None:
-    """Open the manual at a place, or report a missing manual."""
+    """Open the manual at a location, or report that it is missing."""
     run_manual_command(lambda: manual.open_manual(place))
 
 
 def look_up_in_manual(words: str) -> None:
-    """Search the manual for words, or report a missing manual."""
+    """Search the manual for words, or report that it is missing."""
     run_manual_command(lambda: manual.search_manual(words))
 
 
 def run_manual_command(command: Callable[[], object]) -> None:
-    """Run a command of the manual, or report its failure."""
+    """Run a command of the manual, or report its failure in a message box."""
     try:
         command()
     except InputError as error:
         shown = [window for window in QApplication.topLevelWidgets() if window.isVisible()]
-        owner = QApplication.activeWindow() or shown[0]  # which also keeps it from being collected
+        owner = QApplication.activeWindow() or shown[0]  # the owner keeps the box from being collected
         button = QMessageBox.StandardButton.Ok
         box = QMessageBox(QMessageBox.Icon.Information, tr("Manual"), str(error), button, owner)
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -223,7 +223,7 @@ def run_manual_command(command: Callable[[], object]) -> None:
 
 
 def running_application() -> QApplication:
-    """The running application."""
+    """The running QApplication."""
     found = QApplication.instance()
     assert isinstance(found, QApplication)
     return found

@@ -1,4 +1,4 @@
-"""Help over the window: shortcut sheet and tour."""
+"""Controller of the help over the window: shortcut sheet, search and tour."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from apd_viewer.ui.widgets.theme import Theme
 
 
 class HelpController(QObject):
-    """Opens and closes sheet and tour, and keeps them out of each other's way.
+    """Opens and closes shortcut sheet, command search and tour.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class HelpController(QObject):
         self._mesh: object = None
 
     def open_sheet(self) -> None:
-        """List the shortcuts, or close the list."""
+        """Open the shortcut sheet, or close it if open."""
         if not self._close_sheet():
             self._close_card(self.search)
             self.tour.card.hide()
@@ -106,28 +106,28 @@ class HelpController(QObject):
         show_manual(FIRST_PAGE)
 
     def open_search(self) -> None:
-        """Search for a command, or close the search."""
+        """Open the command search, or close it if open."""
         if not self._close_card(self.search):
             self._close_sheet()
             self.search.open()
 
     def begin_tour(self) -> None:
-        """Begin the tour, on the bottle."""
+        """Start the tour on the sample bottle."""
         self._close_sheet()
         self.tour.end()
         if self._can_begin():
             self._begin()
         else:
-            self._open_bottle()  # which may ask first
+            self._open_bottle()  # it may first ask about unsaved work
             self._wished = True
 
     def plan_first_tour(self, opens_sample: bool) -> None:
-        """Start the tour with the bottle, at the first start only."""
+        """On the first run, schedule the tour to start when the bottle opens."""
         self._wished = opens_sample and not self._memory.has_toured
         self._memory.has_toured = True
 
     def refresh(self) -> None:
-        """Start a waiting tour with the bottle; end it with another mesh."""
+        """Start a scheduled tour once the bottle is open; end it with another mesh."""
         state = self._session.store.state
         if state is None or self._session.jobs.current is not None:
             return
@@ -136,14 +136,14 @@ class HelpController(QObject):
         if self._wished:
             self._wished = False
             if self._can_begin():
-                QTimer.singleShot(0, self, self._begin)  # the mesh is shown by then
+                QTimer.singleShot(0, self, self._begin)  # delayed until the mesh has been drawn
 
     def close(self) -> bool:
-        """Close a card, or else end the tour; True if there was one to close."""
+        """Close an open card, or else the tour; True if anything was closed."""
         return self._close_card(self.search) or self._close_sheet() or self.tour.end()
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the parts beyond the style sheet's reach."""
+        """Apply the theme to the parts not covered by the style sheet."""
         self.sheet.set_theme(theme)
         self.search.set_theme(theme)
         self.tour.card.set_theme(theme)
@@ -180,12 +180,12 @@ class HelpController(QObject):
         return True
 
     def _marked(self) -> ManualPlace | None:
-        """Place of the entry marked in the search, if the search has the keys."""
+        """Manual location of the entry selected in the search, if it has the focus."""
         marked = self.search.marked_entry if self.search.isAncestorOf(self._window.focusWidget()) else None
         return None if marked is None else marked.place
 
     def _groups(self, parent: QWidget) -> list[ShortcutGroup]:
-        """All actions by their menus, and the gestures of the mouse."""
+        """Rows of all actions by menu, and of the mouse gestures."""
         entries = {entry.action: entry for entry in self.shortcuts.entries}
         rows: dict[str, list[ShortcutRow]] = {}
         for found in menu_entries(self._window.menuBar()):
@@ -205,7 +205,7 @@ def _show_gizmo(canvas: Canvas, actions: Actions) -> None:
 
 
 def _mnemonics(window: QMainWindow) -> dict[str, str]:
-    """Mnemonics of the menus, and their titles."""
+    """Menu titles by their mnemonic keys."""
     titles = [top.text() for top in window.menuBar().actions()]
     return {
         f"Alt+{title.partition('&')[2][:1].upper()}": without_mnemonic(title)

@@ -1,4 +1,4 @@
-"""The manual: pages beside the program, and places in them."""
+"""The manual: HTML pages shipped with the program, and locations in them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FORWARD = """<!doctype html>
 
 
 class ManualPlace(NamedTuple):
-    """Page of the manual, and an anchor in it.
+    """Page of the manual, with an anchor.
 
     Parameters
     ----------
@@ -43,29 +43,29 @@ FIRST_PAGE = ManualPlace("index")
 
 
 def slug(name: str) -> str:
-    """Anchor made of a name; signs count, so that ``up:-X`` and ``up:+X`` differ."""
+    """Anchor made of a name; keeps signs, so that ``up:-X`` and ``up:+X`` differ."""
     spoken = name.lower().replace("-", " minus ").replace("+", " plus ")
     return re.sub(r"[^a-z0-9]+", "-", spoken).strip("-")
 
 
 def action_place(name: str) -> ManualPlace:
-    """Place of the menu entry ``name``."""
+    """Manual location of the menu entry ``name``."""
     return ManualPlace("reference/keys", f"action-{slug(name)}")
 
 
 def setting_place(name: str) -> ManualPlace:
-    """Place of the preference ``name``."""
+    """Manual location of the preference ``name``."""
     return ManualPlace("reference/settings", f"setting-{slug(name)}")
 
 
 def section_place(name: str) -> ManualPlace:
-    """Place of a section, card or dialog, by its class such as ``SweepDialog``."""
+    """Manual location of a section, card or dialog, by class such as ``SweepDialog``."""
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     return ManualPlace("reference/window", f"section-{slug(words)}")
 
 
 def manual_folder(package: Path = _PACKAGE) -> Path:
-    """Folder of the manual, installed or built in a checkout.
+    """Folder of the manual, either installed or built in a source checkout.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def manual_folder(package: Path = _PACKAGE) -> Path:
 
 
 def open_manual(place: ManualPlace = FIRST_PAGE) -> None:
-    """Show a place of the manual; raises InputError if there is no manual."""
+    """Open a location in the manual in the browser; raises InputError if missing."""
     page = manual_folder() / f"{place.page}.html"
     url = QUrl.fromLocalFile(str(page))
     if place.anchor:
@@ -92,7 +92,7 @@ def open_manual(place: ManualPlace = FIRST_PAGE) -> None:
 
 
 def search_manual(words: str) -> None:
-    """Search the pages for words; raises InputError if there is no manual."""
+    """Open the manual's search for words; raises InputError if missing."""
     url = QUrl.fromLocalFile(str(manual_folder() / f"{_SEARCH}.html"))
     query = QUrlQuery()
     query.addQueryItem("q", words)
@@ -108,7 +108,7 @@ def _show(url: QUrl) -> None:
 
 
 def _forwarding(url: QUrl) -> Path:
-    """Page leading on to ``url``: openers of files drop anchors and queries."""
+    """HTML page redirecting to ``url``: file openers drop anchors and queries."""
     place = QStandardPaths.writableLocation(QStandardPaths.StandardLocation.CacheLocation)
     text = _FORWARD.format(url=escape(url.toString(QUrl.ComponentFormattingOption.FullyEncoded)))
     for folder in (Path(place), Path(tempfile.gettempdir())):

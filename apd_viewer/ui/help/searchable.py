@@ -1,4 +1,4 @@
-"""Entries of the search, ranked by the words of a wish."""
+"""Entries of the command search, ranked by the words of a query."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ from apd_viewer.ui.widgets.slider_field import SliderField
 
 @dataclass(frozen=True)
 class Searchable:
-    """A command, a control or a setting.
+    """Search entry of a command, a control or a setting.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ def searchable_entries(
     store: StateStore,
     open_settings: Callable[[str], object],
 ) -> list[Searchable]:
-    """Commands, settings, and controls with other titles than commands."""
+    """All commands and settings, and the controls not titled like a command."""
     found = list(command_entries(shell, entries, store))
     named = {each.texts.title for each in found}
     found += [each for each in control_entries(panel) if each.texts.title not in named]
@@ -88,7 +88,7 @@ def searchable_entries(
 def command_entries(
     shell: QMainWindow, entries: list[ShortcutEntry], store: StateStore
 ) -> Iterator[Searchable]:
-    """All menu entries."""
+    """Search entries of all menu actions."""
     by_action = {entry.action: entry for entry in entries}
     for found in menu_entries(shell.menuBar()):
         menu, within, action = found
@@ -104,7 +104,7 @@ def command_entries(
 
 
 def _why_not(entry: ShortcutEntry, store: StateStore) -> str:
-    """Reason against choosing an entry."""
+    """Reason for a disabled menu action."""
     name = entry.name
     if store.state is None:
         return tr("open a mesh first")
@@ -116,17 +116,17 @@ def _why_not(entry: ShortcutEntry, store: StateStore) -> str:
         return tr("load a target shape first")
     if name.endswith("_obstacle"):
         return tr("click an obstacle first")
-    said = entry.action.toolTip()  # such as: the file has no texture
+    said = entry.action.toolTip()  # for instance: the file has no texture
     return said if said and said != entry.full_tip else tr("not with what is open")
 
 
 def control_entries(panel: Panel) -> Iterator[Searchable]:
-    """Controls of the panel outside list rows, each title of a section once."""
+    """Search entries of the panel's controls outside lists, unique in a section."""
     for section in (panel.area, *panel.sections):
         heading = section.title if isinstance(section, Section) else tr("Area")
         known = set()
         for widget in filter(is_control, section.findChildren(QWidget)):
-            title, tip = texts_of(widget)
+            title, tip = title_and_tip(widget)
             if not (title in known or _is_in_row(widget) or is_section_heading(widget)):
                 known.add(title)
                 also = CONTROL_SYNONYMS.get(re.split("[:,]", title)[0], "")
@@ -140,11 +140,11 @@ def control_entries(panel: Panel) -> Iterator[Searchable]:
 
 
 def is_control(widget: QWidget) -> bool:
-    """True for a named input field or button, and for a named reading with a tip."""
+    """True for a named input field or button, and a named reading with a tooltip."""
     owner = widget.parentWidget()
     if isinstance(owner, SliderField) and widget in (owner.slider, owner.reset_button):
-        return False  # besides its field
-    title, tip = texts_of(widget)
+        return False  # its number field is listed instead
+    title, tip = title_and_tip(widget)
     return bool(title and (tip if isinstance(widget, QLabel) else isinstance(widget, _INPUTS)))
 
 
@@ -165,7 +165,7 @@ def is_section_heading(widget: QWidget) -> bool:
 
 
 def _is_in_row(widget: QWidget) -> bool:
-    """True for a row of a list, its contents, and the buttons of a part."""
+    """True for a row of a list, its contents, and the buttons of a part's row."""
     node: QWidget | None = widget
     while node is not None and not isinstance(node, NamedRow | PartButtons):
         node = node.parentWidget()
@@ -173,7 +173,7 @@ def _is_in_row(widget: QWidget) -> bool:
 
 
 def _is_offered(widget: QWidget, panel: Panel) -> bool:
-    """True if a control is shown, or would be in an unfolded section."""
+    """True if a control is enabled and shown, or would be in an unfolded section."""
     node: QWidget | None = widget
     while node is not None and node is not panel:
         owner = node.parentWidget()
@@ -186,7 +186,7 @@ def _is_offered(widget: QWidget, panel: Panel) -> bool:
 
 
 def reveal_control(widget: QWidget) -> None:
-    """Show a control of the panel and give it the keys."""
+    """Show a control of the panel and give it the keyboard focus."""
     node = widget.parentWidget()
     while node is not None:
         if isinstance(heading := getattr(node, "heading", None), Heading):
@@ -195,13 +195,13 @@ def reveal_control(widget: QWidget) -> None:
             node.show()
             node.raise_()
         elif isinstance(node, QScrollArea):
-            QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # once it has its place
+            QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # once it is laid out
         node = node.parentWidget()
     widget.setFocus(Qt.FocusReason.TabFocusReason)
 
 
 def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchable]:
-    """All preferences."""
+    """Search entries of all preferences."""
     for group in GROUPS:
         for preference in group.rows:
             yield Searchable(
@@ -215,8 +215,8 @@ def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchab
             )
 
 
-def texts_of(widget: QWidget) -> tuple[str, str]:
-    """Title and tip of a control, each on one line; empty if missing."""
+def title_and_tip(widget: QWidget) -> tuple[str, str]:
+    """Title and tooltip of a control, each on one line; empty if missing."""
     title = widget.accessibleName()
     if isinstance(widget, QAbstractButton) and not title:
         title = without_mnemonic(widget.text())
@@ -224,33 +224,33 @@ def texts_of(widget: QWidget) -> tuple[str, str]:
 
 
 def _flat(text: str) -> str:
-    """Text on one line."""
+    """Text with its line breaks and repeated spaces collapsed."""
     return " ".join(text.split())
 
 
 class MenuEntry(NamedTuple):
-    """An entry, with the titles of its menu and of its submenu, if any."""
+    """Action with the titles of its menu and of its submenu, if any."""
 
     menu: str
     submenu_title: str
     action: QAction
 
     def full_title(self, title: str) -> str:
-        """Title prefixed by the submenu's, unless they repeat each other."""
+        """Title prefixed with that of the submenu, unless it already starts with it."""
         if not self.submenu_title or title.startswith(self.submenu_title):
             return title
         return tr("{menu}: {title}").format(menu=self.submenu_title, title=title)
 
 
 def menu_entries(bar: QMenuBar) -> Iterator[MenuEntry]:
-    """All entries of a menu bar, in its order."""
+    """All entries of a menu bar, in order."""
     for top in bar.actions():
         for action, within in _leaves(submenu(top)):
             yield MenuEntry(without_mnemonic(top.text()), within, action)
 
 
 def submenu(action: QAction) -> QMenu:
-    """Menu of an action."""
+    """Submenu opened by an action."""
     menu = action.menu()
     assert isinstance(menu, QMenu)
     return menu
@@ -265,22 +265,22 @@ def _leaves(menu: QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
             yield action, within
 
 
-# Words of a wish that say nothing about the command, in lower case.
+# Stop words of a query, in lower case.
 _EMPTY = frozenset(
     tr("a an and can do for get have how i in is it make me my of on or the to want with").split()
 )
-# Words that are about the mesh whatever the command; they count only where nothing else was typed.
+# Words for the mesh that fit any command; they count only if nothing else was typed.
 _GENERAL = frozenset(tr("bottle mesh model object shape thing").split())
 _TITLE, _ALSO, _TIP = 3.0, 3.0, 1.0
-_WHOLE = 2.0  # more, if every word of the title is meant
-_MESH = 1.5  # more, for what changes the whole mesh if the wish names the mesh
-_LONG = 5  # letters from which a word may be misspelt
-_PART = 4  # letters from which a word may be part of another
+_WHOLE = 2.0  # bonus if the query matches every word of the title
+_MESH = 1.5  # bonus for commands on the whole mesh if the query names it
+_LONG = 5  # shortest word that may contain a typo
+_PART = 4  # shortest word that may match inside another
 _ALIKE = 0.8
 
 
 class SearchTexts(NamedTuple):
-    """Words of a command.
+    """Searchable texts of a command, control or setting.
 
     Parameters
     ----------
@@ -295,20 +295,20 @@ class SearchTexts(NamedTuple):
 
 
 def normalized_words(text: str) -> list[str]:
-    """Words of a text in lower case, without accents and signs."""
+    """Words of a text in lower case, without accents and punctuation."""
     flat = unicodedata.normalize("NFKD", text.casefold())
     return re.findall(r"[^\W_]+", "".join(letter for letter in flat if not unicodedata.combining(letter)))
 
 
 class SearchQuery(NamedTuple):
-    """Telling words of a wish, and whether it names the mesh as a whole."""
+    """Meaningful words of a query, and whether it names the mesh as a whole."""
 
     words: tuple[str, ...]
     is_general: bool
 
     @classmethod
     def from_text(cls, text: str) -> SearchQuery:
-        """Query as typed; without a telling word, all of them count."""
+        """Query from typed text; if all words are stop words, all of them count."""
         words = normalized_words(text)
         telling = [word for word in words if word not in _EMPTY]
         special = [word for word in telling if word not in _GENERAL]
@@ -316,7 +316,7 @@ class SearchQuery(NamedTuple):
 
 
 def match_score(query: SearchQuery, texts: SearchTexts) -> float:
-    """Match of texts with a wish; 0 unless most of its words are found."""
+    """Score of texts for a query; 0 unless most of its words are found."""
     title, tip, also = (normalized_words(text) for text in texts)
     total, found = 0.0, 0
     for word in query.words:
@@ -335,15 +335,15 @@ def _best(word: str, others: Iterable[str]) -> float:
 
 
 def _alike(word: str, other: str) -> float:
-    """1 for the same word, less for its beginning, another ending or a slip."""
+    """Similarity of two words: 1 if equal, less for a prefix, a variant or a typo."""
     if word == other:
         return 1.0
     if other.startswith(word):
         return 0.9
     if word in other and (len(word) >= _PART or not word.isascii()):
-        return 0.7  # part of a compound
+        return 0.7  # inside a compound word
     if not word.isascii() and len(other) > 1 and other in word:
-        return 0.7  # words without blanks between them
+        return 0.7  # scripts without spaces between words
     shared = len(word) >= _LONG - 1 and word[: max(4, len(word) - 3)] == other[: max(4, len(word) - 3)]
     if shared and abs(len(word) - len(other)) <= 3:
         return 0.8

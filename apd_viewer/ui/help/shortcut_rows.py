@@ -1,4 +1,4 @@
-"""Rows of the shortcut sheet: actions with an editor of their keys, gestures."""
+"""Rows of the shortcut sheet: actions with a shortcut editor, mouse gestures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _EDGES = (8, 1, 4, 1)
 
 
 class ActionRow(QFrame):
-    """Icon, title and keys of an action, and the way back to its standard keys.
+    """Icon, title and shortcut of an action, with a button to restore the default.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class ActionRow(QFrame):
         return f"{self.title} {self.entry.tip} {self.entry.keys} {native_keys(self.entry.keys)}"
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the icons; the action's own is already redrawn."""
+        """Redraw the icons, reusing the updated one of the action."""
         self._theme = theme
         self.symbol.setPixmap(self.entry.action.icon().pixmap(ICON_SIZE, self.devicePixelRatioF()))
         self._draw_back()
@@ -81,7 +81,7 @@ class ActionRow(QFrame):
 
 
 class GestureRow(QFrame):
-    """Icon and title of a tool, with its mouse gestures below."""
+    """Icon and title of a tool, and its mouse gestures below."""
 
     def __init__(self, gesture: MouseGesture) -> None:
         super().__init__(objectName="gesture")
@@ -110,7 +110,7 @@ ShortcutRow = ActionRow | GestureRow
 
 
 class ShortcutGroup(QWidget):
-    """Rows under a heading, hidden if all of them are.
+    """Rows under a heading, hidden together if no row matches.
 
     Attributes
     ----------
@@ -125,12 +125,12 @@ class ShortcutGroup(QWidget):
         grid.setContentsMargins(0, 8, 0, 4)
         heading = QLabel(title, objectName="heading")
         heading.setContentsMargins(8, 0, 0, 4)
-        grid.addWidget(heading, 0, 0, Qt.AlignmentFlag.AlignLeft)  # no wider than its words
+        grid.addWidget(heading, 0, 0, Qt.AlignmentFlag.AlignLeft)  # as wide as its text
         for row in rows:
             grid.addWidget(row)
 
     def filter_rows(self, words: list[str]) -> int:
-        """Show the rows matching all words; their number."""
+        """Show the rows matching all words; return their number."""
         found = 0
         for row in self.rows:
             said = f"{self._title} {row.search_text}".replace(":", " ").casefold().split()
@@ -142,7 +142,7 @@ class ShortcutGroup(QWidget):
 
 
 class MouseGesture(NamedTuple):
-    """Mouse gesture of a tool.
+    """Title, icon and text of a tool's mouse gestures.
 
     Parameters
     ----------
@@ -158,12 +158,12 @@ class MouseGesture(NamedTuple):
     text: str
 
 
-# Camera gestures of apd_viewer.ui.scene.navigation, the same with every tool.
+# Camera gestures of apd_viewer.ui.scene.navigation, available with every tool.
 _ALWAYS = tr("right drag orbits, middle button or Shift+drag pans, Ctrl+right drag zooms")
 
 
 def mouse_gestures() -> list[MouseGesture]:
-    """All mouse gestures."""
+    """Mouse gestures of all tools, the camera and the selection modes."""
     plain = [tool for tool in Tool if not tool.words.is_brush]
     found = [
         MouseGesture(tr("With any tool"), "view", _ALWAYS),
@@ -177,7 +177,7 @@ def mouse_gestures() -> list[MouseGesture]:
 _HEIGHT, _CAP, _PADDING, _GAP = 28, 20, 6, 3
 _PROMPT, _NONE, _OR = tr("Press keys…"), trc("keys", "none"), trc("keys", "or")
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
-_ALONE = (  # modifiers
+_ALONE = (  # modifier keys, no shortcut by themselves
     Qt.Key.Key_Control,
     Qt.Key.Key_Shift,
     Qt.Key.Key_Alt,
@@ -189,7 +189,7 @@ _ALONE = (  # modifiers
 
 
 class ShortcutEditor(QAbstractButton):
-    """Keys of one action; click to record, Delete for none, Esc to cancel.
+    """Shortcut of one action; click to record, Delete to clear, Esc to cancel.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ class ShortcutEditor(QAbstractButton):
 
     @property
     def is_recording(self) -> bool:
-        """True while recording."""
+        """True while a new shortcut is being recorded."""
         return self._waits
 
     def set_recording(self, on: bool) -> None:
@@ -238,7 +238,7 @@ class ShortcutEditor(QAbstractButton):
             self.update()
 
     def sizeHint(self) -> QSize:
-        """Room for all caps."""
+        """Size of all key caps or of the prompt for new keys, the wider one."""
         caps = sum(width for _, width, _ in self._pieces())
         prompt = self.fontMetrics().horizontalAdvance(_PROMPT)
         return QSize(int(max(caps, prompt)) + 2 * _PADDING, _HEIGHT)
@@ -249,14 +249,14 @@ class ShortcutEditor(QAbstractButton):
         return QSize(int(caps) + 2 * _PADDING, _HEIGHT)
 
     def event(self, event: QEvent) -> bool:
-        """While it waits all keys come here, those of other actions too."""
+        """While recording, receive all keys, even shortcuts of other actions."""
         if event.type() == QEvent.Type.ShortcutOverride and self._waits:
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Take new keys, begin to wait for them, or go to a neighbour."""
+        """Record the keys, start recording, or move to an adjacent row."""
         key = event.key()
         if self._waits:
             self._take(event)
@@ -277,12 +277,12 @@ class ShortcutEditor(QAbstractButton):
             self.keys_chosen.emit(_keys_of(event))
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Wait no more."""
+        """Stop recording."""
         self.set_recording(False)
         super().focusOutEvent(event)
 
     def _pieces(self) -> list[tuple[str, float, bool]]:
-        """Words from left to right, the room for each, and whether it is a cap."""
+        """Texts from left to right, their widths, and True for each key cap."""
         metrics = self.fontMetrics()
         pieces = []
         for number, key in enumerate(split_keys(self.entry.keys)):
@@ -294,7 +294,7 @@ class ShortcutEditor(QAbstractButton):
         return pieces or [(_NONE, float(metrics.horizontalAdvance(_NONE) + _GAP), False)]
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the caps, at the right."""
+        """Draw the key caps, aligned right."""
         painter, palette = QPainter(self), self.palette()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         room = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
@@ -326,7 +326,7 @@ def _draw(painter: QPainter, palette: QPalette, room: QRectF, word: str, is_cap:
 
 
 def _caps(keys: str) -> list[str]:
-    """The single caps of a combination; a plus may be one of them."""
+    """Key caps of a combination; a plus sign may be one of them."""
     if keys.endswith("+") and len(keys) > 1:
         return [*_caps(keys[:-2]), "+"]
     return keys.split("+") if len(keys) > 1 else [keys]

@@ -1,4 +1,4 @@
-"""Sheet over the canvas with all actions and their editable shortcuts."""
+"""Sheet over the viewport with all actions and their editable shortcuts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from apd_viewer.ui.preferences.shortcuts import Shortcuts, native_keys, split_ke
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _MARGIN, _WIDEST, _NARROWEST = 12, 560, 160
 _HINT = tr("Click a shortcut to change it.")
@@ -32,7 +32,7 @@ _WAITING = tr("Press new keys; Delete removes the shortcut, Esc cancels.")
 
 
 class ShortcutSheet(QFrame):
-    """Search field, list and status line.
+    """Search field, list of shortcuts, and status line.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class ShortcutSheet(QFrame):
         self, canvas: Viewport, shortcuts: Shortcuts, groups: Callable[[QWidget], list[ShortcutGroup]]
     ) -> None:
         super().__init__(canvas, objectName="sheet", accessibleName=tr("Shortcuts"))
-        shield(self)
+        block_mouse_events(self)
         self._canvas = canvas
         self._shortcuts = shortcuts
         self._make_groups = groups
@@ -105,7 +105,7 @@ class ShortcutSheet(QFrame):
         return row
 
     def open(self) -> None:
-        """List all, and search for nothing yet."""
+        """Open the sheet with all rows and an empty search."""
         body = QWidget(objectName="rows")
         column = QVBoxLayout(body, spacing=4)
         column.setContentsMargins(0, 0, 4, 0)
@@ -144,7 +144,7 @@ class ShortcutSheet(QFrame):
             for row in group.rows:
                 row.set_theme(theme)
 
-    # Searching
+    # Search and navigation
 
     def _filter(self, text: str) -> None:
         found = sum(group.filter_rows(text.casefold().split()) for group in self.groups)
@@ -157,7 +157,7 @@ class ShortcutSheet(QFrame):
         return [row for row in self.rows.values() if row.isVisible()]
 
     def _step(self, row: ActionRow, step: int) -> None:
-        """Go to the next visible row; above the first is the search field."""
+        """Focus an adjacent visible row, or the search field above the first."""
         shown = self._shown
         k = shown.index(row) + step
         if 0 <= k < len(shown):
@@ -166,10 +166,10 @@ class ShortcutSheet(QFrame):
         elif k < 0:
             self.search.setFocus()
 
-    # Changing keys
+    # Changes of shortcuts
 
     def _ask(self, row: ActionRow, keys: str) -> None:
-        """Give keys to an action, if nothing is against it."""
+        """Assign keys to an action, unless they are reserved or in use."""
         other = self._shortcuts.conflicting_entry(keys, row.entry)
         if reason := self._shortcuts.refusal(row.entry, keys):
             self._say(reason, warn=True)
@@ -224,14 +224,14 @@ class ShortcutSheet(QFrame):
         self._say(_WAITING if waits else _HINT)
 
     def _say(self, sentence: str, warn: bool = False) -> None:
-        """Show a status and withdraw earlier offers."""
+        """Show a status message and withdraw an offer to swap keys."""
         self._wish = None
         self.swap.hide()
         self.restore_all.show()
         self.status.setText(sentence)
         set_style_property(self.status, "warn", warn)
 
-    # Place and events
+    # Placement and Qt events
 
     def _place(self) -> None:
         if not self.isHidden():
@@ -242,7 +242,7 @@ class ShortcutSheet(QFrame):
             self.setGeometry(left, _MARGIN, width, self._canvas.height() - 2 * _MARGIN)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Withdraw an offer or close on Esc; leave the search field on Down."""
+        """Withdraw an offer or close on Esc; move from search to list on Down."""
         shown = self._shown
         if event.key() == Qt.Key.Key_Escape and self._wish is not None:
             self._wish[0].keys.setFocus()

@@ -1,4 +1,4 @@
-"""Tour of five steps around the sample bottle, advancing by themselves."""
+"""Tour of five steps around the sample bottle, advancing by the user's actions."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo_drag import GizmoFrame
 from apd_viewer.ui.tools.toolbox import Tool
 
-_LOOK = 33  # ms from a change on screen to the update of the target's place
-_READING_TIME = 1500  # ms for the area, once the shape has settled
-_RING, _AREA = 1, 2  # steps waiting for an action
+_LOOK = 33  # ms from a repaint to the update of the target's rectangle
+_READING_TIME = 1500  # ms to read the area after the shape has converged
+_RING, _AREA = 1, 2  # numbers of the steps that wait for a drag of the ring
 
 _NOT_HELD = tr(
     "This is the total area. Drag the ring again and watch it: the current method lets it "
@@ -29,7 +29,7 @@ _NOT_HELD = tr(
 
 
 class TourStep(NamedTuple):
-    """A step of the tour.
+    """Step of the tour: its sentence and its target.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class TourStep(NamedTuple):
 
 
 def tour_steps(targets: TourTargets) -> tuple[TourStep, ...]:
-    """Steps of the tour: texts and targets."""
+    """Steps of the tour: texts and target rectangles."""
     return (
         TourStep(
             tr(
@@ -80,7 +80,7 @@ def tour_steps(targets: TourTargets) -> tuple[TourStep, ...]:
 
 
 class Tour(QObject):
-    """Shows the steps one after the other; it blocks nothing.
+    """Sequence of the tour's steps; it leaves the window usable.
 
     Parameters
     ----------
@@ -127,12 +127,12 @@ class Tour(QObject):
 
     @property
     def step_number(self) -> int:
-        """Number of the current step, from 0; -1 without a tour."""
+        """Number of the current step, from 0; -1 outside a tour."""
         return self._step_now
 
     @property
     def is_active(self) -> bool:
-        """True during the tour."""
+        """True during a tour."""
         return self._step_now >= 0
 
     def begin(self, is_settled: Callable[[], bool], keeps_area: Callable[[], bool]) -> None:
@@ -147,7 +147,7 @@ class Tour(QObject):
         self.began.emit()
 
     def end(self) -> bool:
-        """Show nothing any more; True if there was a tour."""
+        """Close the tour; True if one was active."""
         if not self.is_active:
             return False
         self._step_now = -1
@@ -161,7 +161,7 @@ class Tour(QObject):
         return True
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Look again soon after anything in the window is to be painted.
+        """Schedule an update of the target after any repaint of the window.
 
         The target moves with camera, layout, scroll bars and tool; whatever moves it is painted anew.
         """
@@ -188,7 +188,7 @@ class Tour(QObject):
         self.update_target()
 
     def update_target(self) -> None:
-        """Point at the target's place, and advance after a completed step."""
+        """Point the card at the step's target, and advance if the step is complete."""
         if not self.is_active:
             return
         step = self._steps[self._step_now]
@@ -203,13 +203,13 @@ class Tour(QObject):
 
     @property
     def _sentence(self) -> str:
-        """Sentence for the current step's state."""
+        """Sentence of the current step, adapted to the method."""
         if self._step_now == _AREA and not self._holds():
             return _NOT_HELD
         return self._steps[self._step_now].sentence
 
     def _followed(self) -> None:
-        """Advance, unless the card is covered."""
+        """Advance to the next step, unless the card is hidden."""
         if self.card.isVisible():
             self._step(1)
 
@@ -219,7 +219,7 @@ class Tour(QObject):
         self._reading.stop()
 
     def _end_drag(self) -> None:
-        """Note a rotation of the handle, whatever else was done to it."""
+        """Detect whether the drag has rotated the handle."""
         old, new = (
             pose[:3, :3] / np.linalg.norm(pose[:3, :3]) for pose in (self._pose, self._canvas.gizmo.pose)
         )
@@ -228,11 +228,11 @@ class Tour(QObject):
             self._followed()
 
 
-_MOST_POINTS = 500  # sample of a mesh's vertices
+_MOST_POINTS = 500  # largest sample of mesh vertices, for speed
 
 
 class TourTargets:
-    """Rectangles in a window, each None if out of sight.
+    """Rectangles of the tour's targets in a window, each None if out of sight.
 
     Parameters
     ----------
@@ -256,11 +256,11 @@ class TourTargets:
         )
 
     def rings(self) -> QRect | None:
-        """The rings of the gizmo."""
+        """Rectangle of the gizmo's rings in the window."""
         return self._gizmo(lambda frame, axis: frame.ring(axis)[0])
 
     def gizmo(self) -> QRect | None:
-        """The whole gizmo, with rings, arrows and letters."""
+        """Rectangle of the whole gizmo in the window, with rings, arrows and letters."""
         return self._gizmo(lambda frame, axis: np.vstack([frame.ring(axis)[0], frame.arrow(axis)]))
 
     def area(self) -> QRect | None:
@@ -269,11 +269,11 @@ class TourTargets:
         return self._of([area.percent, area.verdict, area.area])
 
     def brushes(self) -> QRect | None:
-        """Buttons of the painting tools."""
+        """Rectangle of the buttons of the painting tools."""
         return self._buttons([self._actions.tools[tool] for tool in Tool if tool.words.is_brush])
 
     def export(self) -> QRect | None:
-        """Export button."""
+        """Rectangle of the export button."""
         return self._buttons([self._actions.file.export])
 
     def _gizmo(self, points: Callable[[GizmoFrame, int], np.ndarray]) -> QRect | None:
@@ -283,7 +283,7 @@ class TourTargets:
         return self._around(np.vstack([points(gizmo.frame, axis) for axis in range(3)]))
 
     def _around(self, points: np.ndarray) -> QRect | None:
-        """Visible part of the box around viewport points."""
+        """Visible part of the bounding box of viewport points."""
         view = self._canvas.viewport
         if not len(points) or not np.isfinite(points).all():
             return None
@@ -296,7 +296,7 @@ class TourTargets:
         return self._of([self._actions.bar.widgetForAction(action) for action in actions])
 
     def _of(self, widgets: list[QWidget]) -> QRect | None:
-        """Visible part of widgets."""
+        """Bounding box of the visible parts of widgets."""
         found = QRect()
         for widget in widgets:
             if widget.isVisible() and not (seen := widget.visibleRegion().boundingRect()).isEmpty():

@@ -1,4 +1,4 @@
-"""Card of the tour: sentence, buttons, and a tip to its target."""
+"""Card of the tour: sentence, buttons, and a pointer to its target."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from apd_viewer.language import tr, trc
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 _WIDTH = 288
-_BETWEEN = 8  # the buttons
-_GAP = 12  # between the card and its target, for the tip
-_MARGIN = 8  # to the edge of the window
-_HALF = 9  # of the width of the tip
-_CORNER = 20  # least distance of the tip from a corner of the card
+_BETWEEN = 8  # spacing between the buttons
+_GAP = 12  # distance between the card and its target, for the pointer
+_MARGIN = 8  # distance to the edge of the window
+_HALF = 9  # half the width of the pointer
+_CORNER = 20  # smallest distance of the pointer from a corner of the card
 SIDES = {"left": (-1, 0), "right": (1, 0), "below": (0, 1), "above": (0, -1)}
 
 
 def card_placement(size: QSize, target: QRect, available: QRect, uncovered: QRect) -> tuple[QRect, str]:
-    """Place of the card with the least overlap, and the side of its tip."""
+    """Rectangle of the card with the least overlap, and its side of the target."""
     found = []
     for side, (dx, dy) in SIDES.items():
         away = QPoint(
@@ -44,7 +44,7 @@ def _hidden(rect: QRect, other: QRect) -> int:
 
 
 class _Tip(QWidget):
-    """The tip at one edge of the card; the mouse goes through it."""
+    """Triangular pointer at an edge of the card, transparent to the mouse."""
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
@@ -54,7 +54,7 @@ class _Tip(QWidget):
         self.hide()
 
     def attach(self, card: QRect, target: QRect, side: str) -> None:
-        """Stand at the edge of the card towards the target, one pixel over its line."""
+        """Move to the card's edge facing the target, overlapping its border by 1 px."""
         if side != self._side:
             self._side = side
             self.update()
@@ -72,12 +72,12 @@ class _Tip(QWidget):
         self.move(places[side])
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw a triangle with two lines, open towards the card."""
+        """Draw a triangle with a border on two sides, open towards the card."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.translate(QPointF(self.rect().center()) + QPointF(0.5, 0.5))
         painter.rotate({"left": 90, "right": -90, "below": 0, "above": 180}[self._side])
-        low = _GAP / 2  # the tip points up
+        low = _GAP / 2  # base of the pointer, drawn pointing up
         way = QPolygonF([QPointF(-_HALF, low), QPointF(0, 1.5 - low), QPointF(_HALF, low)])
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(self.theme.raised))
@@ -87,7 +87,7 @@ class _Tip(QWidget):
 
 
 class TourCard(QFrame):
-    """One step of the tour.
+    """Card showing one step of the tour.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class TourCard(QFrame):
         self.hide()
 
     def show_step(self, number: int, count: int, sentence: str) -> None:
-        """Show one of the steps, counted from 0."""
+        """Show a step of the tour, counted from 0."""
         self._number.setText(tr("{step} of {count}").format(step=number + 1, count=count))
         self.setAccessibleName(tr("Tour, step {step}").format(step=self._number.text()))
         self.back.setVisible(number > 0)
@@ -143,7 +143,7 @@ class TourCard(QFrame):
         self.raise_()
 
     def _room_for_all(self) -> int:
-        """Width with room for all buttons side by side."""
+        """Width of the card for all buttons side by side."""
         edges = self._column.contentsMargins()
         width = edges.left() + edges.right()
         for part in (self._number, self.skip, self.back, self.next):
@@ -152,7 +152,7 @@ class TourCard(QFrame):
         return max(_WIDTH, width)
 
     def show_sentence(self, sentence: str) -> None:
-        """Show another sentence."""
+        """Replace the sentence and adjust the height."""
         if sentence != self.sentence.text():
             self.sentence.setText(sentence)
             # heightForWidth never returns less than the minimum height set by the previous text.
@@ -162,7 +162,7 @@ class TourCard(QFrame):
             self.setFixedHeight(self._column.sizeHint().height())
 
     def point_at(self, target: QRect | None, uncovered: QRect) -> None:
-        """Stand beside a target or at the bottom, leaving ``uncovered`` uncovered."""
+        """Move next to a target or to the bottom, keeping ``uncovered`` visible."""
         bars = self._window.menuBar().height(), self._window.statusBar().height()
         room = self._window.rect().adjusted(0, bars[0], 0, -bars[1])
         room.adjust(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
@@ -179,7 +179,7 @@ class TourCard(QFrame):
         self.tip.raise_()
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the parts beyond the style sheet's reach."""
+        """Apply the theme to the pointer, not covered by the style sheet."""
         self.tip.theme = theme
         self.tip.update()
 

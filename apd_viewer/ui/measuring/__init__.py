@@ -1,1 +1,1 @@
-"""The tool Measure: picking, drawing and the list of measurements."""
+"""Measure tool: picking, drawing and list of measurements."""

@@ -1,4 +1,4 @@
-"""The tool Measure, its list and its drawing, in step with the session."""
+"""Controller and drawing of the Measure tool, in step with the session."""
 
 from __future__ import annotations
 
@@ -81,22 +81,22 @@ class MeasureController(QObject):
     @property
     def hint(self) -> str:
         """Hint for the status line."""
-        return KIND_WORDS[self.tool.kind].hint
+        return KIND_TEXTS[self.tool.kind].hint
 
     def choose_kind(self, kind: MeasurementKind) -> None:
-        """Measure another kind, with the tool Measure."""
+        """Set the kind of measurement, and activate the Measure tool."""
         self.tool.kind = kind
         self.kind_chosen.emit(kind)
         self._take(Tool.MEASURE)
 
     def refresh(self) -> None:
-        """Show the measurements of the session's state."""
+        """Update the list and the drawing to the session's state."""
         state = self._session.store.state
         if state is None:
             return
         if state.document.mesh.F is not self._F:
             self._F = state.document.mesh.F
-            self.tool.cancel()  # points clicked on another mesh
+            self.tool.cancel()  # the clicked points belong to another mesh
         if not state.document.measurements and not self._section.list.rows:
             return
         unit, readings = self._session.store.unit, self._session.measurement_readings.readings(state)
@@ -105,7 +105,7 @@ class MeasureController(QObject):
         self.view.show_readings(readings, unit, self._chosen)
 
     def copy(self) -> None:
-        """Copy all values to the clipboard, as text with tabs."""
+        """Copy all measured values to the clipboard, separated by tabs."""
         state = self._session.store.state
         if state is None or not state.document.measurements:
             self._tell(tr("There are no measurements to copy; choose the tool Measure and click the mesh."))
@@ -145,7 +145,7 @@ class MeasureController(QObject):
 
 
 _PLANE, _HALO = QColor("#2f6fde"), QColor(255, 255, 255, 200)
-# What is being picked is measured as a shape of its own.
+# Picked points are measured as the corners of a mesh with one triangle.
 _TRIANGLE = np.array([[0, 1, 2]])
 _CORNERS = (
     SurfacePoint(0, (1.0, 0.0, 0.0)),
@@ -155,7 +155,7 @@ _CORNERS = (
 
 
 class MeasureView(MouseTool):
-    """Draws measurements, and what is being picked.
+    """Overlay of the measurements and the points being picked.
 
     Parameters
     ----------
@@ -187,12 +187,12 @@ class MeasureView(MouseTool):
         self._viewport.tool_layer.update()
 
     def show_readings(self, readings: Sequence[MeasurementReading], unit: Unit, chosen: int) -> None:
-        """Draw other measurements, or new readings of the same ones."""
+        """Draw the given measurements with their current readings."""
         self._readings, self._unit, self._chosen = readings, unit, chosen
         self._viewport.tool_layer.update()
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the measurements of the shape, unless a blend is on screen."""
+        """Draw the measurements, unless a blend of shapes is displayed."""
         self._draw_plane(painter)
         if self._shown and not self._surface.is_blended:
             self._draw_measurements(painter)
@@ -238,8 +238,8 @@ class MeasureView(MouseTool):
             draw_labels(painter, eye, [(measured, [said], True)])
 
 
-class KindWords(NamedTuple):
-    """Title in a menu, icon, tip, and hint for the status line."""
+class KindTexts(NamedTuple):
+    """Menu title, icon, tooltip and status hint of a kind of measurement."""
 
     title: str
     icon: str
@@ -247,26 +247,26 @@ class KindWords(NamedTuple):
     hint: str
 
 
-KIND_WORDS = {
-    MeasurementKind.DISTANCE: KindWords(
+KIND_TEXTS = {
+    MeasurementKind.DISTANCE: KindTexts(
         tr("&Distance"),
         "measure-distance",
         tr("Measure the straight distance between two points"),
         tr("Measure distance: click two points on the mesh; Esc cancels"),
     ),
-    MeasurementKind.ANGLE: KindWords(
+    MeasurementKind.ANGLE: KindTexts(
         tr("&Angle"),
         "measure-angle",
         tr("Measure the angle of three points, at the second one"),
         tr("Measure angle: click three points on the mesh, the vertex second; Esc cancels"),
     ),
-    MeasurementKind.GEODESIC: KindWords(
+    MeasurementKind.GEODESIC: KindTexts(
         tr("&Geodesic"),
         "measure-geodesic",
         tr("Measure the shortest path over the surface between two points"),
         tr("Measure geodesic: click two points on the mesh; Esc cancels"),
     ),
-    MeasurementKind.SECTION: KindWords(
+    MeasurementKind.SECTION: KindTexts(
         tr("&Section"),
         "measure-section",
         tr("Measure the contour in which a plane cuts the mesh, and the area in it"),
@@ -275,16 +275,16 @@ KIND_WORDS = {
 }
 
 
-# Dark on a white halo: seen on any paint, overlay and background.
+# Dark on a white halo, to be legible on any paint, overlay and background.
 _INK, _PALE = QColor("#1d2129"), QColor(255, 255, 255, 215)
 _CHOSEN = QColor("#2f6fde")
 _PAPER = QColor(255, 255, 255, 240)
-_BACK = 0.3  # opacity on the side of the surface that looks away
+_BACK = 0.3  # opacity of lines on the far side of the surface
 _DOT, _ROOM, _GAP = 3.5, 6.0, 8.0
 
 
 def draw_lines(painter: QPainter, camera: Camera, measured: MeasurementResult, chosen: bool) -> None:
-    """Draw the lines of a measurement, faint where the surface hides them."""
+    """Draw the lines of a measurement, faint on the far side of the surface."""
     if not len(measured.segments) or (camera.depth(measured.segments.reshape(-1, 3)) <= 0.0).any():
         return
     front = np.ones(len(measured.segments), dtype=bool)
@@ -316,7 +316,7 @@ def draw_points(painter: QPainter, camera: Camera, points: np.ndarray, chosen: b
 def draw_labels(
     painter: QPainter, camera: Camera, labels: Sequence[tuple[MeasurementResult, Sequence[str], bool]]
 ) -> None:
-    """Write lines of text beside measurements, none over another.
+    """Draw text labels beside the measurements, without overlaps.
 
     Parameters
     ----------
@@ -336,14 +336,14 @@ def draw_labels(
 
 
 def _beside(painter: QPainter, eye: Camera, measured: MeasurementResult, lines: Sequence[str]) -> QRectF:
-    """Rectangle of a label that covers as little of its measurement as possible."""
+    """Rectangle of a label, placed to cover little of its measurement."""
     metrics = painter.fontMetrics()
     wide = max(metrics.horizontalAdvance(line) for line in lines) + 2 * _ROOM
     tall = len(lines) * metrics.height() + _ROOM
     assert measured.label_position is not None
     at = eye.project(measured.label_position[None])[0]
     aside = np.array(_aside(eye, measured, at))
-    # Its nearest corner, or side, is beside the point: so no slanted line runs under it.
+    # The label's nearest corner or side faces the point, so no slanted line runs under the label.
     middle = at + _GAP * aside + np.clip(4.0 * aside, -1.0, 1.0) * [wide / 2, tall / 2]
     left = min(max(middle[0] - wide / 2, 4.0), eye.width - wide - 4.0)
     return QRectF(left, middle[1] - tall / 2, wide, tall)
@@ -362,7 +362,7 @@ def _aside(eye: Camera, measured: MeasurementResult, at: np.ndarray) -> tuple[fl
 
 
 def _free(room: QRectF, taken: Sequence[QRectF]) -> QRectF:
-    """The place, moved down until it covers none that is taken."""
+    """Move a label rectangle down until it overlaps no other label."""
     for other in sorted(taken, key=lambda other: other.top()):
         if room.intersects(other):
             room.moveTop(other.bottom() + 3.0)
@@ -378,7 +378,7 @@ def _write(painter: QPainter, room: QRectF, lines: Sequence[str], chosen: bool) 
 
 
 class MeasureActions:
-    """Actions of the kinds of measurements, and of all of them together.
+    """Actions to choose a kind of measurement, and to copy or clear all measurements.
 
     Parameters
     ----------
@@ -401,7 +401,7 @@ class MeasureActions:
                 None,
                 partial(measurements.choose_kind, kind),
             )
-            for kind, words in KIND_WORDS.items()
+            for kind, words in KIND_TEXTS.items()
         }
         maker.make_exclusive(self.kinds.values())
         self.kinds[measurements.tool.kind].setChecked(True)
@@ -415,7 +415,7 @@ class MeasureActions:
         self.clear = maker.make("clear_measurements", title, "remove", tip, None, measurements.clear)
 
     def fill(self, menu: QMenu) -> None:
-        """Put all of them into the menu of the tools."""
+        """Add the measuring actions to the Tools menu."""
         menu.addSeparator()
         own = menu.addMenu(tr("Me&asurements"))
         own.addActions(list(self.kinds.values()))

@@ -1,4 +1,4 @@
-"""Section of the panel with distances, angles, geodesics and sections."""
+"""Panel section with distances, angles, geodesics and plane sections."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _COLOR = (122, 130, 142)
 
 
 class MeasureSection(Section):
-    """List of the measurements, each with its value and its change.
+    """Panel section listing the measurements with their values and changes.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class MeasureSection(Section):
         return row
 
     def show_readings(self, readings: Sequence[MeasurementReading], unit: Unit, active: int) -> None:
-        """Show other measurements, or other values of the same."""
+        """Show the given measurements with their current values."""
         self.list.show_names([reading.measurement.name for reading in readings], active)
         for reading, row in zip(readings, self.list.rows, strict=True):
             assert isinstance(row.details, QLabel)

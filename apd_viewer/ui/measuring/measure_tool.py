@@ -1,4 +1,4 @@
-"""Picking of what to measure: points of the surface, or a plane through one."""
+"""Mouse tool for picking surface points, or a plane through one, to measure."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from apd_viewer.ui.tools.selection_tool import may_begin_stroke
 
 
 class MeasureTool(MouseTool, QObject):
-    """Tool for clicks on the surface, as many as a measurement needs.
+    """Tool for picking as many surface points as a measurement needs.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class MeasureTool(MouseTool, QObject):
         self._kind = MeasurementKind.DISTANCE
         self._enabled = False
         self._points: list[SurfacePoint] = []
-        self._under: SurfacePoint | None = None  # the cursor
+        self._under: SurfacePoint | None = None  # point under the cursor
         self.axis = 1
 
     @property
@@ -67,7 +67,7 @@ class MeasureTool(MouseTool, QObject):
 
     @property
     def points(self) -> np.ndarray:
-        """Positions (k, 3) of the clicked points, and of that under the cursor."""
+        """Positions (k, 3) of the clicked points and the point under the cursor."""
         skin = self._surface.picking_index
         places = [*self._points, *([] if self._under is None else [self._under])]
         if skin is None or not places or not self._enabled:
@@ -76,7 +76,7 @@ class MeasureTool(MouseTool, QObject):
 
     @property
     def plane(self) -> Plane | None:
-        """Plane through the point under the cursor, if a section is to be measured."""
+        """Plane through the point under the cursor; None unless measuring a section."""
         points = self.points
         if self._kind is not MeasurementKind.SECTION or not len(points):
             return None
@@ -84,7 +84,7 @@ class MeasureTool(MouseTool, QObject):
         return Plane((x, y, z), float(points[-1, self.axis]))
 
     def press(self, event: QMouseEvent) -> bool:
-        """Show the point, which may still be dragged to its place."""
+        """Show the point under the cursor; a drag can still move it."""
         if not self._enabled or not may_begin_stroke(event):
             return False
         self._look(event.position())
@@ -100,7 +100,7 @@ class MeasureTool(MouseTool, QObject):
         return self._under is not None
 
     def release(self, event: QMouseEvent) -> None:
-        """Take the point, and tell all once there are enough."""
+        """Add the point; emit ``picked`` once all points are there."""
         self._look(event.position())
         if self._under is None:
             return
@@ -113,7 +113,7 @@ class MeasureTool(MouseTool, QObject):
             self.picked.emit(points, None)
 
     def wheel(self, event: QWheelEvent) -> bool:
-        """Take another axis for the plane."""
+        """Switch to the next axis of the section plane."""
         if not self._enabled or self._kind is not MeasurementKind.SECTION:
             return False
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
@@ -125,13 +125,13 @@ class MeasureTool(MouseTool, QObject):
         return True
 
     def leave(self) -> None:
-        """Show no point under the cursor any more."""
+        """Hide the point under the cursor."""
         if self._under is not None:
             self._under = None
             self._viewport.tool_layer.update()
 
     def cancel(self) -> bool:
-        """Forget the points clicked so far; True if there were any."""
+        """Discard the points clicked so far; True if there were any."""
         there, self._points = bool(self._points), []
         self._under = None
         self._viewport.tool_layer.update()

@@ -1,1 +1,1 @@
-"""Obstacles in the window: drawn, placed, pressed, moved and listed."""
+"""Obstacles in the window: drawing, placing, picking, moving and listing."""

@@ -21,7 +21,7 @@ _KINDS = {
 
 
 class ObstacleActions:
-    """Actions of the obstacles.
+    """Actions to add, reset and remove obstacles.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class ObstacleActions:
         return [*self.kinds.values(), self.floor, *self.side_plates]
 
     def fill(self, menu: QMenu) -> None:
-        """Put all of them into a menu of their own."""
+        """Add a submenu of the obstacle actions to a menu."""
         own = menu.addMenu(tr("Obstac&les"))
         own.addActions([*self.kinds.values(), self.floor])
         own.addSeparator()
@@ -96,6 +96,6 @@ class ObstacleActions:
         own.addActions([self.reset, self.remove])
 
     def set_available(self, in_hand: bool, moved: bool) -> None:
-        """Offer what can be done with the obstacle in the hand."""
+        """Enable the actions for the active obstacle."""
         self.reset.setEnabled(in_hand and moved)
         self.remove.setEnabled(in_hand)

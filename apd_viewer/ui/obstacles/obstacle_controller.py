@@ -1,4 +1,4 @@
-"""Obstacles of the session in step with the scene, the gizmo and the panel."""
+"""Controller of the obstacles in scene, gizmo and panel."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from apd_viewer.ui.tools.gizmo_drag import ARROWS, SQUARES, GizmoOrientation, ni
 from apd_viewer.ui.tools.toolbox import Tool
 
 _ALONG_NORMAL, _FREELY = frozenset({"z"}), frozenset({*ARROWS, *SQUARES, "centre"})
-_LATE = 2.0  # pixels that an obstacle may be behind before it is shown where it should be
-_NUDGE = 5.0  # pixels, about
+_LATE = 2.0  # pixels by which an obstacle may lag before its requested position is outlined
+_NUDGE = 5.0  # pixels, approximate
 
 
 class ObstacleController(QObject):
@@ -87,7 +87,7 @@ class ObstacleController(QObject):
         self.gizmo = Gizmo(viewport)
         self.picker = ObstaclePicker(viewport, surface, self.gizmo)
         self.placer = ObstaclePlacer(viewport, surface, self._propose)
-        # Behind the gizmo and the dots of the handles, which are drawn on top.
+        # Mouse events reach the picker only after the gizmo and the handle dots, drawn on top of obstacles.
         viewport.tools[:1] = [self.placer, viewport.tools[0], self.gizmo]
         viewport.tools.insert(viewport.tools.index(canvas.inactive_handles) + 1, self.picker)
         canvas.is_covered = self._covers
@@ -117,28 +117,28 @@ class ObstacleController(QObject):
         section.contact_requested.connect(lambda: self._session.settings.set_contact(True, self._thickness()))
         self._parts.changed.connect(self.refresh)
 
-    # Commands
+    # Commands of the user
 
     def begin_placing(self, kind: ObstacleKind) -> None:
-        """Have the next click on the surface place an obstacle."""
+        """Let the next click on the surface place an obstacle."""
         if self._may_begin():
             self._take(Tool.MOVE)
-            self._canvas.viewport.setFocus()  # where Esc cancels it
+            self._canvas.viewport.setFocus()  # the viewport handles Esc to cancel
             self.placer.begin_placing(kind)
 
     def add_floor(self) -> None:
-        """Put a plate under the shape."""
+        """Add a plate below the shape."""
         if self._may_begin():
             up = self._canvas.viewport.camera_controller.camera.up_axis.direction
             self._taken(self._session.obstacles.add_floor(up, self._thickness()))
 
     def add_plates(self, axis: int) -> None:
-        """Put plates on both sides of the shape, along axis 0, 1 or 2."""
+        """Add plates on both sides of the shape, along axis 0, 1 or 2."""
         if self._may_begin():
             self._taken(self._session.obstacles.add_plates(np.eye(3)[axis], self._thickness()))
 
     def remove(self, k: int | None = None) -> None:
-        """Remove obstacle ``k``, or the one in the hand."""
+        """Remove obstacle ``k``, or the active one."""
         k = self._parts.obstacle if k is None else k
         if self._may_begin() and k is not None:
             self._parts.remove_obstacle(k)
@@ -149,13 +149,13 @@ class ObstacleController(QObject):
             self._session.obstacles.reset(self._parts.obstacle)
 
     def nudge(self, step: tuple[int, int, int]) -> bool:
-        """Move the obstacle in the hand by a small step in the picture; False without one."""
+        """Move the active obstacle by a small step in the view; False without one."""
         k, state = self._parts.obstacle, self._session.store.state
         if k is None or state is None or self._canvas.tool is not Tool.MOVE:
             return False
         eye, obstacle = self._canvas.viewport.camera_controller.camera, state.document.obstacles[k]
         way = (np.array(step) * [1, 1, -1]) @ eye.axes
-        if obstacle.kind is ObstacleKind.PLATE:  # aside it would change nothing
+        if obstacle.kind is ObstacleKind.PLATE:  # moving a plate within its plane has no effect
             along = float(way @ obstacle.axis)
             way = np.sign(along) * obstacle.axis if abs(along) > 0.3 else np.zeros(3)
         length = nice_step(_NUDGE * eye.world_per_pixel(obstacle.centre))
@@ -163,10 +163,10 @@ class ObstacleController(QObject):
         return True
 
     def _may_begin(self) -> bool:
-        self.placer.cancel()  # what has waited for a click makes way
+        self.placer.cancel()  # any other command cancels placing
         return self._session.store.state is not None and not self._give_up()
 
-    # Adding
+    # Placing new obstacles
 
     def _propose(
         self, kind: ObstacleKind, point: np.ndarray, outwards: np.ndarray, at_once: bool
@@ -177,18 +177,18 @@ class ObstacleController(QObject):
         self._taken(self._session.obstacles.add(obstacle, self._thickness()))
 
     def _taken(self, k: int | None) -> None:
-        """Take a new obstacle into the hand."""
+        """Make a new obstacle active and show it in the panel."""
         if k is not None:
             self._take(Tool.MOVE)
             self._parts.choose_obstacle(k)
             self._section.reveal()
-            self._canvas.viewport.setFocus()  # where the arrow keys nudge it
+            self._canvas.viewport.setFocus()  # the viewport handles the arrow keys to nudge it
 
     def _show_preview(self, obstacle: NamedObstacle | None) -> None:
         self._preview = obstacle
         self.refresh()
 
-    # Moving
+    # Moving and editing obstacles
 
     def _drag(self, pose: np.ndarray) -> None:
         k, state = self._parts.obstacle, self._session.store.state
@@ -227,15 +227,15 @@ class ObstacleController(QObject):
         self._session.obstacles.move(k, distance * way)
         self._section.fields.finish_entry()
 
-    # Showing
+    # Display in scene, gizmo and panel
 
     def follow_tool(self, _tool: Tool) -> None:
-        """Follow another tool in the hand."""
+        """Cancel placing and update the display after a change of tool."""
         self.placer.cancel()
         self.refresh()
 
     def refresh(self, *_: object) -> None:
-        """Show the obstacles of the session's state."""
+        """Update scene, gizmo and panel from the session's state."""
         state = self._session.store.state
         if state is None:
             return
@@ -285,11 +285,11 @@ class ObstacleController(QObject):
         self.refresh()
 
     def _covers(self, position: QPointF) -> bool:
-        """True if a round obstacle is seen before the surface."""
+        """True if a sphere or cylinder hides the surface at a position."""
         return self.picker.obstacle_at(position, solid_only=True) is not None
 
     def _extent(self, state: State) -> ShapeExtent:
-        """Extent of the mesh at rest."""
+        """Bounding box of the mesh at rest, cached."""
         mesh = state.document.mesh
         if self._extent_of is None or self._extent_of[0] is not mesh.V:
             self._extent_of = mesh.V, ShapeExtent.from_points(mesh.V[np.unique(mesh.F)])
@@ -306,7 +306,7 @@ HINTS = {
 
 
 class ObstaclePlacer(MouseTool, QObject):
-    """Tool for a click on the surface where an obstacle is to be; Esc cancels.
+    """Mouse tool to place an obstacle by a click on the surface; Esc cancels.
 
     Parameters
     ----------
@@ -340,21 +340,21 @@ class ObstaclePlacer(MouseTool, QObject):
         super().__init__(viewport)
         self._viewport, self._surface, self._propose = viewport, surface, propose
         self.kind: ObstacleKind | None = None
-        self._there = False  # a preview is shown
+        self._there = False  # True while a preview is shown
 
     def begin_placing(self, kind: ObstacleKind) -> None:
-        """Wait for a click."""
+        """Start placing an obstacle of a kind at the next click."""
         self.kind = kind
         self.prompt_changed.emit(HINTS[kind])
 
     def press(self, event: QMouseEvent) -> bool:
-        """Hold the mouse over the surface, so that the place can still be changed."""
+        """Grab the mouse over the surface; the position can change until release."""
         if self.kind is None or event.button() != Qt.MouseButton.LeftButton:
             return False
         return self._show(self._proposed(event, at_once=True))
 
     def move(self, event: QMouseEvent) -> bool:
-        """Show the obstacle at the point under the cursor."""
+        """Preview the obstacle at the point under the cursor."""
         if self.kind is None:
             return False
         there = self._show(self._proposed(event, at_once=True))
@@ -363,18 +363,18 @@ class ObstaclePlacer(MouseTool, QObject):
         return there
 
     def release(self, event: QMouseEvent) -> None:
-        """Put the obstacle there, unless the cursor has left the surface."""
+        """Place the obstacle under the cursor, unless it has left the surface."""
         obstacle = None if self.kind is None else self._proposed(event, at_once=False)
         if obstacle is not None:
             self.cancel()
             self.placed.emit(obstacle)
 
     def leave(self) -> None:
-        """Forget the cursor."""
+        """Hide the preview when the cursor leaves the view."""
         self._show(None)
 
     def cancel(self) -> bool:
-        """Stop waiting for a click; True if it did."""
+        """Cancel placing; True if it was in progress."""
         waited, self.kind = self.kind is not None, None
         if waited:
             self.prompt_changed.emit("")

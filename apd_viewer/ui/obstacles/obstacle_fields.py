@@ -1,4 +1,4 @@
-"""Fields of the obstacle in the hand: place, size, and a distance to move."""
+"""Fields of the active obstacle: position, size, and a distance to move."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ _AXIS = {
     ObstacleKind.SPHERE: (tr("Direction"), tr("Direction to move it in: three numbers")),
     ObstacleKind.CYLINDER: (tr("Axis"), tr("Direction of the axis: three numbers")),
 }
-_DIGITS = 5  # shown; what is not typed keeps all it has
+_DIGITS = 5  # significant digits shown; unedited values keep full precision
 _PLACE = tr("Where it is: three lengths such as 0, 0.5Y, 12mm; X, Y, Z, L and D are sizes of the mesh")
 _BY = tr("Length to move it by, such as 12, 0.1L or 5mm; Enter moves it")
 
 
 class ObstacleFields(QWidget):
-    """Place, direction and size of an obstacle, and its motion.
+    """Fields for the position, direction and size of an obstacle, and its motion.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class ObstacleFields(QWidget):
             accessibleName=tr("Distance"), placeholderText=editable_number("0.1") + "L", toolTip=_BY
         )
         self.problem = ErrorBubble(self.distance)
-        self.distance.textChanged.connect(self.problem.hide)  # Esc restores the text too
+        self.distance.textChanged.connect(self.problem.hide)  # also hides it when Esc restores the text
         self.distance.focus_lost.connect(self.problem.hide_later)
         self.distance.returnPressed.connect(self._move)
         self.along = ComboBox(accessibleName=tr("Direction of the distance"), toolTip=_BY)
@@ -103,7 +103,7 @@ class ObstacleFields(QWidget):
             self.along.addItem(tr("along {axis}").format(axis=letter), axis)
 
     def show_obstacle(self, state: State, k: int, values: TypedValues) -> None:
-        """Show obstacle ``k`` of a state; ``values`` read what is typed."""
+        """Show obstacle ``k`` of a state; ``values`` parses the typed texts."""
         obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
         self._values = values
         self._shown = obstacle.with_shift_applied(state.obstacle_shifts[k])
@@ -125,17 +125,17 @@ class ObstacleFields(QWidget):
         self.reset.setEnabled(bool(obstacle.shift.any()))
 
     def show_error(self, sentence: str) -> None:
-        """Say what is wrong with the numbers typed."""
+        """Show an input error below the edited field."""
         field = next((field for field in self._fields if field.is_changed), self.place)
         field.show_error(sentence)
 
     def show_distance_error(self, sentence: str) -> None:
-        """Say what is wrong with the distance typed."""
+        """Show an input error below the distance field."""
         self.problem.show_message(sentence)
         self.distance.selectAll()
 
     def finish_entry(self) -> None:
-        """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
+        """Hide the error and return the focus after a motion, for Ctrl+Z to undo it."""
         self.problem.hide()
         return_focus(self.distance)
 
@@ -154,7 +154,7 @@ class ObstacleFields(QWidget):
             self.obstacle_entered.emit(obstacle)
 
     def _as_typed(self) -> NamedObstacle:
-        """The obstacle with what was typed; what was not is as it is, to the last digit."""
+        """Obstacle with the edited values; all others keep their full precision."""
         assert self._shown is not None
         assert self._values is not None
         obstacle, values = self._shown, self._values
@@ -181,7 +181,7 @@ def _positive(length: float) -> float:
 
 
 class TypedField(TextField):
-    """Line edit for a value; emits a new one on Enter or loss of focus.
+    """Line edit for a value; emits an edited one on Enter or loss of focus.
 
     Attributes
     ----------
@@ -200,11 +200,11 @@ class TypedField(TextField):
 
     @property
     def is_changed(self) -> bool:
-        """True if its text is not what was shown."""
+        """True if the text was edited since the value was shown."""
         return self.text() != self._shown
 
     def show_text(self, text: str) -> None:
-        """Show a value, unless another one is being typed."""
+        """Show a value, unless the user is editing the same one."""
         if not (self.hasFocus() and self.is_changed and text == self._shown):
             self._shown = text
             if self.text() != text:
@@ -212,7 +212,7 @@ class TypedField(TextField):
                 self.setCursorPosition(0)
 
     def show_error(self, sentence: str) -> None:
-        """Say what is wrong beneath it; the text stays while the field is used."""
+        """Show an error below the field; the text stays while the field has the focus."""
         self.error.show_message(sentence)
         if self.hasFocus():
             self.selectAll()
@@ -221,19 +221,19 @@ class TypedField(TextField):
             self.error.hide_later()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Tell of another value."""
+        """Emit an edited value."""
         super().focusOutEvent(event)
         if self.is_changed and event.reason() is not Qt.FocusReason.PopupFocusReason:
             self.value_entered.emit()
         self.error.hide_later()
 
     def restore(self) -> None:
-        """Show the present value, and take back the error."""
-        self.setText(self._shown)  # which may have changed since the field was entered
+        """Show the current value again and hide the error."""
+        self.setText(self._shown)  # the value may have changed since the field got the focus
         self.error.hide()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Hide the error too."""
+        """Hide the error together with the field."""
         self.error.hide()
         super().hideEvent(event)
 

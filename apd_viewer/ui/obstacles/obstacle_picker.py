@@ -1,4 +1,4 @@
-"""Obstacles under the cursor: named, taken by a press, round ones dragged."""
+"""Picking of obstacles: name on hover, selection by a press, drag of round ones."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from apd_viewer.ui.tools.gizmo_drawing import draw_tag
 
 
 class ObstaclePicker(MouseTool, QObject):
-    """Tool to take an obstacle by a press on it.
+    """Mouse tool to select an obstacle by pressing it.
 
     A drag that begins on a plate turns the camera, as plates are large; a click takes the plate.
 
@@ -60,7 +60,7 @@ class ObstaclePicker(MouseTool, QObject):
             self._hover(None)
 
     def press(self, event: QMouseEvent) -> bool:
-        """Take a round obstacle under the cursor, or wait for a click on a plate."""
+        """Select and drag a round obstacle, or wait for a click on a plate."""
         self._pressed = None
         pans = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
         k = self.obstacle_at(event.position()) if self.enabled else None
@@ -74,7 +74,7 @@ class ObstaclePicker(MouseTool, QObject):
         return True
 
     def move(self, event: QMouseEvent) -> bool:
-        """Drag the obstacle taken, or name the one under the cursor."""
+        """Drag the pressed obstacle, or show the name of the one under the cursor."""
         if self._gizmo.is_dragged:
             return self._gizmo.move(event)
         if event.type() == QEvent.Type.MouseButtonRelease:
@@ -93,21 +93,21 @@ class ObstaclePicker(MouseTool, QObject):
             self.chosen.emit(pressed[0])
 
     def release(self, event: QMouseEvent) -> None:
-        """Let the obstacle go."""
+        """Release the dragged obstacle."""
         self._gizmo.release(event)
 
     def leave(self) -> None:
-        """Forget the cursor."""
+        """Hide the name of the obstacle when the cursor leaves the view."""
         self._hover(None)
 
     def paint(self, painter: QPainter) -> None:
-        """Write the name of the obstacle under the cursor."""
+        """Draw the name of the obstacle under the cursor."""
         if self._hot is not None and self._hot < len(self._shown) and not self._gizmo.is_dragged:
             size = self._viewport.width(), self._viewport.height()
             draw_tag(painter, self._shown[self._hot].obstacle.name, self._cursor, size)
 
     def obstacle_at(self, position: QPointF, solid_only: bool = False) -> int | None:
-        """Number of the nearest obstacle at a position, before the surface; or None."""
+        """Number of the obstacle at a position if in front of the surface, or None."""
         origin, way = self._viewport.camera_controller.camera.ray(position.x(), position.y())
         reached = [
             np.inf
@@ -132,7 +132,7 @@ class ObstaclePicker(MouseTool, QObject):
 def ray_distance(
     obstacle: NamedObstacle, shift: np.ndarray, extent: ShapeExtent, origin: np.ndarray, direction: np.ndarray
 ) -> float:
-    """Distance along a ray from ``origin`` in a unit ``direction``; or infinite."""
+    """Distance to an obstacle along a ray with unit ``direction``, or infinity."""
     at = origin - drawing_anchor(obstacle, shift, extent)
     axes = axes_along(obstacle.axis)
     start, step = axes @ at, axes @ direction
@@ -145,7 +145,7 @@ def ray_distance(
 
 
 def _to_capsule(start: np.ndarray, step: np.ndarray, half: float, radius: float) -> float:
-    """Distance of a ray to a capsule along z."""
+    """Distance along a ray to a capsule with axis z, or infinity."""
     ends = [_to_sphere(start - [0.0, 0.0, z], step, radius) for z in (-half, half)]
     t = _smaller_root(step[:2] @ step[:2], start[:2] @ step[:2], start[:2] @ start[:2] - radius**2)
     side = t if t > 0.0 and abs(start[2] + t * step[2]) <= half else np.inf
@@ -158,6 +158,6 @@ def _to_sphere(start: np.ndarray, step: np.ndarray, radius: float) -> float:
 
 
 def _smaller_root(a: float, b: float, c: float) -> float:
-    """Smaller root of a t² + 2 b t + c; infinite without one."""
+    """Smaller root of a t² + 2 b t + c, or infinity without a real root."""
     rest = b * b - a * c
     return float((-b - np.sqrt(rest)) / a) if a > 0.0 and rest >= 0.0 else np.inf

@@ -1,4 +1,4 @@
-"""Obstacles in the scene: translucent, with outlines."""
+"""Obstacles in the scene: translucent surfaces with outlines."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from apd_viewer.ui.scene.shading import PLATE_SHADER, ROUND_OBSTACLE_SHADER
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
-# Opacity of others, of the one in the hand, and of idle ones.
+# Opacities: normal, selected, and idle without effect on the shape.
 _PANES, _BUBBLES = (0.13, 0.18, 0.05), (0.42, 0.52, 0.15)
-_THIN, _THICK, _DASHED = 1.6, 2.4, 1.6  # logical pixels
+_THIN, _THICK, _DASHED = 1.6, 2.4, 1.6  # line widths in logical pixels
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnObstacle:
-    """An obstacle as it is to be drawn.
+    """Obstacle with its displayed position and highlight states.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class DrawnObstacle:
 
 
 class ObstacleScene:
-    """Actors of the obstacles in a viewport.
+    """VTK actors of the obstacles in a viewport.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class ObstacleScene:
         viewport.pre_draw.append(self._dress)
 
     def show_obstacles(self, obstacles: Sequence[DrawnObstacle], extent: ShapeExtent) -> None:
-        """Draw these obstacles beside a mesh of this extent, and no others."""
+        """Draw these obstacles for a mesh of this extent, replacing all previous ones."""
         if not obstacles and not self.drawn_obstacles:
             return
         while len(self._figures) < len(obstacles):
@@ -77,14 +77,14 @@ class ObstacleScene:
         self._viewport.update()
 
     def _dress(self) -> None:
-        """Stand out from a dark or a light background, before each draw."""
+        """Adapt the colours to a dark or light background, before each draw."""
         dark, pixel = self._viewport.is_dark, self._viewport.devicePixelRatioF()
         for figure, each in zip(self._figures, self.drawn_obstacles, strict=False):
             figure.dress(each, dark, pixel)
 
 
 class _Figure:
-    """Actors of one obstacle: surface, outline, and outline of the asked place."""
+    """Actors of an obstacle: surface, outline, and outline at the requested position."""
 
     def __init__(self, viewport: Viewport) -> None:
         self._fill, self._line, self._ghost = (_actor(viewport) for _ in range(3))
@@ -97,7 +97,7 @@ class _Figure:
         viewport.more_boxes.append(lambda: self._box)
 
     def show(self, shown: DrawnObstacle, extent: ShapeExtent) -> None:
-        """Draw an obstacle where it is, and where it should be."""
+        """Draw an obstacle at its position, and an outline at its requested one."""
         obstacle = shown.obstacle
         made = (obstacle.kind, *obstacle.axis, obstacle.radius, obstacle.length, extent)
         if made != self._made:
@@ -132,7 +132,7 @@ class _Figure:
         self._ends = np.array([ends.min(axis=0), ends.max(axis=0)])
 
     def dress(self, shown: DrawnObstacle, dark: bool, pixel: float) -> None:
-        """Give it its colour and strength."""
+        """Set the colours, opacities and line widths."""
         accent = QColor((DARK if dark else LIGHT).accent)
         plain = QColor(*(OBSTACLE_COLOR_ON_DARK if dark else OBSTACLE_COLOR))
         color = accent if shown.is_chosen or shown.is_hovered else plain
@@ -145,7 +145,7 @@ class _Figure:
         self._ghost.GetProperty().SetLineWidth(pixel * _DASHED)
 
     def hide(self) -> None:
-        """Draw nothing."""
+        """Hide all actors."""
         self._box = ()
         for actor in (self._fill, self._line, self._ghost):
             actor.SetVisibility(False)
@@ -168,7 +168,7 @@ def _actor(viewport: Viewport) -> vtkActor:
 
 
 def _lines(segments: np.ndarray) -> pv.PolyData:
-    """Lines (k, 2, 3) to draw."""
+    """Line segments (k, 2, 3) as PolyData."""
     data = pv.PolyData(segments.reshape(-1, 3).astype(np.float32))
     data.verts = np.empty(0, dtype=np.int64)
     pairs = np.arange(2 * len(segments)).reshape(-1, 2)
@@ -177,7 +177,7 @@ def _lines(segments: np.ndarray) -> pv.PolyData:
 
 
 def _with_marks(shape: ObstacleShape) -> pv.PolyData:
-    """Outline and marks to draw."""
+    """Outline and arrow tips as PolyData."""
     data = _lines(shape.outline)
     if len(shape.marks):
         first = len(data.points)

@@ -1,4 +1,4 @@
-"""Section of the panel with the obstacles."""
+"""Panel section of the obstacles."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SIDES_TIP = tr("Put two plates that touch the shape on both sides, to press it b
 
 
 class ObstacleSection(Section):
-    """List of the obstacles, fields of the one in the hand, and buttons to add others.
+    """List of the obstacles, fields of the active one, and buttons to add more.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class ObstacleSection(Section):
         self.floor = QPushButton(tr("Floor"), toolTip=FLOOR_TIP)
         self.floor.setAccessibleName(tr("Add floor"))
         self.sides = QPushButton(tr("Both sides"), toolTip=SIDES_TIP, objectName="choice")
-        self.sides.setLayoutDirection(Qt.LayoutDirection.RightToLeft)  # the chevron behind the words
+        self.sides.setLayoutDirection(Qt.LayoutDirection.RightToLeft)  # places the chevron after the text
         self.sides.setAccessibleName(tr("Plates on both sides"))
         menu = QMenu(self.sides)
         for axis, letter in enumerate("XYZ"):
@@ -109,7 +109,7 @@ class ObstacleSection(Section):
         return row
 
     def show_state(self, state: State, unit: Unit, active: int | None, values: TypedValues) -> None:
-        """Show the obstacles of a state, and the one in the hand."""
+        """Show the obstacles of a state, and the fields of the active one."""
         obstacles = state.document.obstacles
         self.list.show_names([each.name for each in obstacles], active)
         for k, row in enumerate(self.list.rows):
@@ -128,7 +128,7 @@ class ObstacleSection(Section):
         )
 
     def _explain(self, state: State) -> None:
-        """Say why obstacles push nothing."""
+        """Show why the obstacles have no effect on the shape, if so."""
         why, there = idle_reason(state), bool(state.document.obstacles)
         self.note.setText(why)
         self.note.setVisible(there and bool(why))

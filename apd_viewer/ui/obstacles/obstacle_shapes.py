@@ -1,4 +1,4 @@
-"""Shapes of obstacles as drawn and pressed: part of a plate, spheres, cylinders."""
+"""Shapes of obstacles for drawing and picking: finite plates, spheres, capsules."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 
-# A plate is endless; what is drawn of it covers the shadow of the mesh, with a margin in its diagonals.
+# Plates are infinite: the drawn part covers the projection of the mesh, with this margin in its diagonals.
 _MARGIN = 0.08
-_CORNER = 0.06  # radius of a corner, in diagonals
-_MARK = 0.055  # length of the arrows at its sides
-_ROUND = 48  # points of a circle
-_DASHES = 2  # every other piece of an outline is left out
+_CORNER = 0.06  # corner radius, in diagonals
+_MARK = 0.055  # arrow length at the sides, in diagonals
+_ROUND = 48  # points per circle
+_DASHES = 2  # every other segment of an outline is left out
 
 
 @dataclass(frozen=True, eq=False)
 class ShapeExtent:
-    """Bounding box of a mesh, by which plates are drawn.
+    """Bounding box of a mesh; determines the size of drawn plates.
 
     Attributes
     ----------
@@ -32,19 +32,19 @@ class ShapeExtent:
 
     @classmethod
     def from_points(cls, points: np.ndarray) -> ShapeExtent:
-        """Extent of points (k, 3)."""
+        """Bounding box of points (k, 3)."""
         low, high = points.min(axis=0), points.max(axis=0)
         return cls(0.5 * (low + high), 0.5 * (high - low))
 
     @property
     def diagonal(self) -> float:
-        """Length of its diagonal."""
+        """Length of the bounding box diagonal."""
         return 2.0 * float(np.linalg.norm(self.half))
 
 
 @dataclass(frozen=True, eq=False)
 class ObstacleShape:
-    """Surface and outline of an obstacle, around its :func:`drawing_anchor`.
+    """Surface and outline of an obstacle, relative to its :func:`drawing_anchor`.
 
     Attributes
     ----------
@@ -63,12 +63,12 @@ class ObstacleShape:
 
     @property
     def dashes(self) -> np.ndarray:
-        """Every other piece of the outline."""
+        """Every other segment of the outline, for a dashed line."""
         return self.outline[::_DASHES]
 
 
 def drawing_anchor(obstacle: NamedObstacle, shift: np.ndarray, extent: ShapeExtent) -> np.ndarray:
-    """Centre (3,) of the drawing; of a plate the point nearest to the mesh."""
+    """Centre (3,) of the drawing; for a plate, its point nearest to the mesh."""
     at = obstacle.place + shift
     if obstacle.kind is not ObstacleKind.PLATE:
         return at
@@ -79,19 +79,19 @@ def drawing_anchor(obstacle: NamedObstacle, shift: np.ndarray, extent: ShapeExte
 def axes_along(axis: np.ndarray) -> np.ndarray:
     """Unit axes as rows (3, 3), right-handed; the last is along ``axis``."""
     normal = checked_direction(axis)
-    first = np.eye(3)[np.argmin(np.abs(normal) - [2e-9, 1e-9, 0.0])]  # of equal ones the first
+    first = np.eye(3)[np.argmin(np.abs(normal) - [2e-9, 1e-9, 0.0])]  # ties go to the lowest index
     across = checked_direction(first - (first @ normal) * normal)
     return np.array([across, np.cross(normal, across), normal])
 
 
 def plate_half_sides(axes: np.ndarray, extent: ShapeExtent) -> np.ndarray:
-    """Half the sides (2,) of what is drawn of a plate with these axes."""
+    """Half side lengths (2,) of the drawn part of a plate with these axes."""
     sides: np.ndarray = np.abs(axes[:2]) @ extent.half + _MARGIN * extent.diagonal
     return sides
 
 
 def obstacle_shape(obstacle: NamedObstacle, extent: ShapeExtent) -> ObstacleShape:
-    """Surface and outline of an obstacle."""
+    """Surface and outline of an obstacle, for drawing."""
     if obstacle.kind is ObstacleKind.PLATE:
         return _plate(obstacle, extent)
     half = 0.5 * obstacle.length if obstacle.kind is ObstacleKind.CYLINDER else 0.0
@@ -115,7 +115,7 @@ def _plate(obstacle: NamedObstacle, extent: ShapeExtent) -> ObstacleShape:
 
 
 def _rounded(a: float, b: float, corner: float) -> np.ndarray:
-    """Outline (k, 2) of a rectangle with round corners, in short pieces."""
+    """Outline (k, 2) of a rectangle with rounded corners, in short segments."""
     r = min(corner, a, b)
     turn = np.linspace(0.0, 0.5 * np.pi, 7)
     arc = r * np.column_stack([np.cos(turn), np.sin(turn)])
@@ -125,7 +125,7 @@ def _rounded(a: float, b: float, corner: float) -> np.ndarray:
         points.append(arc @ np.array([[c, s], [-s, c]]) + [x * (a - r), y * (b - r)])
     corners = np.vstack(points)
     after = np.roll(corners, -1, axis=0)
-    # Long sides in pieces, so that they can be dashed.
+    # Long sides are split into segments for a dashed outline.
     return np.vstack(
         [
             p + np.linspace(0.0, 1.0, _pieces(p, q, a + b))[:-1, None] * (q - p)
@@ -139,7 +139,7 @@ def _pieces(p: np.ndarray, q: np.ndarray, size: float) -> int:
 
 
 def _cones(tips: np.ndarray, axes: np.ndarray, length: float) -> np.ndarray:
-    """Triangles (k, 3, 3) of a slim cone at each tip, pointing along the last axis."""
+    """Triangles (k, 3, 3) of a slender cone at each tip, pointing along the last axis."""
     turn = np.linspace(0.0, 2.0 * np.pi, 13)
     rim = 0.35 * length * np.column_stack([np.cos(turn), np.sin(turn)]) @ axes[:2] - length * axes[2]
     sides = np.stack([np.zeros((12, 3)), rim[:-1], rim[1:]], axis=1)
@@ -149,10 +149,10 @@ def _cones(tips: np.ndarray, axes: np.ndarray, length: float) -> np.ndarray:
 
 
 def _capsule(axes: np.ndarray, half: float, radius: float) -> ObstacleShape:
-    """Sphere stretched by ``half`` both ways along its last axis."""
+    """Sphere stretched by ``half`` in both directions along its last axis."""
     turn = np.linspace(0.0, 2.0 * np.pi, _ROUND + 1)[:-1]
     lift = np.linspace(-0.5 * np.pi, 0.5 * np.pi, _ROUND // 2 + 1)
-    lift = np.insert(lift, len(lift) // 2, 0.0)  # two equators, apart by the length
+    lift = np.insert(lift, len(lift) // 2, 0.0)  # doubled equator, split by the cylinder's length
     up = np.where(np.arange(len(lift)) < len(lift) // 2, -1.0, 1.0)
     flat, high = np.cos(lift), np.sin(lift)
     N = np.stack(
@@ -165,7 +165,7 @@ def _capsule(axes: np.ndarray, half: float, radius: float) -> ObstacleShape:
 
 
 def _grid(rows: int) -> np.ndarray:
-    """Triangles between rows of a closed grid."""
+    """Triangles between the rows of a grid, closed around the axis."""
     k, j = np.meshgrid(np.arange(rows - 1), np.arange(_ROUND), indexing="ij")
     a, b = k * _ROUND + j, k * _ROUND + (j + 1) % _ROUND
     c, d = a + _ROUND, b + _ROUND
@@ -174,7 +174,7 @@ def _grid(rows: int) -> np.ndarray:
 
 
 def _profile(axes: np.ndarray, half: float, radius: float) -> np.ndarray:
-    """Lines (k, 2, 3): circles around the ends, and two sections along the axis."""
+    """Segments (k, 2, 3) of circles around both ends and of two axial sections."""
     turn = np.linspace(0.0, 2.0 * np.pi, 2 * _ROUND + 1)
     c, s, nil = radius * np.cos(turn), radius * np.sin(turn), np.zeros(len(turn))
     along = s + half * np.where(np.sin(turn) >= 0.0, 1.0, -1.0)

@@ -1,4 +1,4 @@
-"""Cards over the canvas, out of each other's way, and the bar of a tool's modes."""
+"""Column of cards over the canvas, and the tool bar of selection modes."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from PySide6.QtWidgets import QToolBar, QToolButton, QVBoxLayout, QWidget
 from apd_viewer.language import tr
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.theme import ICON_SIZE, Theme, icon
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _MARGIN, _GAP = 12, 8
 CARD_WIDTH = 288
-_SHARE = 1 / 8  # of the canvas that a card hides, unless it is unfolded
+_SHARE = 1 / 8  # largest fraction of the canvas that a card hides unless unfolded
 GEOMETRY_EVENTS = (
     QEvent.Type.Move,
     QEvent.Type.Resize,
-    # These come to what is in a hidden widget too.
+    # Unlike Show and Hide, these are also sent to children of a hidden widget.
     QEvent.Type.ShowToParent,
     QEvent.Type.HideToParent,
     QEvent.Type.LayoutRequest,
@@ -28,7 +28,7 @@ GEOMETRY_EVENTS = (
 
 
 class CardStack(QWidget):
-    """Column of cards beside and above the canvas's other widgets.
+    """Column of cards placed clear of the other widgets of the canvas.
 
     Parameters
     ----------
@@ -42,8 +42,8 @@ class CardStack(QWidget):
         self._canvas = canvas
         self._below, self._beside = list[QWidget](), list[QWidget]()
         self._fits: dict[QWidget, Callable[[int, int], None]] = {}
-        self._grip: QPoint | None = None  # of the cursor in the column, during a drag
-        self._corner: QPoint | None = None  # of the column, once dragged
+        self._grip: QPoint | None = None  # offset of the cursor in the column during a drag
+        self._corner: QPoint | None = None  # position of the column once dragged; None means the default
         self._placing = False
         self._column = QVBoxLayout(self, spacing=_GAP)
         self._column.setContentsMargins(0, 0, 0, 0)
@@ -52,7 +52,7 @@ class CardStack(QWidget):
         self.keep_above(below)
 
     def add(self, card: QWidget, fit_into: Callable[[int, int], None] | None = None) -> None:
-        """Add a card; ``fit_into(least, most)`` fits it into these heights, if it can.
+        """Add a card; ``fit_into(least, most)`` shrinks it to a height if possible.
 
         ``most`` is what there is, ``least`` what it can have without hiding much of the mesh.
         """
@@ -74,13 +74,13 @@ class CardStack(QWidget):
         self.reposition()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Make room for other widgets shown; drag the column by its cards."""
+        """Reposition when other widgets change; drag the column by its cards."""
         if event.type() in GEOMETRY_EVENTS and not self._placing:
             self.reposition()
         return isinstance(event, QMouseEvent) and watched.parent() is self and self._drag(event)
 
     def _drag(self, event: QMouseEvent) -> bool:
-        """Follow a drag of a card; a double click puts the column back."""
+        """Move the column with a dragged card; a double click restores its position."""
         at, left = event.globalPosition().toPoint(), event.button() == Qt.MouseButton.LeftButton
         if event.type() == QEvent.Type.MouseButtonPress and left:
             self._grip = at - self.pos()
@@ -95,8 +95,8 @@ class CardStack(QWidget):
         return True
 
     def reposition(self) -> None:
-        """Move to the free place."""
-        self._placing = True  # what it does to its cards is no news
+        """Move the column to its position, clear of other widgets."""
+        self._placing = True  # ignore the layout events of the cards while they are placed
         try:
             self._place()
         finally:
@@ -109,7 +109,7 @@ class CardStack(QWidget):
             self._fold(shown)
             widest = max(card.minimumSizeHint().width() for card in shown)
             self.setFixedWidth(max(widest, min(CARD_WIDTH, self._canvas.width() // 3)))
-            # Shown in the size that it had, it would lay out what is in its cards for that one.
+            # Activate the layout now; when shown, the cards would otherwise keep the layout of the old size.
             self._column.activate()
             self.adjustSize()
         self.setVisible(bool(shown))
@@ -121,11 +121,11 @@ class CardStack(QWidget):
         self.raise_()
 
     def _home(self) -> QRect:
-        """Place at the lower left, beside and above other widgets."""
+        """Default rectangle at the lower left, beside and above other widgets."""
         room = QRect(_MARGIN, self._canvas.height() - self.height() - _MARGIN, self.width(), self.height())
         beside = [other for other in self._beside if not other.isHidden()]
         below = [other for other in self._below if not other.isHidden()]
-        for _ in range(2):  # above what is below, it may be beside a column that it was not beside before
+        for _ in range(2):  # twice, as moving up may bring the cards beside another column
             for other in beside:
                 if _meet(room, other):
                     room.moveLeft(other.geometry().right() + _MARGIN)
@@ -156,7 +156,7 @@ def _meet(room: QRect, other: QWidget) -> bool:
 
 
 class ModeBar(QToolBar):
-    """A column at the left edge of the canvas.
+    """Vertical tool bar of selection modes at the left edge of the canvas.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ class ModeBar(QToolBar):
 
     def __init__(self, canvas: Viewport, title: str, groups: Sequence[Sequence[QAction]]) -> None:
         super().__init__(title, canvas, objectName="ways")
-        shield(self)
+        block_mouse_events(self)
         self._canvas = canvas
         self.setOrientation(Qt.Orientation.Vertical)
         self.setIconSize(ICON_SIZE)
@@ -181,17 +181,17 @@ class ModeBar(QToolBar):
         canvas.resized.connect(self._fit)
 
     def show_for(self, on: bool) -> None:
-        """Show the bar for its tools only."""
+        """Show the bar if the active tool has modes, or hide it."""
         self.setVisible(on)
         self._fit()
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the menu's chevron, black on any ground in the style."""
+        """Redraw the chevron of the overflow menu, black by default on any background."""
         more = cast(QToolButton, self.findChild(QToolButton, "qt_toolbar_ext_button"))
         more.setIcon(icon("unfolded", theme))
         more.setToolTip(tr("More"))
 
     def _fit(self) -> None:
-        """Shrink to the canvas, moving the last modes to a menu."""
+        """Shrink to the canvas height; the last modes move to the overflow menu."""
         room = self._canvas.height() - 2 * _MARGIN
         self.resize(self.sizeHint().width(), min(self.sizeHint().height(), room))

@@ -14,7 +14,7 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _STEPS = 400
 _SCALE = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)
@@ -44,7 +44,7 @@ class CuttingPlane(QFrame):
 
     def __init__(self, canvas: Canvas) -> None:
         super().__init__(objectName="card", accessibleName=tr("Section"))
-        shield(self)
+        block_mouse_events(self)
         self._canvas = canvas
         self._unit = Unit.NONE
         self._low, self._high = np.zeros(3), np.ones(3)
@@ -93,29 +93,29 @@ class CuttingPlane(QFrame):
         grid.addWidget(self.slider, 2, 0, 1, 2)
 
     def show_card(self, on: bool) -> None:
-        """Cut the shape and show the card, or neither."""
+        """Cut the shape and show the card, or restore the shape and hide it."""
         self.setVisible(on)
         self._cut()
 
     def follow(self, mesh: Mesh) -> None:
-        """Cut another mesh, within the box around its rest shape."""
+        """Set the mesh to cut; the box around its rest shape bounds the plane."""
         if mesh is not self._mesh:
             self._mesh = mesh
             used = mesh.V[mesh.F.ravel()]
             low, high = used.min(axis=0), used.max(axis=0)
-            # A shape that is bent goes beyond.
+            # A deformed shape may extend beyond the box of the rest shape.
             room = 0.5 * float(np.linalg.norm(high - low)) - 0.5 * (high - low)
             self._low, self._high = low - room, high + room
             self._cut()
 
     def set_unit(self, unit: Unit) -> None:
-        """Write the place of the plane in another unit."""
+        """Set the length unit of the displayed plane position."""
         self._unit = unit
         self._cut()
 
     @property
     def plane(self) -> tuple[np.ndarray, np.ndarray]:
-        """Point and normal (3,) of the plane, towards the visible side."""
+        """Point (3,) of the plane and normal (3,) towards the visible side."""
         axis, share = self._group.checkedId(), self.slider.value() / _STEPS
         point = (self._low + self._high) / 2
         point[axis] = self._low[axis] + share * (self._high[axis] - self._low[axis])

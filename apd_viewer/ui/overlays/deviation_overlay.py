@@ -1,4 +1,4 @@
-"""Deviation shown in colours, measured on demand at each draw."""
+"""Colour overlay of a deviation, measured on demand at each draw."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
-_REST = 200  # ms without another shape, after which what takes longer is measured
+_REST = 200  # ms without a shape change before a slow measure is computed
 
 
 class _OverlayInputs(NamedTuple):
-    """Inputs of the measurements of a mesh."""
+    """Mesh, target shape and deviation object prepared in the background."""
 
     mesh: Mesh
     target: TargetShape | None
@@ -38,7 +38,7 @@ class _OverlayInputs(NamedTuple):
 
 
 class _ValueInputs(NamedTuple):
-    """Inputs of values: the measure, and revisions of the shape and the document."""
+    """Measure, shape revision and document revision of computed values."""
 
     measure: Measure
     shape: int
@@ -100,7 +100,7 @@ class DeviationOverlay(QObject):
         self._document_revision = 0
         self._size = 1.0
         self._seen: _ValueInputs | None = None
-        # Without a range of the user's the first values that are seen have one made for them.
+        # True until the scale is fitted to the first values, if the user has set none.
         self._fresh = False
         self._fitted: Scale | None = None
         self.extremes = ExtremeMarker(canvas, covered_rect)
@@ -115,10 +115,10 @@ class DeviationOverlay(QObject):
         legend.extreme_requested.connect(self.show_next_extreme)
         canvas.viewport.pre_draw.append(self._refresh)
 
-    # What is shown
+    # Display
 
     def follow(self, mesh: Mesh, target: TargetShape | None = None) -> None:
-        """Compare with the rest shape of another mesh, or with another target shape."""
+        """Set the mesh and the optional target shape to compare with."""
         if mesh is self.mesh and target is self._target:
             return
         if mesh is not self.mesh:
@@ -132,7 +132,7 @@ class DeviationOverlay(QObject):
         self.choose_measure(self.measure)
 
     def follow_document(self, labels: np.ndarray, measures: DocumentMeasures) -> None:
-        """Show the measures of another painting, or of other settings."""
+        """Update the measures to the labels and settings of a document."""
         known = self._document_measures
         if labels is self._labels and known is not None and known.settings == measures.settings:
             return
@@ -141,7 +141,7 @@ class DeviationOverlay(QObject):
         self._canvas.viewport.update()
 
     def choose_measure(self, measure: Measure | None) -> None:
-        """Show another measure if it is offered; None shows the paint."""
+        """Display a measure if it is offered; None displays the paint."""
         self.measure = measure = measure if measure in self.offered_measures else None
         self._fresh, self._fitted = True, None
         self.reading.enabled = measure is not None
@@ -164,7 +164,7 @@ class DeviationOverlay(QObject):
         return self.scales.get(self.measure) or self._fitted or default_scale(self.measure, self._size)
 
     def set_unit(self, unit: Unit) -> None:
-        """Write lengths in another unit."""
+        """Set the length unit of the displayed values."""
         self.unit = unit
         if self.measure is not None and self.mesh is not None:
             self._legend.show_scale(self.scale, unit)
@@ -186,7 +186,7 @@ class DeviationOverlay(QObject):
             self.changed.emit()
 
     def _fit(self) -> None:
-        """Let the scale end at the largest value, up or down."""
+        """Fit the end of the scale to the largest value."""
         span = self.reading.span
         if span is not None and self.measure is not None:
             fitted = self.scale.fitted_to(span, self._size)
@@ -198,7 +198,7 @@ class DeviationOverlay(QObject):
             self._fitted = self.scale.fitted_to(span, self._size)
             self._legend.show_scale(self._fitted, self.unit)
 
-    # Measuring
+    # Measurement
 
     def _forget(self) -> None:
         self.reading.values, self._seen = None, None
@@ -236,7 +236,7 @@ class DeviationOverlay(QObject):
             return
         self._forget()
         self._seen = now
-        if measure.waits_for_rest:
+        if measure.waits_for_convergence:
             self._task.cancel()
             self._legend.show_note(tr("Measured when the shape has converged."))
             if surface.color_map is not None:
@@ -262,7 +262,7 @@ class DeviationOverlay(QObject):
         self._task.begin(lambda enough: _Slow(seen, values(change, U, enough)))
 
     def _take(self, result: object) -> None:
-        """Receive the thread's result."""
+        """Receive a result from the background thread."""
         if result is None:
             self._legend.show_note(tr("Not enough memory to measure this mesh."))
         elif isinstance(result, _OverlayInputs):
@@ -281,7 +281,7 @@ class DeviationOverlay(QObject):
                 self._measure_soon()
 
     def _still_wants(self, result: _Slow) -> bool:
-        """True if the values belong to what is on screen, or nearly do and may."""
+        """True if the values match the displayed shape, or may lag behind it."""
         lags = self.measure is not None and self.measure.is_delayed
         now, seen = self._seen, result.seen
         if now is None:
@@ -289,7 +289,7 @@ class DeviationOverlay(QObject):
         return seen == now or (lags and (seen.measure, seen.change) == (now.measure, now.change))
 
     def _color(self) -> None:
-        """Show the values in the colours of their scale."""
+        """Colour the surface by the values on their scale."""
         values = self.reading.values
         if values is None:
             return
@@ -302,17 +302,17 @@ class DeviationOverlay(QObject):
         surface.set_color_map(scale.measure.colors, neutral)
 
     def show_next_extreme(self, step: int = 1) -> None:
-        """Frame the next or previous extreme; nothing without one."""
+        """Frame the next or previous extreme, if there are values."""
         values = self.reading.values
         if values is not None:
             self.extremes.show_extreme(values, self._size, step, self.scale, self.unit)
 
 
-_READ = 250  # ms between two readings of the legend while the shape moves
+_READ = 250  # ms between two updates of the legend while the shape changes
 
 
 class DeviationReading(MouseTool, QObject):
-    """Reads the values on the shape into the legend.
+    """Tool to update the legend's range and value under the cursor.
 
     Parameters
     ----------
@@ -341,11 +341,11 @@ class DeviationReading(MouseTool, QObject):
 
     @property
     def span(self) -> tuple[float, float] | None:
-        """Least and largest value on the shape, or None."""
+        """Smallest and largest value on the shape; None if there are no values."""
         return span_of(self.values)
 
     def value_at(self, position: QPointF) -> float | None:
-        """Value under a position in the viewport."""
+        """Value on the surface under a position in the viewport; None off the mesh."""
         hit = None if self.values is None else self._surface.hit(position)
         if hit is None or self.values is None or self._surface.surface_index is None:
             return None
@@ -354,13 +354,13 @@ class DeviationReading(MouseTool, QObject):
         )
 
     def update_legend(self) -> None:
-        """Update the legend's extreme and the value under the cursor."""
+        """Update the range and the value under the cursor in the legend."""
         if self.enabled:
             value = None if self._cursor is None else self.value_at(self._cursor)
             self._legend.show_values(self.span, value)
 
     def schedule_update(self) -> None:
-        """Read after a moment; several calls make one reading."""
+        """Schedule an update of the legend; repeated calls cause one update."""
         if not self.timer.isActive():
             self.timer.start()
 
@@ -373,14 +373,14 @@ class DeviationReading(MouseTool, QObject):
         return False
 
     def leave(self) -> None:
-        """Forget the cursor."""
+        """Remove the value under the cursor from the legend."""
         if self._cursor is not None:
             self._cursor = None
             self.update_legend()
 
 
 class DocumentMeasures(NamedTuple):
-    """Measures of a document, and the settings that they follow from.
+    """Measures derived from a document, and the settings they depend on.
 
     Attributes
     ----------
@@ -402,18 +402,18 @@ class DocumentMeasures(NamedTuple):
 
 
 def _calmness(document: Document) -> np.ndarray:
-    # Imported here: the window is shown before the solver is loaded.
+    # Imported here so that the window is shown before the solver is loaded.
     from apd_viewer.geometry.goals.calm_parts import calmness
 
     return calmness(document.mesh, document.labels, document.soft_constraints)
 
 
 def _pressure(document: Document, keeps_apart: bool) -> Callable[[np.ndarray], np.ndarray]:
-    """Pressure (n,) of contact on a shape (n, 3); NaN without contact."""
+    """Function from a shape (n, 3) to its contact pressure (n,); NaN without contact."""
     made: list[ContactPressure] = []
 
     def pressure(U: np.ndarray) -> np.ndarray:
-        # Imported here: the window is shown before the solver is loaded.
+        # Imported here so that the window is shown before the solver is loaded.
         from apd_viewer.geometry.contact.contact_pressure import ContactPressure
 
         if not keeps_apart or document.paint_problem:

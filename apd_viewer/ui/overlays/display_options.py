@@ -1,4 +1,4 @@
-"""Display options: overlays and aids besides the camera."""
+"""Display options of the window: overlays and viewing aids besides the camera."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from apd_viewer.ui.tools.turntable import Turntable
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 
 class DisplayOptions:
-    """Display options of the window, kept from one start to the next.
+    """Display options of the window, stored between sessions.
 
     Parameters
     ----------
@@ -105,12 +105,12 @@ class DisplayOptions:
         self._canvas.surface.texture = self._texture if on else None
         self._keep()
 
-    def set_turning(self, on: bool) -> None:
+    def set_turntable_running(self, on: bool) -> None:
         """Start or stop the turntable."""
         self.turntable.running = on
 
     def follow(self, state: State) -> None:
-        """Look at another mesh, or compare with another target shape."""
+        """Apply the options to the mesh and the target shape of a state."""
         mesh, target = state.document.mesh, state.document.target_shape
         for part in (self.ghost, self.ground, self.before_after, self.cutting_plane):
             part.follow(mesh)
@@ -126,12 +126,12 @@ class DisplayOptions:
         self.overlay.follow_document(document.labels, measures)
 
     def set_unit(self, unit: Unit) -> None:
-        """Write lengths in another unit."""
+        """Set the length unit of the ground grid, the overlay and the cutting plane."""
         for part in (self.overlay, self.ground, self.cutting_plane):
             part.set_unit(unit)
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the parts beyond the style sheet's reach."""
+        """Redraw icons and colours not covered by the style sheet."""
         for part in (self.legend, self.before_after, self.cutting_plane):
             part.set_theme(theme)
 
@@ -152,7 +152,7 @@ class DisplayOptions:
         self._canvas.coloring.show_file_colors(self.shows_file_colors)
 
     def _keep(self) -> None:
-        """Store the options, except the plane's place on this mesh."""
+        """Store the options in the preferences, except the cutting plane."""
         measure = self.overlay.measure
         self._canvas.coloring.set_covered(measure is not None or self._canvas.surface.texture is not None)
         looks = {
@@ -170,7 +170,7 @@ class DisplayOptions:
 
 
 def _recalled(looks: dict[str, str]) -> dict[Measure, Scale]:
-    """Stored scales, as far as valid: the file may be edited by hand."""
+    """Scales read from stored options; invalid ones are skipped."""
     scales = {}
     for measure in Measure:
         try:
@@ -197,17 +197,17 @@ class _Held(Slider):
             end.connect(self.go_back)
 
     def go_back(self) -> None:
-        """Show the shape as it is."""
+        """Return the slider to its end, showing the deformed shape."""
         self.setValue(_WHOLE)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Return to the end after use by keys."""
+        """Return the slider to its end after keyboard use."""
         super().focusOutEvent(event)
         self.go_back()
 
 
 class BeforeAfter(QFrame):
-    """A card with the slider.
+    """Card with a slider to blend the rest shape and the deformed shape.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ class BeforeAfter(QFrame):
 
     def __init__(self, canvas: Canvas) -> None:
         super().__init__(objectName="card", accessibleName=tr("Before and after"))
-        shield(self)
+        block_mouse_events(self)
         self._canvas = canvas
         self._mesh: Mesh | None = None
         self.slider = _Held()
@@ -250,7 +250,7 @@ class BeforeAfter(QFrame):
         self.setVisible(on)
 
     def follow(self, mesh: Mesh) -> None:
-        """Compare with the rest shape of another mesh."""
+        """Reset the slider for another mesh."""
         if mesh is not self._mesh:
             self._mesh = mesh
             self.slider.go_back()

@@ -1,4 +1,4 @@
-"""Extremes of the deviation, marked on the mesh one after another."""
+"""Marker stepping through the extremes of the deviation on the mesh."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas
 
-_PLACES = 12  # worst places, so far apart in sizes of the mesh, shown with so much around them
+_PLACES = 12  # number of extremes; below, their spacing and framing margin relative to the mesh size
 _APART, _AROUND = 0.08, 0.04
 
 
 class ExtremeMarker(MouseTool):
-    """Steps through the extremes and marks the current one.
+    """Tool to frame and mark the extremes one after another.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class ExtremeMarker(MouseTool):
         canvas.viewport.tools.insert(0, self)
 
     def remove_mark(self) -> None:
-        """Remove the mark; the values are out of date."""
+        """Remove the mark and the list of extremes, as the values are out of date."""
         self._places = None
         self.callout.show_at(None)
 
@@ -79,7 +79,7 @@ class ExtremeMarker(MouseTool):
         self._canvas.view.show_vertices(around, QRectF(self._covered()))
 
     def cancel(self) -> bool:
-        """Remove the mark; nothing is cancelled for Esc."""
+        """Remove the mark; return False to let other tools handle Esc."""
         self.callout.show_at(None)
         return False
 
@@ -93,7 +93,7 @@ _INK, _PAPER = QColor(20, 23, 29), QColor(255, 255, 255, 235)
 
 
 class VertexCallout:
-    """Ring and word at a vertex, following the surface.
+    """Ring and caption at a vertex, following the surface.
 
     Parameters
     ----------
@@ -112,13 +112,13 @@ class VertexCallout:
         self.text = ""
 
     def show_at(self, vertex: int | None, text: str = "") -> None:
-        """Mark another vertex, or none."""
+        """Set the marked vertex and its caption; None removes the mark."""
         if vertex is not None or self.vertex is not None:
             self.vertex, self.text = vertex, text
             self._viewport.tool_layer.update()
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the ring, light on dark, and the word on the freer side."""
+        """Draw the ring, and the caption on the side with more room."""
         if self.vertex is None or self.vertex >= len(self._surface.U):
             return
         point = self._surface.U[[self.vertex]]

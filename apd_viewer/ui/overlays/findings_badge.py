@@ -16,12 +16,12 @@ ENTER_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 def issue_count_text(number: int) -> str:
-    """Number of issues in words."""
+    """Text with the number of issues."""
     return trn("{n} issue", "{n} issues", number).format(n=number)
 
 
 class Badge(QToolButton):
-    """Number of findings: a quiet label, or a button to the list."""
+    """Number of findings: a plain label, or a button to open the list."""
 
     def __init__(self) -> None:
         super().__init__(objectName="badge", checkable=True, iconSize=QSize(16, 16))
@@ -47,13 +47,13 @@ class Badge(QToolButton):
         self.setAccessibleName(self.text())
         self._draw_symbol()
 
-    def show_keys_in_tip(self, action: QAction) -> None:
-        """Show the equivalent action's keys in the tip."""
+    def show_shortcut_in_tooltip(self, action: QAction) -> None:
+        """Show the shortcut of the equivalent action in the tooltip."""
         self._action = action
         action.changed.connect(lambda: self.show_count(self._number))
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the symbol."""
+        """Redraw the icon."""
         self._theme = theme
         self._draw_symbol()
 
@@ -65,7 +65,7 @@ class Badge(QToolButton):
             self.setIcon(icon("sound", replace(self._theme, faint=self._theme.quiet)))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter presses the button too."""
+        """Press the button on Enter too."""
         if event.key() in ENTER_KEYS:
             self.click()
         else:

@@ -1,4 +1,4 @@
-"""Findings of the open mesh: counted, listed and marked."""
+"""Controller, list and marks of the findings of the open mesh."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.fields import CheckBox, small_button
 from apd_viewer.ui.widgets.theme import Theme, icon, set_style_property
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 
 class ListedFinding(NamedTuple):
-    """A finding in the list, and the loose parts that it is about."""
+    """Row of the list: a finding, and the loose components it concerns."""
 
     finding: Finding
     components: tuple[int, ...] = ()
 
 
 class FindingsController(QObject):
-    """Keeps badge, list and marks in step.
+    """Keeps the badge, the list and the marks of the findings in step.
 
     While the list is open the camera can be moved as ever. It closes, and the marks go, on Esc, on a
     click beside it, with the first stroke or drag of a handle, and when the keys go elsewhere.
@@ -76,12 +76,12 @@ class FindingsController(QObject):
             begun.connect(self.close)
 
     def show_mesh_findings(self, findings: tuple[Finding, ...]) -> None:
-        """Count the findings of another mesh; those of the one before are no longer shown."""
+        """Replace the findings by those of a new mesh, and count them."""
         self._of_mesh = findings
         self._count(findings)
 
     def show_shape_findings(self, findings: tuple[Finding, ...]) -> None:
-        """Add the findings about the current shape until it changes."""
+        """Add findings about the current shape; they expire when it changes."""
         if findings or len(self._findings) > len(self._of_mesh):
             self._count(self._of_mesh + findings)
 
@@ -90,19 +90,19 @@ class FindingsController(QObject):
         self._findings = findings
         self.badge.show_count(len(findings))
 
-    def open_at_last(self) -> None:
-        """List the findings and mark the last one."""
+    def open_at_last_finding(self) -> None:
+        """Open the list and mark the last finding."""
         if self._findings and not self.badge.isChecked():
             self.toggle_list()
             self._show(len(self._listed) - 1)
             self.list.rows[-1].setFocus()
 
     def toggle_list(self) -> None:
-        """List the findings, if there are any, or close the list."""
+        """Open the list if there are findings, or close it."""
         self.badge.click()
 
     def close(self) -> bool:
-        """Close the list and take the marks away; True if it was open."""
+        """Close the list and remove the marks; True if it was open."""
         was_open = self.badge.isChecked()
         self.badge.setChecked(False)
         return was_open
@@ -122,12 +122,12 @@ class FindingsController(QObject):
             self._canvas.coloring.mark(None)
 
     def refresh(self) -> None:
-        """Show which loose parts stay."""
+        """Update the check boxes of the loose components staying in place."""
         if self.badge.isChecked():
             self.list.show_staying(self._session.store.required_state().document.staying_components)
 
     def _all_listed(self) -> list[ListedFinding]:
-        """The findings, with the loose parts below the one about separate parts."""
+        """All findings, with loose components listed below the finding about them."""
         document = self._session.store.required_state().document
         listed = []
         for finding in self._findings:
@@ -150,7 +150,7 @@ class FindingsController(QObject):
         self.close()
 
     def _follow_keys(self, _: QWidget | None, now: QWidget | None) -> None:
-        """Close the list when the keys go to anything but it, the badge and the canvas."""
+        """Close the list when the focus leaves the list, the badge and the canvas."""
         stays = self.badge, self._canvas.viewport
         if now is not None and now not in stays and not self.list.isAncestorOf(now) and now is not self.list:
             self.close()
@@ -158,12 +158,12 @@ class FindingsController(QObject):
 
 _MARGIN = 12
 _WIDEST = 380
-_INDENT = 22  # of a loose part, below what is said of all of them
-_ROOM = 0.5  # of the height of the canvas: its middle, where a finding is shown, stays free
+_INDENT = 22  # indent of a loose component below its parent finding
+_ROOM = 0.5  # largest height as a fraction of the canvas; keeps its middle, with the marked finding, free
 
 
 class _Spot(QWidget):
-    """Ring filled while its finding is marked on the mesh."""
+    """Indicator ring, filled while its finding is marked on the mesh."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -180,7 +180,7 @@ class _Spot(QWidget):
 
 
 class FindingRow(QFrame):
-    """Sentence of a finding, clickable.
+    """Clickable row with the sentence of a finding.
 
     Attributes
     ----------
@@ -230,11 +230,11 @@ class FindingRow(QFrame):
         self.show_marked(False)
 
     def show_staying(self, staying: tuple[int, ...]) -> None:
-        """Check the box if all its parts are among those ``staying``."""
+        """Check the box if all components of the row are in ``staying``."""
         self.stay.setChecked(set(self._parts) <= set(staying))
 
     def show_marked(self, on: bool) -> None:
-        """Say whether this finding is shown on the mesh."""
+        """Show whether the finding is marked on the mesh."""
         self.setAccessibleName(
             tr("{sentence} Shown on the mesh.").format(sentence=self._sentence) if on else self._sentence
         )
@@ -243,13 +243,13 @@ class FindingRow(QFrame):
         set_style_property(self, "marked", on)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Ask to be shown."""
+        """Request the finding to be marked on the mesh."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.setFocus()
             self.chosen.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Ask to be shown, or go to a neighbour."""
+        """Request the finding on Enter or Space; request a neighbour row on arrows."""
         if event.key() in (*ENTER_KEYS, Qt.Key.Key_Space):
             self.chosen.emit()
         elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
@@ -282,7 +282,7 @@ class FindingList(QFrame):
 
     def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas, objectName="findings")
-        shield(self)
+        block_mouse_events(self)
         self._canvas = canvas
         self.rows: list[FindingRow] = []
         self._title = QLabel(objectName="heading")
@@ -303,7 +303,7 @@ class FindingList(QFrame):
         canvas.resized.connect(self._place)
 
     def open(self, title: str, rows: Sequence[FindingRow]) -> None:
-        """List the rows, none of them shown yet, and give the keys to the first."""
+        """Open the list with the rows, none marked, and focus the first."""
         body = QWidget(objectName="rows")
         column = self._lines = QVBoxLayout(body, spacing=2)
         column.setContentsMargins(0, 0, 0, 0)
@@ -329,7 +329,7 @@ class FindingList(QFrame):
             row.show_marked(k == number)
 
     def show_staying(self, staying: tuple[int, ...]) -> None:
-        """Check the boxes of the loose parts that stay."""
+        """Check the boxes of the rows with components in ``staying``."""
         for row in self.rows:
             row.show_staying(staying)
 
@@ -360,7 +360,7 @@ class FindingList(QFrame):
         self.move(canvas.width() - width - _MARGIN, canvas.height() - self.height() - _MARGIN)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc closes the list."""
+        """Close the list on Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.dismissed.emit()
         else:

@@ -21,14 +21,14 @@ from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField, small_button
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
-# Lengths and curvatures are in the unit of the mesh, whatever that is.
+# Limits of the fields; lengths and curvatures depend on the mesh unit, which can be any.
 _DECIMALS, _LEAST = 30, 1e-30
 
 
 class Legend(QFrame):
-    """Overlay title, scale, value under the cursor and extreme.
+    """Legend card: title, scale, value under the cursor and extremes.
 
     Attributes
     ----------
@@ -46,12 +46,12 @@ class Legend(QFrame):
 
     def __init__(self) -> None:
         super().__init__(objectName="card", accessibleName=tr("Overlay"))
-        shield(self)
+        block_mouse_events(self)
         self._scale = Scale(Measure.AREA, 0.1, 0.001)
         self._unit = Unit.NONE
         self._theme = LIGHT
-        self._least, self._most = 10_000, 10_000  # px in which it finds room, folded by itself and at most
-        self._unfolded: bool | None = None  # by the user; None as there is room
+        self._least, self._most = 10_000, 10_000  # px: height if folded automatically; available height
+        self._unfolded: bool | None = None  # the user's choice; None folds by the available height
         self._folded = False
         self._make_parts()
         self._lay_out()
@@ -83,7 +83,7 @@ class Legend(QFrame):
         )
         self.fit.clicked.connect(self.fit_requested)
         for button in (self.fit, self.next_extreme, self.fold_button, self.close_button):
-            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keys to the canvas
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keyboard focus on the canvas
 
     def _lay_out(self) -> None:
         self._head: list[QWidget] = [self.choice, self.fold_button, self.close_button]
@@ -117,17 +117,17 @@ class Legend(QFrame):
         column.addWidget(self.note)
         column.addLayout(self._rows)
 
-    # Showing
+    # Display
 
     def set_measures(self, measures: tuple[Measure, ...]) -> None:
-        """List the measures that can be chosen."""
+        """Set the measures offered in the combo box."""
         self._offered = measures
         self.choice.clear()
         for measure in measures:
             self.choice.addItem(measure.traits.title, measure)
 
     def show_scale(self, scale: Scale, unit: Unit) -> None:
-        """Show another scale."""
+        """Display a scale with values in ``unit``."""
         self._scale, self._unit = scale, unit
         self.choice.setCurrentIndex(self._offered.index(scale.measure))
         self.choice.setToolTip(scale.measure.traits.tip)
@@ -148,7 +148,7 @@ class Legend(QFrame):
         self._show_lines()
 
     def _fold(self) -> None:
-        """Hide all lines, or show all of them."""
+        """Toggle between all lines and none."""
         self._unfolded = any(line[0].isHidden() for line in self._lines if self._wants(line))
         self._show_lines()
 
@@ -157,7 +157,7 @@ class Legend(QFrame):
 
     def _show_lines(self) -> None:
         room = {None: self._least, True: self._most, False: 0}[self._unfolded]
-        # Of the parts: the size hint of the whole depends on what is hidden, and would never come to rest.
+        # Sum the parts; the overall size hint depends on hidden lines and would oscillate.
         margins = self._column.contentsMargins()
         above: list[list[QWidget]] = [self._head, [self.bar]]
         if not self.note.isHidden():
@@ -170,7 +170,7 @@ class Legend(QFrame):
                 if widget.isHidden() == (wanted and height <= room):
                     widget.setVisible(widget.isHidden())
         folded = any(line[0].isHidden() for line in self._lines if self._wants(line))
-        if folded != self._folded:  # another icon asks for another layout
+        if folded != self._folded:  # setting an icon triggers another layout, so only on change
             self._folded = folded
             self._draw_fold()
 
@@ -181,7 +181,7 @@ class Legend(QFrame):
         return max(widget.sizeHint().height() for widget in line) + self._column.spacing()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
-        """Show least, largest and current value; None hides them."""
+        """Show smallest, largest and current value; None hides them."""
         self.bar.show_values(span, value)
         written = "–" if value is None else self._scale.format_value(value, self._unit)
         largest = (
@@ -194,7 +194,7 @@ class Legend(QFrame):
         self.fit.setEnabled(span is not None)
 
     def show_note(self, note: str) -> None:
-        """Show the reason for missing colours; empty if there are colours."""
+        """Show the reason for missing colours; hide the note if empty."""
         if note != self.note.text() or self.note.isHidden() == bool(note):
             self.note.setText(note)
             self.note.setVisible(bool(note))
@@ -212,7 +212,7 @@ class Legend(QFrame):
 
 
 _STEPS = 256
-_TALL, _SPAN, _TICK = 14, 3, 7  # px: of the colours, of the line below them, of the tick
+_TALL, _SPAN, _TICK = 14, 3, 7  # px: colour height, gap to the range line below, and tick length
 
 
 class ScaleBar(QWidget):
@@ -236,13 +236,13 @@ class ScaleBar(QWidget):
         self._colors = QImage()
 
     def show_scale(self, scale: Scale, unit: Unit) -> None:
-        """Show the colours of another scale."""
+        """Display the colours of a scale with values in ``unit``."""
         self._scale, self._unit = scale, unit
         self._colors = scale_image(scale)
         self.update()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
-        """Show least, largest and current value; None hides them."""
+        """Show smallest, largest and current value; None hides them."""
         if (span, value) != (self._span, self.value):
             self._span, self.value = span, value
             self.update()
@@ -254,11 +254,11 @@ class ScaleBar(QWidget):
         return tuple((scale.position(x), scale.format_value(x, self._unit)) for x in scale.tick_values)
 
     def sizeHint(self) -> QSize:
-        """Tick, colours, line and figures."""
+        """Height of the tick, the colours, the range line and the labels."""
         return QSize(200, _TICK + _TALL + 2 * _SPAN + self.fontMetrics().height() + 2)
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw all of it."""
+        """Draw the colours, the range line, the tick and the labels."""
         painter = QPainter(self)
         painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
         palette, wide = self.palette(), float(self.width())
@@ -305,6 +305,6 @@ class ScaleBar(QWidget):
 
 
 def scale_image(scale: Scale) -> QImage:
-    """The colours of a scale from one end to the other, a pixel high."""
+    """Image of the colours of a scale, one pixel high."""
     colors = scale.colors(np.linspace(0.0, 1.0, _STEPS))
     return QImage(colors.tobytes(), _STEPS, 1, colors.nbytes, QImage.Format.Format_RGB888).copy()

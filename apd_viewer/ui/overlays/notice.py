@@ -1,4 +1,4 @@
-"""Messages, hints and empty state over the canvas, all non-modal."""
+"""Messages, hints and empty state over the canvas, none of them modal."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon, set_style
 _LOGGER = logging.getLogger(__name__)
 _MARGIN = 12
 _WIDEST = 480
-_CLOSE = 34  # px: the button of a notice
-SECTION_PROPERTY = "manualSection"  # of a widget that is no part of its section in the manual
-_UNBOUNDED = 16_777_215  # Qt's largest size of a widget
+_CLOSE = 34  # px: size of a notice's close button
+SECTION_PROPERTY = "manualSection"  # property that names the manual section of a detached widget
+_UNBOUNDED = 16_777_215  # QWIDGETSIZE_MAX, Qt's largest widget size
 _INVITATION_PADDING = 20
-_READING_TIME = 7000  # ms; failures stay until they are read
+_READING_TIME = 7000  # ms a message is shown; failures stay until dismissed
 
 
 class Notice(QFrame):
-    """Message low in the canvas, replaced by newer ones; clicks go through it.
+    """Message at the bottom of the canvas, transparent to clicks.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Notice(QFrame):
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self._symbol = QLabel()
-        # Beside the frame, and not in it, so that it has the mouse.
+        # A child of the canvas, as the notice itself is transparent to the mouse.
         self.close_button = QToolButton(
             canvas, accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=ICON_SIZE
         )
@@ -94,13 +94,13 @@ class Notice(QFrame):
             other.installEventFilter(self)
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Make room for other widgets shown."""
+        """Reposition when other widgets of the canvas change."""
         if event.type() in GEOMETRY_EVENTS:
             self._place()
         return False
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Take the button away."""
+        """Hide the close button too."""
         super().hideEvent(event)
         self.close_button.hide()
 
@@ -110,7 +110,7 @@ class Notice(QFrame):
         return self._text.text() if not self.isHidden() else ""
 
     def show_message(self, sentence: str) -> None:
-        """Show a message; it disappears by itself."""
+        """Show a message for a few seconds."""
         self._show(sentence, "message")
         self.timer.start()
 
@@ -121,7 +121,7 @@ class Notice(QFrame):
         self.timer.stop()
 
     def show_lasting_failure(self, sentence: str) -> None:
-        """Show a failure while it lasts: until this is called with nothing."""
+        """Show a failure until a call with an empty sentence ends it."""
         if sentence == self._held:
             return
         before, self._held = self._held, sentence
@@ -157,7 +157,7 @@ class Notice(QFrame):
         canvas = self._canvas
         room = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN - 80))
         width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
-        # heightForWidth() is never below the minimum height set for the previous text.
+        # heightForWidth() would return at least the minimum height set for the previous text.
         self._text.setMinimumSize(0, 0)
         self._text.setMaximumSize(_UNBOUNDED, _UNBOUNDED)
         self._text.setFixedSize(width, self._text.heightForWidth(width))
@@ -200,7 +200,7 @@ class CanvasHint(QLabel):
 
 
 class EmptyState(QWidget):
-    """Empty state: an invitation to open a mesh."""
+    """Empty state of the canvas, with buttons to open a mesh."""
 
     def __init__(self, canvas: Viewport, requests: FileRequests) -> None:
         super().__init__(canvas)
@@ -224,7 +224,7 @@ class EmptyState(QWidget):
         canvas.resized.connect(self._place)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Centre on the canvas."""
+        """Centre the widget on the canvas."""
         super().showEvent(event)
         self._place()
 
@@ -241,8 +241,8 @@ _SELECT = tr("Click an obstacle to move it")
 _WAITS = tr("Preview: the surface follows once enough is compiled for this computer ({percent} %)")
 
 
-class NextStep:
-    """Chooses the sentence for the invitation.
+class NextStepHint:
+    """Chooses the hint about the user's next step.
 
     Parameters
     ----------
@@ -265,17 +265,17 @@ class NextStep:
         for action in tools.values():
             action.changed.connect(self._say_again)
 
-    def note_drag(self) -> None:
-        """Note a drag: no more hints are needed."""
+    def record_drag(self) -> None:
+        """Record a drag and hide the hint; no more hints are needed."""
         self.has_moved = True
         self.hide_hint()
 
     def hide_hint(self) -> None:
-        """Show no next step."""
+        """Hide the next step; a preview message stays visible."""
         self._invitation.show_text(self._waits)
 
     def follow(self, store: StateStore) -> None:
-        """Say that a preview is shown, as long as it is."""
+        """Show a message while the store is previewing."""
         waits = ""
         if store.is_previewing:
             waits = _WAITS.format(percent=math.floor(100.0 * (store.compiled_share or 0.0)))
@@ -284,19 +284,19 @@ class NextStep:
             self.hide_hint()
 
     def show_hint(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> None:
-        """Show the next step for ``tool``, the active handle and the obstacle in the hand."""
+        """Show the next step for the tool, the active handle and the active obstacle."""
         self._asked = document, tool, handle, obstacle
         self._invitation.show_text(self._waits or self._sentence(*self._asked))
 
     def _say_again(self) -> None:
-        """Update the keys named."""
+        """Update the shortcuts named in the visible hint."""
         if self._asked is not None and not self._invitation.isHidden():
             self._invitation.show_text(self._waits or self._sentence(*self._asked))
 
     def _sentence(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> str:
         if document.has_active_obstacles and not tool.words.is_brush:
             nothing_held = not document.label_counts[BASE] and not document.label_counts[HANDLE:].any()
-            if obstacle is not None or nothing_held:  # obstacles alone suffice
+            if obstacle is not None or nothing_held:  # moving obstacles needs no painted base or handle
                 return self._of_obstacles(document, tool, obstacle)
         if not document.label_counts[BASE]:
             return with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
@@ -324,6 +324,6 @@ class NextStep:
 
 
 def may_change_next_step(before: Document, after: Document) -> bool:
-    """True if a change may lead to another next step."""
+    """True if a change of the document may affect the next step."""
     same = before.labels is after.labels and before.obstacles is after.obstacles
     return not same or before.relative_to_rest.is_posed != after.relative_to_rest.is_posed

@@ -17,7 +17,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.selection_tool import StrokeEffect, stroke_effect
-from apd_viewer.ui.widgets.wheel import shield
+from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _PIXELS = "px"
 
@@ -75,7 +75,7 @@ class TextEntries:
 
     @property
     def cards(self) -> tuple[TextEntryCard, ...]:
-        """All of them."""
+        """All three entry cards."""
         return self.vertices, self.brush, self.pivot
 
     def open_entry(self, card: TextEntryCard) -> None:
@@ -87,7 +87,7 @@ class TextEntries:
             card.open_card()
 
     def _understood(self, card: TextEntryCard, text: str, read: Callable[[str], object]) -> object:
-        """Value of a text; None for an invalid one, explained on the card."""
+        """Parsed value of a text; None if invalid, with the error on the card."""
         if self._session.store.state is None:
             return None
         try:
@@ -98,7 +98,7 @@ class TextEntries:
         card.show_message("")
         return meant
 
-    # Vertices
+    # Vertex entry
 
     def _preview(self, text: str) -> None:
         ids = self._understood(self.vertices, text, self._session.typed_values.parse_vertices)
@@ -113,10 +113,10 @@ class TextEntries:
             self._canvas.preview_selection(None)
             self._canvas.strokes.paint_vertices(ids, act)
 
-    # The brush
+    # Brush entry
 
     def open_brush_entry(self) -> None:
-        """Show the card of the brush with its present radius."""
+        """Open the brush card with the current radius."""
         size = self._canvas.brush.size
         length = (
             None
@@ -151,7 +151,7 @@ class TextEntries:
                 self._canvas.brush.size.length = radius
             self.brush.close_card()
 
-    # The pivot
+    # Pivot entry
 
     def _show_pivot(self, text: str) -> None:
         self._mark(self._understood(self.pivot, text, self._session.typed_values.parse_point))
@@ -171,7 +171,7 @@ _MARGIN = 12
 
 
 class TextEntryCard(QFrame):
-    """Entry line with a live preview.
+    """Card with a text field and a live preview.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ class TextEntryCard(QFrame):
 
     def __init__(self, canvas: Viewport, title: str, name: str, example: str, help: str) -> None:  # noqa: A002
         super().__init__(canvas, objectName="notice")
-        shield(self)
+        block_mouse_events(self)
         self._canvas = canvas
         self.help = help
         self.text = _Line(objectName="typed", placeholderText=example, accessibleName=name)
@@ -218,7 +218,7 @@ class TextEntryCard(QFrame):
         self.hide()
 
     def open_card(self) -> None:
-        """Show it, with the cursor in it."""
+        """Show the card and focus its text field."""
         self.show()
         self._place()
         self.raise_()
@@ -233,13 +233,13 @@ class TextEntryCard(QFrame):
         self.closed.emit()
 
     def show_message(self, sentence: str) -> None:
-        """Show a result or an error; the usage if empty."""
+        """Show a result or an error; an empty sentence shows the usage."""
         self.message_label.setText(sentence or self.help)
         self._place()
 
     def _place(self) -> None:
         self.setFixedWidth(min(_WIDTH, self._canvas.width() - 2 * _MARGIN))
-        # heightForWidth() is never below the minimum height set for the previous text.
+        # heightForWidth() would return at least the minimum height set for the previous text.
         self.message_label.setMinimumHeight(0)
         edges = self._column.contentsMargins()
         self.message_label.setFixedHeight(

@@ -1,1 +1,1 @@
-"""The side panel, its sections and the status bar."""
+"""Side panel with its sections, and the status bar."""

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session
 
-# For the values of Activity.
+# Display texts for the values of Activity.
 _WORDS = {
     "idle": tr("idle"),
     "refining": tr("solving"),
@@ -45,7 +45,7 @@ _AREA_TIP = tr("Target of the total area, in percent of the rest area")
 
 
 class StatusDot(QWidget):
-    """Status dot: quiet while all is well, warm otherwise."""
+    """Status dot: neutral if all targets are met, in a warning colour otherwise."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -68,7 +68,7 @@ class StatusDot(QWidget):
 
 
 class AreaSection(QWidget):
-    """Area reading with its verdict, target and remark.
+    """Area in large digits, with its change, its target and a warning.
 
     Attributes
     ----------
@@ -147,7 +147,7 @@ class AreaSection(QWidget):
         column.addWidget(self.target)
 
     def show_settings(self, state: State) -> None:
-        """Show the document's settings."""
+        """Show the area target of the document."""
         document = state.document
         method = document.settings.traits
         optional = method.may_keep_total_area
@@ -160,7 +160,7 @@ class AreaSection(QWidget):
         self.target.show_value(document.settings.area)
 
     def show_readings(self, state: State, unit: Unit, targets_changed: bool) -> None:
-        """Show the shape's area; ``targets_changed`` after a change of the targets."""
+        """Show the shape's area; ``targets_changed`` clears an outdated warning."""
         frame, missed = state.frame, state.has_unmet_target
         self.percent.setText(readings.area_percent(state))
         self.verdict.setText(readings.area_verdict(state))
@@ -172,11 +172,11 @@ class AreaSection(QWidget):
             self.unreached.setText(frame.unreached)
             self.unreached.show()
         elif frame.settled or not missed or targets_changed:
-            # It stays while the solver works: otherwise it would flicker at every step of a drag.
+            # The warning stays while the solver works: otherwise it would flicker at every step of a drag.
             self.unreached.hide()
 
     def show_preview(self, compiled: float) -> None:
-        """Say that no shape has come yet, and how much is compiled so far."""
+        """Show that there is no solved shape yet, and the compiled fraction."""
         for reading in (self.percent, self.local_change):
             reading.setText(readings.NO_VALUE)
         self.verdict.setText(tr("A preview: no area is kept yet."))
@@ -205,7 +205,7 @@ _VOLUME_TIP = tr("Target of the enclosed volume, in percent of the rest volume")
 
 
 class VolumeSection(Section):
-    """Volume reading, and a target behind a switch.
+    """Volume, with an optional target enabled by a check box.
 
     Attributes
     ----------
@@ -233,7 +233,7 @@ class VolumeSection(Section):
         self.column.addWidget(self.target)
         self.column.addWidget(self.disabled_note)
         for later in (self.target.field, self.target.slider, self.disabled_note):
-            later.hide()  # until a volume can be kept
+            later.hide()  # shown once the volume can be kept
         self.keep.toggled.connect(lambda on: self.target_changed.emit(self.target.value if on else None))
 
     def _add_contact(self) -> None:
@@ -258,7 +258,7 @@ class VolumeSection(Section):
             grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
             grid.addWidget(values[-1], row, 1, Qt.AlignmentFlag.AlignRight)
         self.pairs, self.least_gap, self.share = values
-        self._contact.hide()  # until contact is on
+        self._contact.hide()  # shown once contact is on
         self.column.addWidget(self._contact)
 
     def set_theme(self, theme: Theme) -> None:
@@ -269,11 +269,11 @@ class VolumeSection(Section):
 
     @property
     def change(self) -> str:
-        """The change of the volume, in words."""
+        """Change of the volume, as text."""
         return self.heading.reading
 
     def show_settings(self, state: State) -> None:
-        """Show the target, or the reason for a missing volume."""
+        """Show the volume target, or why the volume cannot be kept."""
         document, inspection = state.document, state.inspection
         why = "" if inspection.volume else tr("Only a closed surface has a volume to keep.")
         if document.settings.traits.keeps_only_total_area and not why:
@@ -293,7 +293,7 @@ class VolumeSection(Section):
         self.target.show_value(100.0 if document.settings.volume is None else document.settings.volume)
 
     def show_readings(self, state: State, unit: Unit) -> None:
-        """Show the shape's volume; an open surface's with capped openings."""
+        """Show the shape's volume; openings of an open surface are capped."""
         said = readings.volume(state, unit)
         self.heading.show_reading(said.change)
         self.volume.setText(said.volumes)
@@ -306,27 +306,27 @@ class VolumeSection(Section):
         self._contact.setVisible(state.is_contact_active)
 
     def show_preview(self) -> None:
-        """Say nothing of a shape that has not come yet."""
+        """Show no volume while the shape is only a preview."""
         self.heading.show_reading("")
         for label in (self.volume, self.litres):
             label.setText(readings.NO_VALUE)
 
     def show_check(self, state: State, check: ShapeCheck | None, under_way: bool) -> None:
-        """Show the self-intersections of a state as far as known."""
+        """Show the self-intersections of a state, as far as known."""
         if check is not None:
             count = None if check.crossing is None else len(check.crossing)
             self.crossings.show_count(count, state.is_contact_active)
         elif under_way and not state.is_safe_from_crossing:
             self.crossings.show_checking()
         else:
-            self.crossings.show_moving(state.is_safe_from_crossing)
+            self.crossings.show_pending(state.is_safe_from_crossing)
 
 
 _KEPT_APART = tr("Contact keeps walls apart: no triangles intersect, and the volume counts nothing twice")
 
 
 class CrossingsButton(QToolButton):
-    """Line under the volume about self-intersections; empty if there are none."""
+    """Line on self-intersections below the volume; a click shows any found."""
 
     def __init__(self) -> None:
         super().__init__(
@@ -334,10 +334,10 @@ class CrossingsButton(QToolButton):
         )
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self._theme, self._symbol = LIGHT, ""
-        self.show_moving()
+        self.show_pending()
 
-    def show_moving(self, cannot_cross: bool = False) -> None:
-        """The shape is on its way to somewhere else, kept from crossing itself or not."""
+    def show_pending(self, cannot_cross: bool = False) -> None:
+        """Show that checking waits for the shape to stop, or that contact rules it out."""
         if cannot_cross:
             self._say(tr("no self-intersections"), _KEPT_APART, "sound")
             return
@@ -345,7 +345,7 @@ class CrossingsButton(QToolButton):
         self._say(tr("self-intersections: checked when it stops"), tip)
 
     def show_checking(self) -> None:
-        """It is being found out."""
+        """Show that a check for self-intersections is in progress."""
         self._say(tr("checking for self-intersections…"), tr("Checking whether triangles intersect"))
 
     def show_count(self, triangles: int | None, kept_apart: bool = False) -> None:
@@ -391,7 +391,7 @@ class CrossingsButton(QToolButton):
             self.setIcon(icon("warning", replace(theme, ink=theme.warm, on_accent=theme.warm)))
         elif self._symbol:
             self.setIcon(icon(self._symbol, replace(theme, faint=theme.quiet)))
-        else:  # an unknown state has no icon, but its text is aligned as if it had one
+        else:  # a transparent icon aligns the text of an unknown state with the others
             nothing = QPixmap(self.iconSize())
             nothing.fill(Qt.GlobalColor.transparent)
             self.setIcon(QIcon(nothing))

@@ -31,7 +31,7 @@ _ELSEWHERE = ("stiffness", "thickness")
 
 
 class MethodSection(Section):
-    """The picker and the settings.
+    """Choice of the method, and its settings.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class MethodSection(Section):
         self._add_row(name, field_row(setting.title, field))
 
     def _add_row(self, name: str, row: QWidget) -> None:
-        row.hide()  # until a method uses it
+        row.hide()  # shown once the chosen method uses it
         self._rows[name] = row
         self.column.addWidget(row)
 
@@ -143,17 +143,17 @@ class MethodSection(Section):
         self._gives_up.setText(method.gives_up_sentence)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the parts beyond the style sheet's reach."""
+        """Apply the theme to the parts not covered by the style sheet."""
         super().set_theme(theme)
         self.stiffness.set_theme(theme)
         self.convergence.set_theme(theme)
 
 
-_LEAST = 1e-15  # of a tolerance: rounding
+_LEAST = 1e-15  # smallest tolerance: about the rounding error
 
 
 class ConvergenceFields(QWidget):
-    """Heading, folded at first, and the fields that apply to the method.
+    """Folding heading, and the convergence criteria applicable to the method.
 
     Attributes
     ----------
@@ -211,7 +211,7 @@ class ConvergenceFields(QWidget):
         self.chosen.emit(Convergence(int(most), energy, step))
 
     def show_settings(self, document: Document) -> None:
-        """Show the criteria that apply to the method."""
+        """Show the convergence criteria applicable to the method."""
         shown, plain = document.settings.convergence, document.settings.traits.is_plain_only
         self._rows[self.energy].setVisible(not plain)
         self._rows[self.step].setVisible(plain)
@@ -221,7 +221,7 @@ class ConvergenceFields(QWidget):
         self.heading.show_reading("" if shown == DEFAULT_CONVERGENCE else tr("changed"), only_folded=True)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the heading."""
+        """Apply the theme to the heading."""
         self.heading.set_theme(theme)
 
 
@@ -232,7 +232,7 @@ def _tolerance(name: str, tip: str) -> NumberField:
 
 
 def field_row(title: str, field: NumberField) -> QWidget:
-    """Row with the title at the left and the field at the right."""
+    """Row with a title on the left and a field on the right."""
     row = QWidget()
     line = QHBoxLayout(row)
     line.setContentsMargins(0, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""Side panel: area, volume, handles, method, measurements, paint."""
+"""Side panel: area, volume, handles, method, measurements and paint."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from apd_viewer.ui.panel.method_section import MethodSection
 from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
 from apd_viewer.ui.panel.size_section import SizeSection
 from apd_viewer.ui.posing.pose_section import PoseSection
-from apd_viewer.ui.preferences.shortcuts import show_keys_in_tip
+from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
 from apd_viewer.ui.target.target_section import TargetSection
 from apd_viewer.ui.widgets.folding_section import Section
 from apd_viewer.ui.widgets.part_row import PartButtons, Swatch
@@ -33,12 +33,12 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.session.state_store import StateStore
 
-_WIDTH = 324  # a region with a target fits: rows that come later must not move the view
+_WIDTH = 324  # fits a region with a target, so that adding one does not resize the view
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
 class PaintSection(Section):
-    """Vertex counts of base, handles and free.
+    """Counts of base, handle and free vertices.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class PaintSection(Section):
         self.column.addWidget(self.clear_all)
 
     def show_settings(self, document: Document) -> None:
-        """Show the vertex counts of base, handles and free."""
+        """Show the counts of base, handle and free vertices."""
         counts = document.label_counts
         for field, count in zip(
             self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
@@ -88,7 +88,7 @@ class PaintSection(Section):
 
 
 class Panel(QScrollArea):
-    """Side panel of readings and settings.
+    """Side panel of readings and settings, in sections.
 
     Attributes
     ----------
@@ -112,8 +112,8 @@ class Panel(QScrollArea):
         self.measure = MeasureSection()
         self.target = TargetSection()
         self.paint = PaintSection()
-        # What is used all the time first: the handles are seen without scrolling in a small window.
-        # Each under the name that its state is kept by, which no language and no other title changes.
+        # Most used sections first: the handles are visible without scrolling in a small window.
+        # The keys identify the sections in the settings, independent of language and titles.
         self._named: dict[str, Section] = {
             "Volume": self.volume,
             "Size and mass": self.measures,
@@ -139,33 +139,33 @@ class Panel(QScrollArea):
 
     @property
     def sections(self) -> tuple[Section, ...]:
-        """All foldable sections, from top to bottom."""
+        """All folding sections, from top to bottom."""
         return tuple(self._named.values())
 
     @property
     def slider_fields(self) -> tuple[SliderField, ...]:
-        """All values with a slider."""
+        """All fields with a slider."""
         return self.area.target, self.volume.target, self.method.stiffness, self.handles.falloff
 
     def minimumSizeHint(self) -> QSize:
-        """Width of the widest line: nothing is cut off at the side."""
+        """Width of the widest line, so that nothing is cut off."""
         body, edge = self.widget(), self.contentsMargins()
         bar = self.verticalScrollBar().sizeHint().width() + edge.left() + edge.right()
         lines = body.minimumSizeHint().width() + bar if body else 0
         return QSize(max(_WIDTH, lines), super().minimumSizeHint().height())
 
     def sizeHint(self) -> QSize:
-        """No wider than it must be."""
+        """Preferred size, as narrow as the minimum."""
         return QSize(self.minimumSizeHint().width(), super().sizeHint().height())
 
     def changeEvent(self, event: QEvent) -> None:
-        """Ask for another width once the letters have grown."""
+        """Update the size hint after a change of font or style."""
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             QTimer.singleShot(0, self, self.updateGeometry)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
-        """Refresh the readings changed between two states, and the active parts."""
+        """Update the readings changed between two states, and the active parts."""
         asked_anew = old is None or old.document is not new.document
         if asked_anew:
             self.area.show_settings(new)
@@ -191,7 +191,7 @@ class Panel(QScrollArea):
 
     @property
     def unit(self) -> Unit:
-        """Unit of the readings, applied with the next state shown."""
+        """Unit of the readings, applied when the next state is shown."""
         return self._unit
 
     @unit.setter
@@ -200,7 +200,7 @@ class Panel(QScrollArea):
         self.area.unit.show_unit(unit)
 
     def show_in_unit(self, unit: Unit, state: State, handle: int, region: int) -> None:
-        """Show the readings of the state in another unit."""
+        """Show the readings of a state in another unit."""
         self.unit = unit
         self.show_parts(state, handle, region)
         self._show_readings(state, handle, asked_anew=False)
@@ -211,17 +211,17 @@ class Panel(QScrollArea):
         self.regions.show_settings(state, region)
 
     def cancel_slider_drag(self) -> bool:
-        """Cancel the slider being dragged; True if there was one."""
+        """Cancel a slider drag in progress; True if there was one."""
         return any(dial.slider.cancel_drag() for dial in self.slider_fields)
 
     def show_keys_in_tips(self, add_handle: QAction, reset_handle: QAction, add_region: QAction) -> None:
-        """Name the shortcuts of equivalent actions in the buttons' tips."""
-        show_keys_in_tip(self.handles.add, add_handle)
-        show_keys_in_tip(self.handles.reset_handle, reset_handle)
-        show_keys_in_tip(self.regions.add, add_region)
+        """Add the shortcuts of equivalent actions to the buttons' tooltips."""
+        show_shortcut_in_tooltip(self.handles.add, add_handle)
+        show_shortcut_in_tooltip(self.handles.reset_handle, reset_handle)
+        show_shortcut_in_tooltip(self.regions.add, add_region)
 
     def show_status(self, session: Session) -> None:
-        """Show the solver's activity and enable the possible controls."""
+        """Show the solver's activity and enable the applicable controls."""
         state = session.store.state
         self.setEnabled(state is not None)
         self.handles.reset_all.setEnabled(state is not None and not state.is_at_rest)
@@ -232,7 +232,7 @@ class Panel(QScrollArea):
             self._show_preview(state, session.store)
 
     def _show_preview(self, state: State, store: StateStore) -> None:
-        """Claim neither area nor volume while there is only a preview of the shape."""
+        """Hide area and volume while the shape is only a preview."""
         if store.is_previewing:
             self.area.show_preview(store.compiled_share or 0.0)
             self.volume.show_preview()
@@ -256,12 +256,12 @@ class Panel(QScrollArea):
 
     @folded_sections.setter
     def folded_sections(self, names: list[str]) -> None:
-        titles = set(names) - set(self._named)  # settings of before have them in the language of that time
+        titles = set(names) - set(self._named)  # older settings contain translated titles
         for name, section in self._named.items():
             section.is_folded = name in names or bool(titles and titles & translations(name))
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the parts beyond the style sheet's reach."""
+        """Apply the theme to the parts not covered by the style sheet."""
         self.area.set_theme(theme)
         for section in self.sections:
             section.set_theme(theme)

@@ -28,7 +28,7 @@ _DRIFT = tr("Distance between a handle and the position you gave it; the largest
 
 
 class HandleSection(Section):
-    """The handles: how far each was moved and turned, and how far they drifted.
+    """Handles with their displacement and rotation, and their drift.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class HandleSection(Section):
         return PartRow("handle", name, color, details)
 
     def show_settings(self, state: State, unit: Unit, active: int) -> None:
-        """Show the handles, and how the active one was moved."""
+        """Show the handles, and the motion of the active one."""
         document = state.document
         self.list.show_names([handle.name for handle in document.handles], active)
         for k, row in enumerate(self.list.rows):
@@ -125,13 +125,13 @@ class HandleSection(Section):
         self.heading.show_reading(f"{len(document.handles)}", only_folded=True)
 
     def show_check(self, state: State, check: ShapeCheck | None) -> None:
-        """Show signs of the surface passing through itself, as far as known."""
+        """Show warnings of self-intersection, as far as known."""
         lost = self_passing_warnings(state, check)
         self.crossing_signs.setText("\n".join(lost))
         self.crossing_signs.setVisible(bool(lost))
 
     def show_readings(self, state: State, unit: Unit, active: int) -> None:
-        """Show the handles' drift from their targets, and how far the active one has come."""
+        """Show the largest drift from the targets, and the active handle's motion."""
         self.drift.setText(readings.drift(state, unit))
         self._show_motion(state, unit, active)
 
@@ -185,7 +185,7 @@ class RegionSection(Section):
         return row
 
     def show_settings(self, state: State, active: int) -> None:
-        """Show the regions and their targets."""
+        """Show the regions and their area targets."""
         document = state.document
         regions, only_measured = document.regions, document.settings.traits.keeps_only_total_area
         self.list.show_names([region.name for region in regions], active)
@@ -211,7 +211,7 @@ class RegionSection(Section):
 
 
 class RegionTargetField(QWidget):
-    """Area target of a region: free, or a percentage of its rest area.
+    """Area target of a region: free, or a percentage of the rest area.
 
     Attributes
     ----------
@@ -237,7 +237,7 @@ class RegionTargetField(QWidget):
         self.field.valueChanged.connect(lambda percent: self.target_changed.emit(percent))
 
     def show_target(self, percent: float | None, possible: bool) -> None:
-        """Show the target, enabled if ``possible``."""
+        """Show the area target, enabled if ``possible``."""
         self.setEnabled(possible)
         self.box.blockSignals(True)
         self.box.setChecked(percent is not None)

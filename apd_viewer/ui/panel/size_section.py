@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class SizeSection(Section):
-    """Table of readings, and two fields for the wall.
+    """Table of dimensions and mass, and fields for wall thickness and density.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class SizeSection(Section):
         return reading
 
     def _rows(self, title: str, tip: str) -> tuple[QLabel, QLabel]:
-        """A reading, and by how much it has changed."""
+        """Labels of a reading and of its change from rest."""
         reading = self._row(title, tip)
         name = tr("{title}, change").format(title=title)
         change = QLabel("", objectName="quiet", accessibleName=name, alignment=Qt.AlignmentFlag.AlignRight)
@@ -120,11 +120,11 @@ class SizeSection(Section):
 
     @property
     def wall(self) -> WallText:
-        """Wall as typed."""
+        """Wall thickness and density as typed."""
         return WallText(self.thickness.text(), self.density.text())
 
     def show_wall(self, wall: WallText) -> None:
-        """Show the wall of another mesh."""
+        """Show the wall thickness and density of another mesh."""
         self.thickness.setText(wall.thickness)
         self.density.setText(wall.density)
         self._typed = wall
@@ -137,7 +137,7 @@ class SizeSection(Section):
             self.wall_entered.emit(self.wall)
 
     def show_readings(self, state: State, unit: Unit) -> None:
-        """Show compactness and mass of a frame."""
+        """Show compactness and mass of a state's shape."""
         self._area, self._material = state.frame.area, readings.material_volume(state)
         said = readings.double_wall(state, unit)
         self.two_walls.setText(said)
@@ -152,7 +152,7 @@ class SizeSection(Section):
         self._show_mass()
 
     def show_check(self, check: ShapeCheck | None, at_rest: ShapeCheck | None) -> None:
-        """Show the results of a shape check; None while unknown."""
+        """Show the bounding boxes from a shape check; None while unknown."""
         self._found, self._at_rest = check, at_rest
         self._show_boxes()
 

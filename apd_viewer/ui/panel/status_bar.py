@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.session.state_store import Activity
 
-# Values of Activity, whose module loads too much for the first picture.
+# Values of Activity, not imported here: its module would delay the first frame.
 _SOLVING, _PAUSED = "refining", "paused"
 
 
 class StatusBar(QStatusBar):
-    """Hint at the left; job, progress, pace, size and findings at the right.
+    """Hint on the left; job, progress, pace, mesh size and findings on the right.
 
     Parameters
     ----------
@@ -68,12 +68,12 @@ class StatusBar(QStatusBar):
         self.pause.clicked.connect(self._press_pause)
         self._silence = ""
         policy = self.pause.sizePolicy()
-        policy.setRetainSizeWhenHidden(True)  # every drag shows it, and nothing is to jump
+        policy.setRetainSizeWhenHidden(True)  # keeps its space, so that nothing moves at every drag
         self.pause.setSizePolicy(policy)
         self.compiling = CompilingProgress()
         self.progress = ConvergenceProgress(is_waiting=self.compiling.isVisible)
         self._job, self._pace, self.extent = QLabel(), ElidedLabel(), QLabel()
-        # It shrinks first: it may be elided, and its tooltip is complete.
+        # Gives way first: it may be elided, as its tooltip has the full text.
         self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.addWidget(self.words, 1)
         for widget in (
@@ -87,7 +87,7 @@ class StatusBar(QStatusBar):
             badge,
         ):
             self.addPermanentWidget(widget)
-        # In words: a busy indicator would have the whole window composed 60 times a second.
+        # Text only: an animated indicator would redraw the whole window 60 times a second.
         self._job.setText(tr("Starting…"))
         self._cancel.hide()
         self.pause.hide()
@@ -97,7 +97,7 @@ class StatusBar(QStatusBar):
         self.words.show_text(text)
 
     def show_brush_size(self, brush: BrushSize, unit: Unit) -> None:
-        """Tell for a moment how large the brush is."""
+        """Show the brush size for a moment."""
         size = (
             f"{brush.radius:.0f} px"
             if brush.length is None
@@ -106,7 +106,7 @@ class StatusBar(QStatusBar):
         self.showMessage(tr("Brush {size}").format(size=size), 1500)
 
     def show_edge_angle(self, degrees: float) -> None:
-        """Tell for a moment at which edges a fill stops."""
+        """Show the edge angle limiting a fill for a moment."""
         self.showMessage(tr("Edge angle {angle:g}°").format(angle=degrees), 1500)
 
     def show_session(self, session: Session) -> None:
@@ -124,7 +124,7 @@ class StatusBar(QStatusBar):
         self.progress.follow(state.frame if state else None, activity.value == _SOLVING)
         iteration = state.frame.iteration if state else 0
         pace = 1e3 * session.store.seconds_per_iteration
-        # A shape that was opened or restored came without iterations here.
+        # Without a pace: an opened or restored shape was not iterated in this window.
         measured = tr("iteration {iteration:,}, {pace:.1f} ms per iteration")
         words = measured if pace else tr("iteration {iteration:,}")
         self._pace.show_text(words.format(iteration=iteration, pace=pace) if iteration else "")
@@ -150,7 +150,7 @@ def _vertices(state: State) -> str:
 
 
 def _extent(state: State, unit: Unit) -> str:
-    """Face count and extents along x, y and z, in words."""
+    """Vertex and face counts, and extents along x, y and z, as text."""
     found = state.inspection
     size = unit.format_length(" × ".join(format_short(extent) for extent in found.size))
     return tr("{vertices:,} vertices, {faces:,} faces; {size} at rest").format(
@@ -162,7 +162,7 @@ _WIDTH = 88
 
 
 class CompilingProgress(QWidget):
-    """A thin bar, shown while the solver compiles."""
+    """Thin bar shown while kernels are being compiled."""
 
     def __init__(self) -> None:
         super().__init__(toolTip=tr("The first shapes may wait for it; at later starts nothing does."))
@@ -175,20 +175,20 @@ class CompilingProgress(QWidget):
         self.hide()
 
     def follow(self, share: float | None) -> None:
-        """Show the share of the kernels compiled so far, if that is known, until it is 1."""
+        """Show the fraction of kernels compiled; hide if None or 1."""
         self.setVisible(share is not None and share < 1.0)
         if share is not None:
             self.bar.show_share(share)
 
 
-# What converges sooner needs no progress; and while a handle is dragged the solver begins anew all the time.
+# Faster convergence needs no progress bar; during a drag of a handle the solver restarts constantly.
 _PATIENCE = 2.0  # s
-_TICK = 500  # ms; the time goes on while no frame comes
+_TICK = 500  # ms; updates the time left even without new frames
 _UNKNOWN, _SEARCHING = tr("estimating the time left…"), tr("looking for a lower energy…")
 
 
 class ConvergenceProgress(QWidget):
-    """A thin bar with the time left, shown when the solver works for longer.
+    """Thin bar with the time left, shown if the solver takes longer than 2 s.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ class ConvergenceProgress(QWidget):
         self.hide()
 
     def follow(self, frame: Frame | None, solving: bool) -> None:
-        """Follow the frames of a solver; ``solving`` says whether it works."""
+        """Update from a solver's frame; ``solving`` is True while it works."""
         if not solving or frame is None:
             self._forecast = self._frame = None
             self._timer.stop()
@@ -226,7 +226,7 @@ class ConvergenceProgress(QWidget):
             return
         now = self._clock()
         if self._forecast is None or (frame is not self._frame and frame.iteration <= self._iteration):
-            # The shape on screen is that of an earlier motion until the first iteration.
+            # Until the first iteration, the shape on screen belongs to the previous motion.
             self._forecast, self._iteration = TimeLeftEstimate(now), 0
             self._timer.start()
         elif frame is not self._frame:
@@ -241,6 +241,6 @@ class ConvergenceProgress(QWidget):
         assert self._frame is not None
         gap, left = self._frame.gap, forecast.seconds_left(now)
         rests = self._iteration > 0 and gap is not None and gap <= 1.0
-        self.bar.show_share(1.0 if rests else forecast.share_passed(now))
+        self.bar.show_share(1.0 if rests else forecast.elapsed_fraction(now))
         self.words.setText(_SEARCHING if rests else _UNKNOWN if left is None else time_left_text(left))
         self.setVisible(now - forecast.start_moment >= _PATIENCE and not self._waits())

@@ -1,4 +1,4 @@
-"""Measurements of size and wall, kept in step with panel and preferences."""
+"""Controller of shape checks and walls in panel, findings and preferences."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from apd_viewer.ui.preferences.preferences import Preferences, user_file
 
 
 class VolumeController(QObject):
-    """Synchronises panel, findings and preferences with the shape checks.
+    """Synchronizes panel, findings and preferences with the shape checks.
 
     What the surface is made of is remembered with its file; of samples, and of meshes that have no file, only
     as long as the mesh is there.
@@ -57,10 +57,10 @@ class VolumeController(QObject):
         panel.measures.wall_entered.connect(self._type)
         panel.measures.wall_entered.connect(self.update_wall_distance)
         panel.method.contact_chosen.connect(self._keep_apart)
-        panel.volume.crossings.clicked.connect(findings.open_at_last)
+        panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
 
     def show_check(self) -> None:
-        """Show the current results for the shape on screen."""
+        """Show the latest check results of the shape on screen."""
         if (state := self._session.store.state) is None:
             return
         checks, mesh = self._session.shape_checks, state.document.mesh
@@ -76,8 +76,8 @@ class VolumeController(QObject):
         crossing = crossing_findings(mesh, found.crossing) if found is not None else ()
         self._health.show_shape_findings((*exempt, *crossing))
 
-    def show_wall_of(self, mesh: Mesh) -> None:
-        """Another mesh is open."""
+    def show_mesh_wall(self, mesh: Mesh) -> None:
+        """Show the remembered wall thickness and density of an opened mesh."""
         if mesh not in self._walls:
             path = user_file(mesh)
             known = {} if path is None else self._memory.walls
@@ -85,7 +85,7 @@ class VolumeController(QObject):
         self._panel.measures.show_wall(self._walls[mesh])
 
     def follow(self, old: State | None, new: State) -> None:
-        """Follow another document: contact turned on or off, another distance of walls."""
+        """Update checks and wall fields after changes of contact or wall thickness."""
         if old is None or old.document.mesh is not new.document.mesh:
             return
         if (old.is_contact_active, old.is_safe_from_crossing) != (
@@ -102,8 +102,8 @@ class VolumeController(QObject):
             self._type(wall)
 
     def restore_view(self, view: View) -> None:
-        """Apply wall and overlay of a session's view; missing ones change nothing."""
-        # A later version may have overlays unknown here.
+        """Apply wall and overlay of a session's view; missing values have no effect."""
+        # Sessions of later versions may name overlays unknown to this one.
         measure = next((measure for measure in Measure if measure.value == view.overlay), None)
         if measure is not self._heat.measure and (measure is not None or view.overlay == ""):
             self._heat.choose_measure(measure)
@@ -112,7 +112,7 @@ class VolumeController(QObject):
             self._panel.measures.show_wall(view.wall)
 
     def with_wall_and_overlay(self, view: View) -> View:
-        """The view with the wall and the overlay added."""
+        """Copy of a view with the current wall and overlay added."""
         measure = self._heat.measure
         overlay = "" if measure is None else measure.value
         return replace(view, wall=self._panel.measures.wall, overlay=overlay)
@@ -127,7 +127,7 @@ class VolumeController(QObject):
             self._memory.remember_wall(path, wall)
 
     def update_wall_distance(self) -> None:
-        """Keep walls apart by another thickness or in another unit, if contact is on."""
+        """Update the contact distance to the wall thickness, if contact is on."""
         state = self._session.store.state
         thickness = self._panel.measures.wall.usable_thickness(self._session.store.unit)
         if (
@@ -138,11 +138,11 @@ class VolumeController(QObject):
             self._keep_apart(True)
 
     def wall_thickness(self) -> float | None:
-        """Thickness of the walls as typed, mesh units; None without."""
+        """Typed wall thickness in mesh units; None without one."""
         return self._panel.measures.wall.usable_thickness(self._session.store.unit)
 
     def _keep_apart(self, on: bool) -> None:
-        """Keep walls apart by their thickness, or let them pass."""
+        """Turn contact on, at the distance of the wall thickness, or off."""
         wall, unit = self._panel.measures.wall, self._session.store.unit
         thickness = wall.usable_thickness(unit)
         self._texts[thickness] = wall.thickness

@@ -1,1 +1,1 @@
-"""Live charts."""
+"""Live charts of the gesture and the deformed shape."""

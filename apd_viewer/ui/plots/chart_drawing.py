@@ -1,4 +1,4 @@
-"""Contents of a chart, and their drawing, on a screen as in a file.
+"""Contents of charts, and their drawing on the screen and in files.
 
 They are drawn by hand: docs/architecture.md says what pyqtgraph costs.
 """
@@ -18,7 +18,7 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme
 # Pixels.
 _PAD = 8.0
 _GAP = 6.0
-_ROW = 1.25  # heights of a line of text
+_ROW = 1.25  # height of a text row, in line heights of the font
 _BETWEEN_X, _BETWEEN_Y = 64.0, 26.0
 
 
@@ -79,7 +79,7 @@ def _draw_words(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, row
 
 
 class ChartArea:
-    """The field between two axes, and its contents."""
+    """Plot area between two axes, with its contents."""
 
     def __init__(
         self, painter: QPainter, rect: QRectF, x: Axis, y: Axis, theme: Theme, metrics: QFontMetricsF
@@ -110,7 +110,7 @@ class ChartArea:
             draw_dots(self._painter, chart.dots, self.pixel_positions, self._theme)
 
     def pixel_positions(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Points (n, 2) on the axes in pixels."""
+        """Pixel positions (n, 2) of points in chart coordinates."""
         return np.column_stack([self._at_x(x), self._at_y(y)])
 
     def _at_x(self, x: np.ndarray) -> np.ndarray:
@@ -139,7 +139,7 @@ class ChartArea:
             painter.setPen(words)
             start = field.left() - _GAP - metrics.horizontalAdvance(text)
             painter.drawText(QPointF(start, y + 0.35 * metrics.ascent()), text)
-        baseline = field.bottom() + _GAP + metrics.ascent()  # clear of the lowest figure at the left
+        baseline = field.bottom() + _GAP + metrics.ascent()  # below the lowest label of the y axis
         painter.setPen(words)
         for place, text in self._x_ticks:
             x, half = self._x_of(place), 0.5 * metrics.horizontalAdvance(text)
@@ -162,7 +162,7 @@ class ChartArea:
         self._painter.setPen(self._dashed(mark))
         self._painter.drawLine(QPointF(x, self._field.top()), QPointF(x, self._field.bottom()))
         width = self._metrics.horizontalAdvance(mark.text)
-        # Above the field, where no curve is.
+        # Draw the text above the plot area, clear of the curves.
         start = max(self._field.left(), min(x - width / 2, self._field.right() - width))
         place = QPointF(start, self._field.top() - _GAP / 2)
         self._painter.setPen(QColor(self._theme.quiet))
@@ -186,7 +186,7 @@ class ChartArea:
         x, y = self._at_x(curve.x), self._at_y(np.where(known, curve.y, self._y.low))
         ends = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]))).reshape(-1, 2)
         for first, last in ends.tolist():
-            # Points in the same half of a pixel would make the line uneven. The latest is always there.
+            # Points that share a half-pixel cell would make the line uneven; the last point is always kept.
             cells = np.round(2.0 * np.column_stack([x[first:last], y[first:last]]))
             leaves = np.append((cells[1:] != cells[:-1]).any(axis=1), True)
             leaves[0] = True
@@ -199,11 +199,11 @@ PixelPositions = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 # Pixels.
 DOT_RADIUS = 4.0
-_HALF = 5.0  # side of the stamp of a dot
+_HALF = 5.0  # half the side of a dot's pixmap
 _RING = 7.0
 _CROSS = 3.5
 _BAR, _TICK_ROOM = 10.0, 26.0
-_RIM = 90  # opacity of 255: dots of the lightest colour stay visible, and heaps stay countable
+_RIM = 90  # rim opacity out of 255: keeps light dots visible and overlapping dots countable
 
 
 def theme_color(theme: Theme, color: str) -> QColor:
@@ -212,7 +212,7 @@ def theme_color(theme: Theme, color: str) -> QColor:
 
 
 def draw_dots(painter: QPainter, dots: Dots, pixel_positions: PixelPositions, theme: Theme) -> None:
-    """Draw dots and crosses.
+    """Draw the dots, and crosses for cases without a result.
 
     A dot is a stamp at whole pixels: 10,000 take 6 ms, and as ellipses 44.
     """
@@ -233,7 +233,7 @@ def draw_dots(painter: QPainter, dots: Dots, pixel_positions: PixelPositions, th
 def draw_rings(
     painter: QPainter, dots: Dots, rings: Mapping[int, str], pixel_positions: PixelPositions, theme: Theme
 ) -> None:
-    """Draw rings of these colours around dots, and these above the others."""
+    """Draw coloured rings around marked dots, and redraw these dots on top."""
     painter.save()
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     scale = painter.device().devicePixelRatioF()
@@ -248,12 +248,12 @@ def draw_rings(
 
 
 def _at_pixels(at: np.ndarray, scale: float) -> np.ndarray:
-    """Points (n, 2) moved to whole pixels of a screen of this scale."""
+    """Points (n, 2) rounded to device pixels at a given scale."""
     return np.asarray(np.rint(scale * at) / scale)
 
 
 def _stamp(color: str, scale: float, theme: Theme) -> QPixmap:
-    """Picture of a dot for a screen of this scale."""
+    """Pixmap of a dot at a given device pixel ratio."""
     stamp = QPixmap(QSize(round(2 * _HALF * scale), round(2 * _HALF * scale)))
     stamp.setDevicePixelRatio(scale)
     stamp.fill(Qt.GlobalColor.transparent)
@@ -276,7 +276,7 @@ def _rim(theme: Theme) -> QColor:
 def draw_color_bar(
     painter: QPainter, rect: QRectF, color_bar: ColorBar, theme: Theme, metrics: QFontMetricsF
 ) -> QRectF:
-    """Draw a scale of colours at the right of a room; return what is left of the room."""
+    """Draw a colour bar at the right of ``rect``; return the remaining rectangle."""
     bar = rect.adjusted(0.0, metrics.height(), 0.0, -metrics.height() - 1.5 * _GAP)
     ticks = color_bar.axis.ticks(max(1, int(bar.height() / _TICK_ROOM)))
     widest = max((metrics.horizontalAdvance(text) for _, text in ticks), default=0.0)
@@ -300,7 +300,7 @@ def draw_color_bar(
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A line through points on the axes, in a colour of the theme or #rrggbb.
+    """Polyline in chart coordinates, in a theme colour or #rrggbb.
 
     It is broken where ``y`` is not finite.
     """
@@ -322,7 +322,7 @@ class Bars:
 
 @dataclass(frozen=True, eq=False)
 class Dots:
-    """Points on the axes, each in a colour of its own.
+    """Scatter points in chart coordinates, each with its own colour.
 
     Attributes
     ----------
@@ -342,7 +342,7 @@ class Dots:
 
 @dataclass(frozen=True)
 class ColorBar:
-    """Scale of the colours of dots, beside the chart."""
+    """Colour scale of the dots, beside the chart."""
 
     axis: Axis
     colors: tuple[str, ...]
@@ -350,7 +350,7 @@ class ColorBar:
 
 @dataclass(frozen=True)
 class ReferenceLine:
-    """A dashed line across the chart at a place of an axis; text above upright ones."""
+    """Dashed line across the chart at an axis position; upright ones have text."""
 
     place: float
     text: str = ""

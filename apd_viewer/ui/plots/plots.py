@@ -41,11 +41,11 @@ from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
-_LOWEST = 140  # pixels, of a chart below another one
-_WIDE = 560  # pixels needed for the choosers in one row
-_AGAIN = 100  # ms
+_LOWEST = 140  # px: minimum height of a stacked chart
+_WIDE = 560  # px: width needed for the check boxes in one row
+_AGAIN = 100  # ms between checks of the compiling thread between checks of the compiling thread
 _HISTOGRAM = "ratio_from", "ratio_to", "share_of_rest_area"
-_FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # ratios of areas between which a file tells the shares
+_FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # area ratios that bound the bins of an exported histogram
 
 
 class ChartTexts(NamedTuple):
@@ -150,14 +150,14 @@ class Plots(QWidget):
         return menu
 
     def _offer(self) -> None:
-        """Offer to save the plots."""
+        """Enable the save actions with available data."""
         for action in self._pictures:
             action.setEnabled(any(not view.isHidden() for view in self.views.values()))
         self._numbers.setEnabled(len(self._store.trace) > 1)
         self._histogram.setEnabled(self._store.state is not None)
 
     def join_thread(self) -> None:
-        """Wait for compilation, which would crash at interpreter exit."""
+        """Wait for the compiling thread; at interpreter exit it would crash."""
         if self._loading.ident is not None:
             self._loading.join()
 
@@ -175,7 +175,7 @@ class Plots(QWidget):
             view.theme = theme
             view.update()
 
-    # Choosing
+    # Chart selection
 
     def _choose(self, names: tuple[str, ...] | list[str]) -> None:
         for name, button in self.choices.items():
@@ -198,11 +198,11 @@ class Plots(QWidget):
         return _SIZE
 
     def minimumSizeHint(self) -> QSize:
-        """Width of one chart: charts can be stacked."""
+        """Minimum size, as wide as one chart, since charts can be stacked."""
         return _SMALLEST
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Arrange the charts by the aspect of the dock."""
+        """Arrange the charts by the aspect ratio of the dock."""
         super().resizeEvent(event)
         self._turn(self.width() > max(_WIDE, self.height()))
 
@@ -217,11 +217,11 @@ class Plots(QWidget):
         self._head.addWidget(self.save, 0, len(self.choices) + 1)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Drop the shapes kept while visible."""
+        """Release the cached shape and its local area changes."""
         self._measured = None
         super().hideEvent(event)
 
-    # What is plotted
+    # Chart contents
 
     def _chart(self, name: str) -> Chart:
         """Current content of a chart."""
@@ -241,7 +241,7 @@ class Plots(QWidget):
         return reading_charts.local_change(self._local_change(state))
 
     def _ready(self) -> bool:
-        """True if the histogram is compiled; at first that takes seconds."""
+        """True if the histogram is compiled; the first call starts compiling."""
         if self._loading.ident is None:
             self._loading.start()
         if self._loading.is_alive():
@@ -251,13 +251,13 @@ class Plots(QWidget):
         return True
 
     def _local_change(self, state: State) -> LocalChange:
-        """Local area change of a state, computed once a shape."""
+        """Local area change of a state, cached per shape."""
         U, mesh = state.frame.U, state.document.mesh
         if self._measured is None or self._measured[0] is not U:
             self._measured = U, local_change(U, state.surface_index.F, triangle_areas(mesh.V, mesh.F))
         return self._measured[1]
 
-    # Saving
+    # Export
 
     def _ask(self, name: str, suffix: str, write: Callable[[Path], object]) -> None:
         state = self._store.state
@@ -273,7 +273,7 @@ class Plots(QWidget):
             self._notice.show_message(tr("Saved {name}.").format(name=path.name))
 
     def write_picture(self, path: Path) -> None:
-        """Write the charts as they are shown, on white, as PNG or SVG; raises InputError."""
+        """Write the visible charts on white as PNG or SVG; raises InputError."""
         views = [view for view in self.views.values() if not view.isHidden()]
         around = QRect()
         for view in views:
@@ -301,7 +301,7 @@ class Plots(QWidget):
 
 
 class ChartView(QWidget):
-    """Widget of a chart.
+    """Widget displaying a chart.
 
     Parameters
     ----------
@@ -317,7 +317,7 @@ class ChartView(QWidget):
 
     def __init__(self, words: ChartTexts, chart: Callable[[], Chart]) -> None:
         super().__init__(accessibleName=words.title, toolTip=words.tip)
-        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # or all that is below is drawn each time
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # otherwise Qt repaints widgets below
         self.chart = chart
         self.theme = LIGHT
         self.chart_area: ChartArea | None = None
@@ -330,17 +330,17 @@ class ChartView(QWidget):
         painter.end()
 
 
-_SCALE = 3  # pixels of a picture for each on the screen
+_SCALE = 3  # picture pixels for each pixel on the screen
 _PAPER = "#ffffff"
 
 
 def ask_where_to_save_plots(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
-    """Choose a target for plots; None if cancelled."""
+    """Ask for a path to save plots; None if cancelled."""
     return file_dialogs.ask_where_to_save(parent, tr("Save plots"), folder / f"{name}{suffix}")
 
 
 def write_drawing(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:
-    """Write a drawing as SVG or PNG on white, by the suffix.
+    """Write a drawing as SVG or as PNG on white, depending on the suffix.
 
     Raises
     ------
@@ -364,7 +364,7 @@ def write_drawing(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> 
 
 
 def svg_element(size: QSize, draw: Callable[[QPainter], None]) -> str:
-    """SVG element of a drawing, without background."""
+    """SVG element of a drawing, without a background."""
     content = QByteArray()
     buffer = QBuffer(content)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)

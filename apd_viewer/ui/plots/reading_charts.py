@@ -1,4 +1,4 @@
-"""Charts of the readings of a gesture and its shape."""
+"""Charts of readings along a gesture and of the current shape."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from apd_viewer.session.model.trace import Trace
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.plots.chart_drawing import Bars, Chart, Curve, ReferenceLine
 
-_ROUNDING = 1e-15  # less of an error is nothing but rounding
+_ROUNDING = 1e-15  # a smaller area error is only rounding
 _DEEPEST = 1e-4
-_ROUGHLY = 1e-2  # where the area has no target
-_BINS = 41  # odd: unchanged is one of them
-# How far a histogram reaches, in ratios of areas.
+_ROUGHLY = 1e-2  # stands in for the tolerance if the area has no target
+_BINS = 41  # odd, so that one bin is centred at no change
+# Candidate ends of a histogram axis, as area ratios.
 _REACHES = (1.001, 1.002, 1.005, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0, 16.0, 256.0, 1024.0)
-_SMALLEST = 0.02  # % of the area and the volume; changes smaller than that are drawn as such
+_SMALLEST = 0.02  # %: smallest range of the axis for area and volume, so tiny changes look tiny
 
 
 def area_error(state: State | None, trace: Trace) -> Chart:
@@ -44,7 +44,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
     if state is None or len(trace) < 2:
         return Chart(title, empty_text=tr("Move a handle to see the area error here."))
     limit, name = _accepted(state.document)
-    # Errors far below the tolerance are all the same to the reader.
+    # Clip errors far below the tolerance; their size is irrelevant to the reader.
     miss = np.maximum(trace["area_miss"], _DEEPEST * (limit or _ROUGHLY))
     reached = [float(miss.min()), float(miss.max()), *([limit] if limit else [])]
     now = float(trace["area_miss"][-1])
@@ -61,7 +61,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
 
 
 def _accepted(document: Document) -> tuple[float | None, str]:
-    """Tolerance of the area and its name; None if the area is free."""
+    """Area tolerance and its label; None if the area is free."""
     if kept_percentages(document)[0] is None:
         return None, ""
     if document.settings.traits.has_tolerance:
@@ -71,7 +71,7 @@ def _accepted(document: Document) -> tuple[float | None, str]:
 
 
 def energy(trace: Trace, unit: Unit) -> Chart:
-    """The energy along the gesture."""
+    """Chart of the energy along the gesture."""
     title = tr("Energy along the gesture")
     E = trace["energy"]
     known = E[np.isfinite(E)]
@@ -94,7 +94,7 @@ def energy(trace: Trace, unit: Unit) -> Chart:
 
 
 def area_and_volume(state: State | None, trace: Trace) -> Chart:
-    """Chart of area and volume along the gesture, against rest."""
+    """Chart of area and volume changes from rest along the gesture."""
     title = tr("Area and volume along the gesture")
     if state is None or len(trace) < 2:
         return Chart(title, empty_text=tr("Move a handle to see area and volume here."))
@@ -110,14 +110,14 @@ def area_and_volume(state: State | None, trace: Trace) -> Chart:
 
 
 def local_change(change: LocalChange | None, empty: str = "") -> Chart:
-    """Chart of the surface shares grown and shrunk."""
+    """Histogram of the surface by local area change."""
     title = tr("Local area change")
     if change is None:
         return Chart(title, empty_text=empty)
     reach = next((r for r in _REACHES if r - 1.0 >= 1.25 * change.p99), _REACHES[-1])
     x = ratio_axis(reach)
     edges = np.linspace(x.low, x.high, _BINS + 1)
-    # What lies beyond is in the outermost bars.
+    # The outermost bins include all values beyond the axis.
     shares = 100.0 * change.shares(np.concatenate([[-np.inf], edges[1:-1], [np.inf]]))
     said = (
         (tr("mean {percent} %").format(percent=_percent(change.mean)), "ink"),
@@ -133,13 +133,13 @@ def _seconds(trace: Trace) -> Axis:
 
 
 def _let_go(trace: Trace) -> tuple[ReferenceLine, ...]:
-    """Mark of the release, after which the shape converges."""
+    """Reference line at the end of the drag; convergence follows."""
     moment, last = trace.released_at, float(trace["seconds"][-1])
     return (ReferenceLine(moment, tr("released")),) if moment is not None and moment < last else ()
 
 
 def _percent(fraction: float) -> str:
-    """Fraction in percent, three digits, rounding shown as zero."""
+    """Fraction as percent text with three digits; rounding errors appear as 0."""
     percent = 100.0 * fraction
     if percent < 100.0 * _ROUNDING:
         return "0"

@@ -1,4 +1,4 @@
-"""View of a scatter plot: dots to be clicked, some of them marked."""
+"""Scatter plot widget with clickable, optionally marked dots."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from apd_viewer.language import tr
 from apd_viewer.ui.plots.chart_drawing import Chart, draw_chart, draw_rings
 from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 
-_NEAR = 10.0  # px
+_NEAR = 10.0  # px: largest distance of a click from its dot: largest distance of a click from its dot
 _LOWEST = QSize(200, 120)
 
 
 class ScatterView(ChartView):
-    """Chart with dots to be clicked.
+    """Chart widget with clickable dots.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class ScatterView(ChartView):
         self.setMinimumSize(_LOWEST)
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the rings above a picture of all the rest, which is kept."""
+        """Draw the rings over a cached pixmap of the chart."""
         chart, scale = self.chart(), self.devicePixelRatioF()
         made_of = chart, self.theme, self.size(), scale, self.font()
         if self._drawn is None or self._drawn[0] != made_of:
@@ -66,14 +66,14 @@ class ScatterView(ChartView):
         return picture
 
     def dot_positions(self) -> np.ndarray:
-        """Dots in pixels, (n, 2); NaN where there is none."""
+        """Pixel positions (n, 2) of the dots; NaN for missing values."""
         dots = self.chart().dots
         if self.chart_area is None or dots is None:
             return np.empty((0, 2))
         return self.chart_area.pixel_positions(dots.x, dots.y)
 
     def dot_at(self, position: QPoint | QPointF) -> int | None:
-        """Number of the nearest dot around a point; None if none is near."""
+        """Index of the dot nearest to a position; None beyond a few pixels."""
         places = self.dot_positions()
         away = np.hypot(*(places - [position.x(), position.y()]).T)
         if not np.isfinite(away).any():
@@ -89,12 +89,12 @@ class ScatterView(ChartView):
             self.dot_picked.emit(dot, bool(event.modifiers() & more))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Show by the cursor what a click would do."""
+        """Set the cursor shape over clickable dots."""
         near = self.dot_at(event.position()) is not None
         self.setCursor(Qt.CursorShape.PointingHandCursor if near else Qt.CursorShape.ArrowCursor)
 
     def event(self, event: QEvent) -> bool:
-        """Tell what is under the cursor."""
+        """Show a tooltip for the dot under the cursor."""
         if isinstance(event, QHelpEvent) and event.type() is QEvent.Type.ToolTip:
             dot = self.dot_at(event.pos())
             QToolTip.showText(event.globalPos(), "" if dot is None else self._about(dot), self)

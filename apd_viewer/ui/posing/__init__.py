@@ -1,1 +1,1 @@
-"""Preview of typed motions, symmetric posing and named poses in the window."""
+"""Previews of typed motions, symmetric posing and named poses in the window."""

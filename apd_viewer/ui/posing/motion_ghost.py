@@ -25,13 +25,13 @@ from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.polylines import draw_polyline, to_polygon, with_opacity
 
-_DOT = 4.5  # pixels
-_SECTOR = 64  # opacity, of 255
-_DASHES = [6.0, 4.0]  # in widths of the line
+_DOT = 4.5  # radius in pixels
+_SECTOR = 64  # opacity, from 0 to 255
+_DASHES = [6.0, 4.0]  # lengths in line widths
 
 
 class MotionGhost(MouseTool):
-    """Shows handles at the end of a motion; the mouse does not feel it.
+    """Translucent handles at the end of a motion; ignores the mouse.
 
     Parameters
     ----------
@@ -48,10 +48,10 @@ class MotionGhost(MouseTool):
         self._viewport = viewport
         self.patches = PatchGhost(viewport)
         self.traces: list[tuple[tuple[int, int, int], MotionTrace]] = []
-        viewport.tools.insert(0, self)  # the arc is drawn over the gizmo
+        viewport.tools.insert(0, self)  # first in the list, thus drawn over the gizmo
 
     def show_motion(self, start: Document, documents: Sequence[Document]) -> None:
-        """Show all handles that a motion moves, from its start to the end of the way."""
+        """Show all handles moved by a motion, at its end, with their paths."""
         end = documents[-1].handles
         moved = [k for k, handle in enumerate(start.handles) if not np.array_equal(handle.pose, end[k].pose)]
         self.traces = []
@@ -65,14 +65,14 @@ class MotionGhost(MouseTool):
         self._viewport.tool_layer.update()
 
     def hide(self) -> None:
-        """Show nothing."""
+        """Hide the ghost."""
         if self.traces or len(self.patches.vertices):
             self.traces = []
             self.patches.hide()
             self._viewport.tool_layer.update()
 
     def show_handles(self, document: Document) -> None:
-        """Show all handles where a document has them, without a path."""
+        """Show all handles at their positions in a document, without paths."""
         self.traces, patches = [], []
         for k, handle in enumerate(document.handles):
             ids, F = _patch(document, k)
@@ -94,7 +94,7 @@ class MotionGhost(MouseTool):
         )
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the axis, the path with a dot at its end, and the sector between them."""
+        """Draw the axis, the path with a dot at its end, and the swept sector."""
         ink, halo = ("#ffffff", "#14161a") if self._viewport.is_dark else ("#14161a", "#ffffff")
         for color, trace in self.traces:
             corners = np.vstack([trace.path, trace.axis])
@@ -114,7 +114,7 @@ class MotionGhost(MouseTool):
 
 
 def _patch(document: Document, k: int) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (n,) of handle ``k``, and its triangles (m, 3) by place in these."""
+    """Vertex indices (n,) of handle ``k``, and its triangles (m, 3) into them."""
     mine = document.labels == HANDLE + k
     ids, place = np.flatnonzero(mine), np.cumsum(mine) - 1
     F = document.mesh.F
@@ -144,18 +144,18 @@ def _draw_path(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> N
     painter.setBrush(Qt.BrushStyle.NoBrush)
 
 
-# Radians: slower is no rotation, and has no axis.
+# Radians; smaller angles count as no rotation, as their axis is ill-defined.
 _STILL = 1e-9
-# Of the speed of the fastest vertex: a slower centre is near the axis, and its path would be a dot.
+# Fraction of the fastest vertex's speed: a slower centre is near the axis, and its path almost a point.
 _CENTRAL = 0.5
-# A path on the surface of the handle would be hard to see.
+# Traces the path outside the handle: on its surface it would be hard to see.
 _ASIDE = 1.6
-# In radii of the handle.
+# Half the drawn length of the axis, in radii of the handle.
 _AXIS = 1.8
 
 
 class MotionTrace(NamedTuple):
-    """Path of a point of a handle, and the axis that it turns about.
+    """Path of a point of a handle, and the axis of its rotation.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class MotionTrace(NamedTuple):
 
 
 def motion_trace(grip: np.ndarray, poses: Sequence[np.ndarray]) -> MotionTrace:
-    """Trace of a handle's centre, or of a point beside an axis through it.
+    """Path of a handle's centre, or of a point off a rotation axis through it.
 
     Parameters
     ----------
@@ -200,18 +200,18 @@ def _tracer(grip: np.ndarray, pose: np.ndarray, step: np.ndarray) -> np.ndarray:
 
 
 def _axis(step: np.ndarray, point: np.ndarray, reach: float) -> np.ndarray:
-    """Ends of the axis of a small rotation (4, 4), about its place nearest to a point."""
+    """End points of a small rotation's axis (4, 4), centred next to a point."""
     rigid = rigid_transform(step, point)
     if rigid.angle < _STILL:
         return np.empty((0, 3))
-    # The point goes along a chord, over whose middle the axis stands at cot(angle / 2) of half its length.
+    # The axis lies at cot(angle / 2) times half the chord of the point's path from the chord's midpoint.
     across = rigid.displacement - (rigid.displacement @ rigid.axis) * rigid.axis
     middle = point + 0.5 * (across + np.cross(rigid.axis, across) / np.tan(rigid.angle / 2.0))
     return np.array([middle - reach * rigid.axis, middle + reach * rigid.axis])
 
 
 class MotionPreview:
-    """Shows where the active handle would go while an amount is typed.
+    """Shows the active handle after the typed motion, while it is being typed.
 
     It also shows where handles were asked to be that contact has stopped on their way, and where they are
     to be while the first shape waits for its kernels.
@@ -236,12 +236,12 @@ class MotionPreview:
         field.editing_ended.connect(self.ghost.hide)
 
     def follow(self, old: State | None, new: State) -> None:
-        """Begin from another document, if an amount is being typed."""
+        """Update the preview for a changed document, while an amount is being typed."""
         if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
             self._field.request_preview()
 
     def show_requested(self) -> None:
-        """Show where the handles are to be while they wait or were stopped."""
+        """Show requested handle positions not reached yet, or blocked by contact."""
         state = self._session.store.state
         if state is None:
             return

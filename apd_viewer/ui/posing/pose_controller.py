@@ -14,7 +14,7 @@ from apd_viewer.ui.tools.active_parts import ActiveParts
 
 
 class PoseController:
-    """Connects the list of named poses with the session, if a document is open.
+    """Connects the list of named poses to the session.
 
     Parameters
     ----------
@@ -34,17 +34,17 @@ class PoseController:
         section.list.removed.connect(poses.remove)
 
     def keep_pose(self) -> None:
-        """Keep the present places of all handles."""
+        """Add a named pose with the current positions of all handles."""
         if self._may_begin():
             self._session.poses.add()
 
     def step_pose(self, by: int) -> None:
-        """Go to the next pose, 1, or the previous one, -1."""
+        """Switch to the next (1) or previous (-1) named pose."""
         if self._may_begin():
             self._session.poses.go_to_neighbour(by)
 
     def refresh(self) -> None:
-        """Show the poses, and the one that the handles are in."""
+        """Show the named poses, and mark the current one."""
         state = self._session.store.state
         if state is not None:
             document = state.document
@@ -59,12 +59,12 @@ class PoseController:
         return self._session.store.state is not None and not self._give_up()
 
 
-# Of the vertices of two handles: fewer that are mirror images are worth mentioning.
+# Mirror partners with a smaller fraction of matching vertices are reported with the percentage.
 _ALIKE = 0.98
 
 
 class SymmetryController:
-    """Connects the switches of symmetric posing with the session.
+    """Connects the controls of symmetric posing to the session.
 
     Parameters
     ----------
@@ -85,13 +85,13 @@ class SymmetryController:
         parts.changed.connect(self.refresh)
 
     def set_symmetric(self, on: bool) -> None:
-        """Move handles symmetrically, or each by itself."""
+        """Turn symmetric posing on or off."""
         self._row.box.setChecked(on)
 
     def refresh(self) -> None:
-        """Show the settings and the partner of the active handle."""
+        """Show the mirror axis, and the mirror partner of the active handle."""
         state = self._session.store.state
-        # While a stroke goes on, handles are not what they will be, and a search takes a while.
+        # Not during a brush stroke: the handles are still changing, and the search for a partner is slow.
         if state is not None and self._session.gestures.state_before is None:
             document, k = state.document, self._parts.handle
             searched = document.mirror_axis is not None and document.centre(k) is not None
@@ -103,7 +103,7 @@ class SymmetryController:
     def _choose(self, axis: int | None) -> None:
         if self._session.store.state is not None:
             self._give_up()
-            self._session.handles.mirror_along(axis)
+            self._session.handles.set_mirror_axis(axis)
 
     def _paint(self) -> None:
         self._give_up()

@@ -17,7 +17,7 @@ from apd_viewer.ui.widgets.theme import Theme, icon
 
 
 class PoseRow(NamedRow):
-    """Row of a named pose.
+    """Row of a named pose, with a button to update it.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class PoseRow(NamedRow):
         line.addWidget(self.remove)
 
     def set_active(self, on: bool) -> None:
-        """Show whether the handles are there: then there is nothing to update."""
+        """Mark the pose as current; the update button is then hidden."""
         super().set_active(on)
         self.update_pose.setVisible(not on)
 
@@ -47,7 +47,7 @@ class PoseRow(NamedRow):
 
 
 class PoseList(NamedList[PoseRow]):
-    """The rows of the named poses.
+    """List of the named poses.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class PoseList(NamedList[PoseRow]):
 
 
 class PoseSection(Section):
-    """Named poses of all handles, to go to and fro between.
+    """Named poses of all handles, to switch between.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ _AXIS = tr("Axis to mirror along, through the middle of the mesh at rest")
 
 
 class SymmetryRow(QWidget):
-    """Switches symmetric posing, and says which handle moves along.
+    """Switch of symmetric posing, its axis, and a text on the mirror partner.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class SymmetryRow(QWidget):
         self.paint.clicked.connect(self.paint_requested)
 
     def show_settings(self, axis: int | None, sentence: str, may_paint: bool) -> None:
-        """Show the axis, what is said of the partner, and the button to paint one."""
+        """Show the axis, the text on the mirror partner, and the button to paint one."""
         for control in (self.box, self.axis):
             control.blockSignals(True)
         self.box.setChecked(axis is not None)
@@ -166,12 +166,12 @@ class SymmetryRow(QWidget):
 
 
 _LINE_TIP = tr("Click two points of the mesh: the bend is about the line through them")
-_PAUSE = 600  # ms; before, a half-typed amount is no error
+_PAUSE = 600  # ms without typing before an error is shown
 _RELATION = tr("“by” adds to the current pose, “to” sets the total from rest")
 
 
 class MotionField(QWidget):
-    """Moves the handle by a typed amount, one step of undo.
+    """Fields to move the handle by a typed amount, as one undo step.
 
     Attributes
     ----------
@@ -227,7 +227,7 @@ class MotionField(QWidget):
 
     @property
     def motion(self) -> Motion:
-        """The chosen motion."""
+        """Motion currently selected."""
         return MOTIONS[self.choice.currentData()]
 
     @property
@@ -236,14 +236,14 @@ class MotionField(QWidget):
         return self.motion.axis == LINE
 
     def clear(self) -> None:
-        """Begin anew, for another mesh."""
+        """Reset the fields for another mesh."""
         self.choice.setCurrentIndex(0)
         self.relation.setCurrentIndex(0)
         self.amount.clear()
         self.problem.hide()
 
     def show_error_later(self, sentence: str) -> None:
-        """Show an error in what is being typed once the typing pauses; empty is none."""
+        """Show an input error once typing pauses; an empty text clears it."""
         self.problem.setText(sentence)
         if sentence:
             self._later.start()
@@ -252,7 +252,7 @@ class MotionField(QWidget):
             self.problem.hide()
 
     def finish_entry(self) -> None:
-        """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
+        """Hide the error and return the focus after a motion, for Ctrl+Z to undo it."""
         self.problem.hide()
         return_focus(self.amount)
 
@@ -266,7 +266,7 @@ class MotionField(QWidget):
         self.motion_entered.emit(self.motion, self.amount.text(), self.relation.currentData())
 
     def request_preview(self) -> None:
-        """Have what is typed previewed."""
+        """Request a preview of the typed motion."""
         self.edited.emit(self.motion, self.amount.text(), self.relation.currentData())
 
     def _leave(self) -> None:

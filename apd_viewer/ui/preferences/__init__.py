@@ -1,1 +1,1 @@
-"""Preferences, shortcuts and units."""
+"""Preferences, shortcuts, units and up axes."""

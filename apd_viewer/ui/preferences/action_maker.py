@@ -1,4 +1,4 @@
-"""Actions with a name, a title, a tip, an icon and, if they have any, keys."""
+"""Factory of actions with a name, title, tooltip, icon and optional shortcuts."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from PySide6.QtWidgets import QMainWindow
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.widgets.theme import Theme, icon
 
-NAME_PROPERTY = "actionName"  # property of an action, by which the manual knows it
+NAME_PROPERTY = "actionName"  # property of an action with its name in the manual
 
 
 class ActionMaker:
-    """Makes the actions of a window, and redraws their icons.
+    """Factory of a window's actions; also redraws their icons.
 
     Parameters
     ----------
@@ -67,19 +67,19 @@ class ActionMaker:
         return self.adopt(name, action, image, tip, key)
 
     def adopt(self, name: str, action: QAction, image: str, tip: str, key: object) -> QAction:
-        """Give an action tip, icon and keys, and remember its keys by its name."""
+        """Give an existing action a tooltip, icon and keys, and register its name."""
         keys = key if isinstance(key, tuple) else () if key is None else (key,)
         action.setProperty(NAME_PROPERTY, name)
         action.setShortcuts([QKeySequence(one) for one in keys])
         action.setStatusTip(tip)
-        action.setIconVisibleInMenu(not action.isCheckable())  # a tick stands in its place
+        action.setIconVisibleInMenu(not action.isCheckable())  # a check mark is shown instead of the icon
         self.entries.append(
             ShortcutEntry.from_action(action, name, without_mnemonic(action.text()), image, tip)
         )
         return action
 
     def make_exclusive(self, actions: Iterable[QAction]) -> None:
-        """Have one of the actions checked at a time."""
+        """Group actions for exactly one to be checked at a time."""
         group = QActionGroup(self._window)
         for action in actions:
             action.setCheckable(True)
@@ -99,5 +99,5 @@ def connect_action(action: QAction, command: Callable[[], object]) -> None:
 
 
 def without_mnemonic(text: str) -> str:
-    """Text of an action or menu without its mnemonic, in any script."""
+    """Text of an action or menu without mnemonics such as ``&F`` or ``(&F)``."""
     return re.sub(r"&(.)", r"\1", re.sub(r"\(&\w\)", "", text)).rstrip("…")

@@ -13,7 +13,7 @@ _LOGGER = logging.getLogger(__name__)
 
 
 class PreferenceValues(QObject):
-    """Chosen values; one that cannot be read is logged, and the default used.
+    """Current values of the preferences; unreadable ones fall back to defaults.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class PreferenceValues(QObject):
         super().__init__()
         self._settings = settings
         self._values: dict[Preference[Any], Any] = {}
-        # Not connected to the signal, which would keep the window that they belong to for ever.
+        # A list, since signal connections would keep the followers' window alive forever.
         self._followers: list[tuple[Preference[Any], Callable[[Any], object]]] = []
 
     def __getitem__(self, preference: Preference[T]) -> T:
@@ -50,7 +50,7 @@ class PreferenceValues(QObject):
             return preference.default
 
     def choose(self, preference: Preference[T], value: T) -> None:
-        """Store a value and announce the change."""
+        """Store a value and notify the followers of a change."""
         self._settings.setValue(preference.name, preference.allowed.to_text(value))  # type: ignore[arg-type]
         if value != self[preference]:
             self._values[preference] = value
@@ -60,18 +60,18 @@ class PreferenceValues(QObject):
             self.changed.emit(preference)
 
     def restore_defaults(self, preferences: Iterable[Preference[Any]]) -> None:
-        """Return preferences to their defaults."""
+        """Reset preferences to their defaults."""
         for preference in preferences:
             self.choose(preference, preference.default)
-            self._settings.remove(preference.name)  # a later version may have a better default
+            self._settings.remove(preference.name)  # the default may improve in a later version
 
     def follow(self, preference: Preference[T], use: Callable[[T], object]) -> None:
-        """Use the value, now and whenever it changes."""
+        """Call ``use`` with the value now and after every change."""
         self.on_change(preference, use)
         use(self[preference])
 
     def on_change(self, preference: Preference[T], use: Callable[[T], object]) -> None:
-        """Use the value whenever it changes."""
+        """Call ``use`` with the value after every change."""
         self._followers.append((preference, use))
 
 
@@ -80,7 +80,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Option(Generic[T]):
-    """An allowed value, how it is stored, and its title."""
+    """Allowed value with its stored text and its title."""
 
     stored: str
     value: T
@@ -89,45 +89,45 @@ class Option(Generic[T]):
 
 @dataclass(frozen=True)
 class OneOf(Generic[T]):
-    """A few allowed values, in the order of a list."""
+    """Finite set of allowed values, in display order."""
 
     options: tuple[Option[T], ...]
 
     def from_text(self, stored: str) -> T:
-        """Value of a stored text; raises ValueError if there is none."""
+        """Value for a stored text; raises ValueError if it is not allowed."""
         for option in self.options:
             if option.stored == stored:
                 return option.value
         raise ValueError(stored)
 
     def to_text(self, value: T) -> str:
-        """Text to store for a value."""
+        """Stored text of a value."""
         return next(option.stored for option in self.options if option.value == value)
 
 
 @dataclass(frozen=True)
 class NumberRange:
-    """Numbers from ``least`` to ``most``, with a suffix such as " px"."""
+    """Numbers from ``least`` to ``most``, displayed with a suffix such as " px"."""
 
     least: float
     most: float
     suffix: str
 
     def from_text(self, stored: str) -> float:
-        """Number of a stored text; raises ValueError if it is not one of them."""
+        """Number for a stored text; raises ValueError if it is out of range."""
         value = float(stored)
-        if not self.least <= value <= self.most:  # not a number is not between them either
+        if not self.least <= value <= self.most:  # also rejects NaN
             raise ValueError(stored)
         return value
 
     def to_text(self, value: float) -> str:
-        """Text to store for a number."""
+        """Stored text of a number."""
         return f"{value:g}"
 
 
 @dataclass(frozen=True, eq=False)
 class Preference(Generic[T]):
-    """A row of the Settings page.
+    """Preference shown as a row of the Settings page.
 
     Parameters
     ----------

@@ -28,12 +28,12 @@ _UNITS = {unit.symbol or "-": unit for unit in UNITS}
 
 
 def user_file(mesh: Mesh) -> Path | None:
-    """Path of the user's file behind a mesh; None for samples."""
+    """File of a mesh opened by the user; None for samples and meshes without one."""
     return None if mesh.path is None or resource_path("") in mesh.path.parents else mesh.path
 
 
 class Preferences:
-    """Recent files, folders, units, window layout and preferences.
+    """Stored recent files, folders, units, window layout and preferences.
 
     Parameters
     ----------
@@ -51,12 +51,12 @@ class Preferences:
         self.values = PreferenceValues(settings)
 
     def _lines(self, key: str, default: Sequence[str] = ()) -> list[str]:
-        """Setting as lines; QSettings returns a single line as a string."""
+        """Stored list of lines; QSettings returns a single line as a string."""
         value: Any = self._settings.value(key, list(default))
         return [value] if isinstance(value, str) else [str(line) for line in value or []]
 
     def _named(self, key: str) -> dict[str, str]:
-        """Setting as pairs of name and text."""
+        """Stored lines as a dictionary of name to text."""
         return {name: text for name, _, text in (line.partition(" ") for line in self._lines(key))}
 
     def _keep_named(self, key: str, texts: dict[str, str]) -> None:
@@ -78,7 +78,7 @@ class Preferences:
 
     @property
     def plots(self) -> list[str] | None:
-        """Names of the plots shown; None before any choice."""
+        """Names of the plots shown; None if never chosen."""
         value = self._settings.value("plots")
         return None if value is None else [name for name in str(value).split() if name]
 
@@ -88,7 +88,7 @@ class Preferences:
 
     @property
     def compared_methods(self) -> list[str]:
-        """Names of the methods compared last; empty before any."""
+        """Names of the methods last compared; empty if there were none."""
         return str(self._settings.value("compared", "")).split()
 
     @compared_methods.setter
@@ -97,7 +97,7 @@ class Preferences:
 
     @property
     def storage_problem(self) -> str:
-        """Sentence about unwritable settings; empty if they can be stored."""
+        """Error message if the settings cannot be written; empty otherwise."""
         if self._settings.isWritable():
             return ""
         return tr(
@@ -106,11 +106,11 @@ class Preferences:
 
     @property
     def last_folder(self) -> Path:
-        """Folder of the last file."""
+        """Folder of the last file opened or saved."""
         return Path(str(self._settings.value("folder", str(Path.home()))))
 
     def remember_file(self, path: Path) -> None:
-        """Put ``path`` at the head of the recent files."""
+        """Move ``path`` to the front of the recent files."""
         path = resolved_path(path)
         recent = [path, *(other for other in self.recent_files if other != path)][:_MOST_RECENT]
         self._settings.setValue("recent", [str(other) for other in recent])
@@ -127,7 +127,7 @@ class Preferences:
         return units
 
     def remember_unit(self, path: Path, unit: Unit) -> None:
-        """Put the choice of ``unit`` for the file at ``path`` before all others."""
+        """Store ``unit`` as the latest choice, for the file at ``path``."""
         path = resolved_path(path)
         units = {path: unit, **{other: old for other, old in self.units.items() if other != path}}
         lines = [f"{unit.symbol or '-'} {other}" for other, unit in units.items()]
@@ -140,7 +140,7 @@ class Preferences:
         return {Path(path): UpAxis(axis) for axis, _, path in lines if path and axis in _UP_AXES}
 
     def remember_up_axis(self, path: Path, axis: UpAxis) -> None:
-        """Put the up axis of the file at ``path`` first."""
+        """Store ``axis`` as the latest choice, for the file at ``path``."""
         path = resolved_path(path)
         axes = {path: axis, **{other: old for other, old in self.up_axes.items() if other != path}}
         lines = [f"{axis.value} {other}" for other, axis in axes.items()]
@@ -148,16 +148,16 @@ class Preferences:
 
     @property
     def walls(self) -> dict[Path, WallText]:
-        """Walls by file, latest first."""
+        """Typed wall thickness and density by file, latest first."""
         walls = {}
         for line in self._lines("walls"):
-            with contextlib.suppress(ValueError, TypeError):  # the settings have been edited by hand
+            with contextlib.suppress(ValueError, TypeError):  # ignore damaged entries
                 path, thickness, density = json.loads(line)
                 walls[Path(path)] = WallText(str(thickness), str(density))
         return walls
 
     def remember_wall(self, path: Path, wall: WallText) -> None:
-        """Put the wall of the file at ``path`` first."""
+        """Store ``wall`` as the latest entry, for the file at ``path``."""
         path = resolved_path(path)
         walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
         lines = [json.dumps([str(other), wall.thickness, wall.density]) for other, wall in walls.items()]
@@ -165,7 +165,7 @@ class Preferences:
 
     @property
     def shortcuts(self) -> dict[str, str]:
-        """Chosen shortcuts by action name."""
+        """User-defined shortcuts by action name."""
         return self._named("shortcuts")
 
     @shortcuts.setter
@@ -183,7 +183,7 @@ class Preferences:
 
     @property
     def has_toured(self) -> bool:
-        """True from the second start on: the tour is then shown on request."""
+        """True from the second run on: the tour then starts only on request."""
         return bool(self._settings.value("tour", False, bool))
 
     @has_toured.setter
@@ -191,12 +191,12 @@ class Preferences:
         self._settings.setValue("tour", toured)
 
     def save_layout(self, window: QMainWindow) -> None:
-        """Remember size, place and panels of ``window``."""
+        """Store the size, position and panels of ``window``."""
         self._settings.setValue("geometry", window.saveGeometry())
         self._settings.setValue("layout", window.saveState())
 
     def restore_layout(self, window: QMainWindow) -> None:
-        """Restore size, place and panels of ``window``."""
+        """Restore the size, position and panels of ``window``."""
         geometry, layout = self._settings.value("geometry"), self._settings.value("layout")
         if geometry is not None:
             window.restoreGeometry(geometry)
@@ -205,7 +205,7 @@ class Preferences:
 
 
 class UpAxes:
-    """Chosen up axes; those of samples last as long as the mesh.
+    """Chosen up axes; those of meshes without a file last as long as the mesh.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ class UpAxes:
         self._chosen: WeakKeyDictionary[Mesh, UpAxis] = WeakKeyDictionary()
 
     def up_axis_of(self, mesh: Mesh) -> UpAxis:
-        """Chosen up axis of a mesh, or the one of its format."""
+        """Chosen up axis of a mesh, or the default of its file format."""
         path = user_file(mesh)
         known = {} if path is None else self._memory.up_axes
         is_sample = mesh.path is not None and path is None
@@ -233,7 +233,7 @@ class UpAxes:
         )
 
     def choose(self, mesh: Mesh, axis: UpAxis) -> None:
-        """Remember an up axis for a mesh and its file."""
+        """Set the up axis of a mesh, and store it for its file."""
         self._chosen[mesh] = axis
         path = user_file(mesh)
         if path is not None:

@@ -13,19 +13,19 @@ from apd_viewer.language import tr, trc
 from apd_viewer.ui.preferences.preferences import Preferences
 
 _PORTABLE, _NATIVE = QKeySequence.SequenceFormat.PortableText, QKeySequence.SequenceFormat.NativeText
-_SEVERAL = "; "  # between the alternative keys of an action
+_SEVERAL = "; "  # separates alternative keys of an action
 # Reserved: they cancel, accept and navigate in the window.
 _ENDS = "Return", "Enter", "Esc", "Tab", "Backtab", "Space"
 _WALKS = "Left", "Right", "Up", "Down", "Home", "End", "PgUp", "PgDown"
 
 
 def split_keys(keys: str) -> list[str]:
-    """Separate key sequences of an action."""
+    """Key sequences of an action, split at the separator."""
     return [key for key in keys.split(_SEVERAL) if key]
 
 
 def native_keys(keys: str) -> str:
-    """Keys as the platform writes them."""
+    """Keys in the notation of the platform."""
     return trc("keys", " or ").join(
         QKeySequence(key, _PORTABLE).toString(_NATIVE) for key in split_keys(keys)
     )
@@ -72,7 +72,7 @@ class ShortcutEntry:
 
     @property
     def full_tip(self) -> str:
-        """Title, current keys and tip."""
+        """Tooltip of title, current keys and description."""
         said = f" ({native_keys(self.keys)})" if self.keys else ""
         return f"{self.title}{said}\n{self.tip}"
 
@@ -83,12 +83,12 @@ class ShortcutEntry:
 
 
 def keys_of(action: QAction) -> str:
-    """Keys of an action; empty if none."""
+    """Current keys of an action; empty if none."""
     return _SEVERAL.join(key.toString(_PORTABLE) for key in action.shortcuts())
 
 
 class Shortcuts:
-    """All actions with the user's keys.
+    """Actions with their default and user-defined keys.
 
     Parameters
     ----------
@@ -108,12 +108,12 @@ class Shortcuts:
 
     @property
     def has_changes(self) -> bool:
-        """True if any action has changed keys."""
+        """True if the keys of any action differ from the defaults."""
         return any(entry.is_changed for entry in self.entries)
 
     def refusal(self, entry: ShortcutEntry, keys: str) -> str:
-        """Reason against these keys for an action; empty if allowed."""
-        # Keys used on the canvas only do not conflict with the rest of the window.
+        """Reason to refuse these keys for an action; empty if allowed."""
+        # Keys handled by the canvas alone do not conflict with the rest of the window.
         everywhere = entry.action.shortcutContext() != Qt.ShortcutContext.WidgetShortcut
         kept = _ENDS + _WALKS if everywhere else _ENDS
         for key in split_keys("" if keys == entry.default_keys else keys):
@@ -128,13 +128,13 @@ class Shortcuts:
         return ""
 
     def conflicting_entry(self, keys: str, besides: ShortcutEntry) -> ShortcutEntry | None:
-        """Other action with one of the keys."""
+        """Another action using one of the keys; None if there is none."""
         wanted = set(split_keys(keys))
         others = (entry for entry in self.entries if entry is not besides)
         return next((entry for entry in others if wanted & set(split_keys(entry.keys))), None)
 
     def assign_keys(self, entry: ShortcutEntry, keys: str) -> None:
-        """Assign keys to an action; a dispossessed action gets the freed keys."""
+        """Assign keys to an action; an action that loses them gets the old ones."""
         free = _SEVERAL.join(key for key in split_keys(entry.keys) if key not in split_keys(keys))
         entry.keys = ""
         while other := self.conflicting_entry(keys, entry):
@@ -146,7 +146,7 @@ class Shortcuts:
         self._remember()
 
     def reset_all(self) -> None:
-        """Give all actions their standard keys."""
+        """Reset all actions to their default keys."""
         for entry in self.entries:
             if entry.is_changed:
                 entry.keys = entry.default_keys
@@ -156,7 +156,7 @@ class Shortcuts:
         self._memory.shortcuts = {entry.name: entry.keys for entry in self.entries if entry.is_changed}
 
     def _recall(self) -> None:
-        """Apply the user's keys; conflicting defaults give way."""
+        """Apply the stored user-defined keys, overriding conflicting defaults."""
         chosen = self._memory.shortcuts
         changed = [entry for entry in self.entries if _can_be_read(chosen.get(entry.name))]
         for entry in changed:
@@ -171,20 +171,20 @@ class Shortcuts:
 
 
 def _can_be_read(keys: str | None) -> bool:
-    """True if keys from the settings are valid: the file may be edited by hand."""
+    """True if stored keys are valid: the settings may have been edited by hand."""
     return keys is not None and all(
         QKeySequence(key, _PORTABLE).toString() == key for key in split_keys(keys)
     )
 
 
 def with_keys(words: str, action: QAction) -> str:
-    """Text with the action's current keys appended, if any."""
+    """Text followed by the current keys of an action, if any."""
     keys = native_keys(keys_of(action))
     return tr("{words} ({keys})").format(words=words, keys=keys) if keys else words
 
 
-def show_keys_in_tip(widget: QWidget, action: QAction) -> None:
-    """Keep the shortcut of an equivalent action in a widget's tooltip."""
+def show_shortcut_in_tooltip(widget: QWidget, action: QAction) -> None:
+    """Show the current keys of an equivalent action in a widget's tooltip."""
     tip = widget.toolTip()
 
     def say() -> None:

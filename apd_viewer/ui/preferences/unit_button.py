@@ -1,4 +1,4 @@
-"""Unit of length of each mesh: chosen beside a reading, remembered by file."""
+"""Unit of length of each mesh: its button, and the choice stored per file."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _GUESS_TIP = tr("The unit of your last two files is a guess for this one: click 
 
 
 class UnitButton(QToolButton):
-    """Button with the unit's name and a menu of all units.
+    """Button with the name of the unit and a menu of all units.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class UnitButton(QToolButton):
             action.setData(unit.value)
             action.triggered.connect(lambda _checked=False, unit=unit: self.chosen.emit(unit))
             group.addAction(action)
-        # Enter, or a second click, confirms a guess.
+        # Preselected, so that Enter or a second click confirms a guess.
         menu.aboutToShow.connect(lambda: menu.setActiveAction(group.checkedAction()))
         self.setMenu(menu)
         self.show_unit(Unit.NONE)
@@ -69,17 +69,17 @@ class UnitButton(QToolButton):
         self.updateGeometry()
 
     def set_theme(self, theme: Theme) -> None:
-        """Use other colours."""
+        """Apply the colours of the theme."""
         self._theme = theme
         self.update()
 
     def sizeHint(self) -> QSize:
-        """The name, and the chevron under those of the sections."""
+        """Size of name and chevron, aligned with the chevrons of the sections."""
         metrics = self.fontMetrics()
         return QSize(_PADDING + metrics.horizontalAdvance(self.text()) + 4 + _CHEVRON, metrics.height() + 6)
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw name and chevron, emphasised before a choice."""
+        """Draw name and chevron, highlighted until a unit is chosen."""
         theme, room = self._theme, self.rect()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -96,7 +96,7 @@ class UnitButton(QToolButton):
 
 
 class Units:
-    """Unit of every mesh opened.
+    """Units of length of the meshes opened.
 
     The choice for a file is remembered; for a sample, or a mesh that has no file, it lasts as long as the
     mesh is there. Without a choice it is the unit that the file states, else that of new files, else a guess.
@@ -116,13 +116,13 @@ class Units:
         self._chosen: WeakKeyDictionary[Mesh, Unit] = WeakKeyDictionary()
 
     def unit_of(self, mesh: Mesh) -> Unit:
-        """Chosen unit of a mesh, or the most likely one."""
+        """Chosen unit of a mesh, or the default or guessed one."""
         if mesh not in self._chosen:
             self._chosen[mesh] = self._unchosen(mesh, user_file(mesh))
         return self._chosen[mesh]
 
     def choose(self, mesh: Mesh, unit: Unit) -> None:
-        """Set the unit of a mesh, and remember it for its file."""
+        """Set the unit of a mesh, and store it for its file."""
         self._chosen[mesh] = unit
         path = user_file(mesh)
         if path is not None and not unit.is_guess:
@@ -136,6 +136,6 @@ class Units:
             return Unit(mesh.unit)
         if (usual := self._usual()) is not None:
             return usual
-        # One choice may be an exception; two in a row are a habit.
+        # A single choice may be an exception: only two equal ones in a row suggest a unit.
         latest = list(units.values())[:2]
         return latest[0].as_guess if len(latest) == 2 and latest[0] is latest[1] else Unit.NONE

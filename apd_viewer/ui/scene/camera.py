@@ -1,4 +1,4 @@
-"""Camera as a value: rays, projections, moves and framing, without OpenGL."""
+"""Immutable camera with rays, projections, moves and framing, without OpenGL."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from apd_viewer.session.model.view import UpAxis
 DEGREES_PER_PIXEL = 0.4
 MARGIN = 1.15
 
-# Opening angles, radians. The orthographic one is so narrow, and its camera so far away, that half the height
-# of the picture in depth is a twentieth of a pixel aside: rays, projections, zoom, framing and saved views
-# need no second kind of camera. A still narrower one would cost depth resolution.
+# Opening angles, radians. An orthographic view uses a perspective camera so narrow and distant that half the
+# picture height in depth shifts a point by only a twentieth of a pixel. Rays, projections, zoom, framing and
+# saved views thus need no second kind of camera. A still narrower angle would cost depth resolution.
 PERSPECTIVE, ORTHOGRAPHIC = np.deg2rad([30.0, 0.02]).tolist()
 
-# Where the camera stands, and which way is up in the picture, for a mesh with +Y up.
+# Direction from the mesh to the camera, and up direction of the picture, for a mesh with +Y up.
 STANDPOINTS = {
     "front": ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
     "side": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
@@ -29,7 +29,7 @@ STANDPOINTS = {
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A perspective camera and the size of the picture it takes.
+    """Perspective camera with the size of its picture.
 
     Pixels are logical ones: (0, 0) is the upper left corner of the picture, y points down.
 
@@ -77,16 +77,16 @@ class Camera:
 
     @property
     def is_orthographic(self) -> bool:
-        """True for parallel lines of sight."""
+        """True if the lines of sight are parallel."""
         return bool(self.angle < (PERSPECTIVE * ORTHOGRAPHIC) ** 0.5)
 
     @property
     def key(self) -> tuple[float, ...]:
-        """Key equal for cameras with the same picture."""
+        """Hashable key of the view, equal for cameras with identical pictures."""
         return (*self.position, *self.focal, *self.up, self.angle, self.width, self.height)
 
     def depth(self, points: np.ndarray) -> np.ndarray:
-        """Distance of points in front of the camera's plane; negative behind it."""
+        """Signed distance of points in front of the camera plane."""
         return (points - self.position) @ self.axes[2]
 
     def ray(self, x: float, y: float) -> tuple[np.ndarray, np.ndarray]:
@@ -105,14 +105,14 @@ class Camera:
         """Length of one pixel, in mesh units, at the depth of a point."""
         return self.pixel_height * max(float(self.depth(point)), 1e-12 * self.distance)
 
-    def on_focal_plane(self, x: float, y: float) -> np.ndarray:
+    def point_on_focal_plane(self, x: float, y: float) -> np.ndarray:
         """Point in the focal plane at a pixel position."""
         origin, direction = self.ray(x, y)
         return origin + direction * (self.distance / float(direction @ self.axes[2]))
 
     def orbited(self, dx: float, dy: float) -> Camera:
         """Camera orbited by a drag of (dx, dy) pixels; the horizon stays level."""
-        # Upside down, a drag to the right must still push the front of the object to the right.
+        # Even with an upside-down view, a drag to the right must push the front of the object to the right.
         up = self.up_axis.direction
         side = 1.0 if self.up @ up >= 0 else -1.0
         yaw = rotation(up, -side * np.deg2rad(DEGREES_PER_PIXEL * dx))
@@ -137,18 +137,18 @@ class Camera:
         )
 
     def with_angle(self, angle: float) -> Camera:
-        """Camera with another opening angle; the focal plane keeps its size."""
+        """Camera with a new opening angle and an unchanged span."""
         away = self.distance * np.tan(self.angle / 2) / np.tan(angle / 2)
         return replace(self, position=self.focal - away * self.axes[2], angle=angle)
 
     def framed(self, points: np.ndarray, padding: np.ndarray | float = 0.0) -> Camera:
-        """Show all points as large as they fit, seen from the same direction.
+        """Camera framing all points as large as possible, in an unchanged direction.
 
         ``padding``, (k,) or one for all, is how many pixels must be free around each of the (k, 3) points.
         """
         rooms = np.broadcast_to(padding, len(points))
         least = float(rooms.min())
-        # One look at all the points: how far they reach along the axes, and past each side of the picture.
+        # One product for all points: their extent along the axes, and their reach beyond the frustum sides.
         reach = np.vstack([np.eye(3), self._sides(least)]) @ points.T
         lowest, most = reach[:3].min(axis=1), reach.max(axis=1)
         centre = (lowest + most[:3]) / 2
@@ -156,27 +156,27 @@ class Camera:
         for k in np.flatnonzero(rooms > least):
             away = max(away, float((self._sides(float(rooms[k])) @ (points[k] - centre)).max()))
         if np.array_equal(lowest, most[:3]):
-            away = 1.0  # a single point can be seen from anywhere
+            away = 1.0  # a single point fits at any distance
         return replace(self, position=centre - away * self.axes[2], focal=centre)
 
     def _sides(self, room: float) -> np.ndarray:
-        """Planes of the view frustum reduced by ``room``, (4, 3)."""
+        """Scaled outward normals (4, 3) of the frustum sides, reduced by ``room`` pixels."""
         half = np.tan(self.angle / 2)
-        # A tiny view cannot hold the room; there the points must do with a tenth of it.
+        # A tiny viewport cannot hold the padding; the points then get a tenth of its size.
         across, along = (max(1.0 - 2.0 * room / size, 0.1) for size in (self.width, self.height))
         wide = MARGIN / (half * self.width / self.height * across) * self.axes[0]
         tall = MARGIN / (half * along) * self.axes[1]
         return np.stack([wide, -wide, tall, -tall]) - self.axes[2]
 
     def looking_along(self, axis: str) -> Camera:
-        """Camera along 'front', 'side' or 'top', or '-' for the opposite."""
+        """Camera in the 'front', 'side' or 'top' view; prefix '-' gives the opposite."""
         stand, up = (np.array(v) for v in STANDPOINTS[axis.removeprefix("-")])
         if axis.startswith("-"):
             stand, up = -stand, up if up[1] else -up
         return self.seen_from(stand @ self.up_axis.frame, up @ self.up_axis.frame)
 
     def seen_from(self, direction: np.ndarray, up: np.ndarray | None = None) -> Camera:
-        """Camera in a direction (3,) from the focal point, level without ``up``."""
+        """Camera in a direction (3,) from the focal point, level if ``up`` is None."""
         up = self.up_axis.direction if up is None else up
         return replace(self, position=self.focal + self.distance * direction, up=up)
 
@@ -187,25 +187,25 @@ def unit(v: np.ndarray) -> np.ndarray:
 
 
 def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Rotation (3, 3) about a unit axis, radians, right-handed."""
+    """Right-handed rotation matrix (3, 3) about a unit axis, angle in radians."""
     x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)
 
 
-# Vertices of a part that are tested for visibility.
+# Approximate number of vertices tested for visibility.
 _SAMPLES = 32
-# Shares of what the best view shows: enough to stay, and to go no further than.
+# Fractions of the best visibility: enough to keep the camera, and enough to accept a nearer view.
 _ENOUGH, _BEST = 0.4, 0.9
-# Candidate views: azimuths, and elevations in radians.
+# Candidate views: number of azimuths, and elevations in radians.
 _WAYS = 12
 _HEIGHTS = np.deg2rad([0.0, 30.0, -30.0, 60.0, -60.0])
-# Share of a part that may be covered.
+# Largest fraction of the points that may be covered.
 _UNSEEN = 0.2
-# Share of the mesh shown around a part.
+# Margin around the points, as a fraction of the mesh diagonal.
 _AROUND = 0.08
 
-# Origins and directions of rays, (k, 3), to the distances at which they meet the surface, (k,).
+# Function from ray origins and directions, (k, 3), to hit distances (k,).
 RayDistances = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -230,7 +230,7 @@ def unobstructed_camera(
     here = -camera.axes[2]
     now = _seen(points, normals, here, size, rays)
     if now >= _ENOUGH:
-        return camera  # no view shows more than all
+        return camera  # enough even if the best view shows all points
     stands = _around(camera.up_axis.frame @ here) @ camera.up_axis.frame
     seen = np.array([_seen(points, normals, stand, size, rays) for stand in stands])
     if now >= _ENOUGH * seen.max():
@@ -250,7 +250,7 @@ def _around(here: np.ndarray) -> np.ndarray:
 def _seen(
     points: np.ndarray, normals: np.ndarray, stand: np.ndarray, size: float, rays: RayDistances
 ) -> float:
-    """Share of the surface at the points visible from ``stand``."""
+    """Fraction of the surface at the points visible from direction ``stand``."""
     away = 2.0 * size
     met = rays(points + away * stand, np.tile(-stand, (len(points), 1)))
     faces = np.where(normals.any(axis=1), np.abs(normals @ stand), 1.0)
@@ -269,7 +269,7 @@ def is_in_view(camera: Camera, points: np.ndarray, covered: QRectF) -> bool:
 
 
 def surrounding_box(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Corners (8, 3) of a box around the points and some of the mesh."""
+    """Corners (8, 3) of the points' bounding box, padded within the mesh bounds."""
     pad = _AROUND * float(np.linalg.norm(high - low))
     near, far = points.min(axis=0), points.max(axis=0)
     ends = np.array([np.maximum(near - pad, low), np.minimum(far + pad, high)])
@@ -277,7 +277,7 @@ def surrounding_box(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np
 
 
 def uncovering_shift(camera: Camera, covered: QRectF) -> tuple[float, float]:
-    """Pixel shift to the left or up into the uncovered part of the picture.
+    """Pixel shift to the left or up, centring the uncovered part of the picture.
 
     ``covered`` is a part at the lower right; as many pixels must be free around what is shown.
     """

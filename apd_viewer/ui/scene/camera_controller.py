@@ -1,4 +1,4 @@
-"""Camera of a viewport and its moves."""
+"""Controller of a viewport's camera."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from apd_viewer.session.model.view import UpAxis
 from apd_viewer.ui.scene.camera import ORTHOGRAPHIC, PERSPECTIVE, Camera
 
 HOME_DIRECTION = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
-CLOSEST_ZOOM = 1e-4  # zoom limits, in multiples of what was framed
+CLOSEST_ZOOM = 1e-4  # zoom limits, as multiples of the framed height
 FARTHEST_ZOOM = 50.0
 
 
@@ -36,15 +36,15 @@ class CameraController:
         self._viewport, self._pick = viewport, pick
         self.linked: Sequence[CameraController] = ()
         self._up_axis = UpAxis.PLUS_Y
-        self._extent = 1.0  # height of the picture when it was framed
-        # Points, the room around them, and where the camera went to show them.
+        self._extent = 1.0  # height of the framed view, mesh units
+        # Framed points, padding around them, and resulting camera position.
         self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), PERSPECTIVE, 1, 1)
         self.camera = replace(eye, position=HOME_DIRECTION)
 
     @property
     def camera(self) -> Camera:
-        """The camera; assign another one to move it."""
+        """Current camera; assignment moves it."""
         camera = self._viewport.renderer.GetActiveCamera()
         return Camera(
             position=np.array(camera.GetPosition()),
@@ -63,13 +63,13 @@ class CameraController:
         camera.SetFocalPoint(*eye.focal)
         camera.SetViewUp(*eye.up)
         camera.SetViewAngle(np.rad2deg(eye.angle))
-        # All at once: Qt composes the window once for all viewports, and not for each.
+        # Update all viewports together, so that Qt composes the window once instead of once for each.
         for look in (self, *self.linked):
             look._up_axis = eye.up_axis
             look._viewport.update()
 
     def frame(self, points: np.ndarray, padding: np.ndarray | float = 0.0) -> None:
-        """Frame the points (k, 3) in the current direction, ``padding`` pixels apart."""
+        """Frame the points (k, 3) in the current direction, with ``padding`` pixels."""
         if len(points):
             points, padding = np.asarray(points), np.broadcast_to(padding, len(points))
             self.camera = self.camera.framed(points, padding)
@@ -77,7 +77,7 @@ class CameraController:
             self._framed = points, padding, self.camera.position
 
     def keep_framing(self) -> None:
-        """Frame the same points again at another size, unless the camera was moved."""
+        """Reframe the points after a resize, unless the camera was moved."""
         if self._framed is not None and np.array_equal(self._framed[2], self.camera.position):
             self.frame(*self._framed[:2])
 
@@ -86,12 +86,12 @@ class CameraController:
         self.camera = self.camera.seen_from(HOME_DIRECTION @ self._up_axis.frame)
 
     def set_up_axis(self, up_axis: UpAxis) -> None:
-        """Look from the home direction, with another axis up."""
+        """Set the up axis, and look from the home direction."""
         self.camera = replace(self.camera, up_axis=up_axis)
         self.look_from_home()
 
     def set_orthographic(self, orthographic: bool) -> None:
-        """Look with parallel lines of sight, or in perspective."""
+        """Switch between orthographic and perspective projection."""
         eye, angle = self.camera, ORTHOGRAPHIC if orthographic else PERSPECTIVE
         if eye.is_orthographic != orthographic:
             self.camera = eye.with_angle(angle)
@@ -99,7 +99,7 @@ class CameraController:
                 self._framed = *self._framed[:2], self.camera.position
 
     def look_along(self, axis: str) -> None:
-        """Look from the 'front', 'side' or 'top', '-' for the opposite."""
+        """Look from 'front', 'side' or 'top'; prefix '-' gives the opposite."""
         self.camera = self.camera.looking_along(axis)
 
     def close(self) -> None:
@@ -107,17 +107,17 @@ class CameraController:
         self.linked, self._framed = (), None
 
     def zoom_at(self, position: QPointF, factor: float) -> None:
-        """Zoom by a factor, keeping the point under a position."""
+        """Zoom by a factor about the point at a position in the viewport."""
         eye, point = self.camera, self._pick(position)
         if point is None:
-            point = eye.on_focal_plane(position.x(), position.y())
+            point = eye.point_on_focal_plane(position.x(), position.y())
         closer = eye.zoomed(point, factor)
         if CLOSEST_ZOOM <= closer.span / self._extent <= FARTHEST_ZOOM:
             self.camera = closer
 
 
 def link_cameras(controllers: Sequence[CameraController]) -> None:
-    """Let viewports of one size share the first one's camera."""
+    """Make viewports of equal size share the first one's camera."""
     camera = controllers[0]._viewport.renderer.GetActiveCamera()
     for look in controllers:
         look._viewport.renderer.SetActiveCamera(camera)

@@ -40,18 +40,18 @@ class Coloring:
         self.previewed_ids: np.ndarray | None = None
 
     def begin_mesh(self, document: Document) -> np.ndarray:
-        """Colours of another mesh, (n, 4) uint8, without preview and marks."""
+        """Set a new mesh; return its colours (n, 4) uint8, without preview or marks."""
         self._document, self.previewed_ids = document, None
         self._marks.show(None)
         return colors_of(document, unpainted_colors=self._own)
 
     def show_file_colors(self, on: bool) -> None:
-        """Show the vertex colours of the file under the paint, or none."""
+        """Show or hide the file's vertex colours under the paint."""
         self._of_file = on
         self._repaint()
 
     def set_covered(self, on: bool) -> None:
-        """Leave the colours of the file out while an overlay shows others."""
+        """Suppress the file's vertex colours while an overlay or texture is shown."""
         if on != self._covered:
             self._covered = on
             self._repaint()
@@ -67,20 +67,20 @@ class Coloring:
             self._restore(np.arange(len(self._document.labels)))
 
     def follow(self, document: Document) -> None:
-        """Update the colours to another document of the mesh."""
+        """Update the colours to a new document of the mesh."""
         before, self._document = self._document, document
         if before is not None and not _looks_like(before, document):
             self._restore(differing_vertices(before, document))
 
     def _restore(self, ids: np.ndarray) -> None:
-        """Restore the vertices' own colours."""
+        """Restore the colours of the vertices ``ids`` without preview."""
         if self._document is not None:
             self._surface.set_colors(colors_of(self._document, ids, self._own), ids)
         if self._marks.ids is not None:
             self._surface.set_colors(self._marks.colors(), self._marks.ids)
 
     def preview(self, ids: np.ndarray | None, color: tuple[int, int, int]) -> None:
-        """Tint the vertices ``ids``, and those at the same places, and no others any more."""
+        """Tint only the vertices ``ids`` and coincident ones; None removes the tint."""
         document, before = self._document, self.previewed_ids
         if document is None or (ids is None and before is None):
             return
@@ -92,7 +92,7 @@ class Coloring:
             self._surface.set_colors(tinted_colors(colors, color), self.previewed_ids)
 
     def mark(self, vertices: np.ndarray | None) -> None:
-        """Mark vertices; all for an empty array, none for None."""
+        """Mark vertices; an empty array marks all, None removes the marks."""
         document, before = self._document, self._marks.ids
         if document is None:
             return
@@ -109,7 +109,7 @@ class Coloring:
 def colors_of(
     document: Document, ids: np.ndarray | None = None, unpainted_colors: np.ndarray | None = None
 ) -> np.ndarray:
-    """RGBA of the vertices ``ids``, or of all, (k, 4) uint8 array.
+    """RGBA colours (k, 4) uint8 of the vertices ``ids``, or of all.
 
     ``unpainted_colors``, (n, 3), are the colours of all vertices without paint.
     """
@@ -132,7 +132,7 @@ def colors_of(
 
 
 def drawn_labels(document: Document, ids: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
-    """Labels and region numbers of ``ids`` as drawn: hidden parts as unpainted."""
+    """Labels and region numbers of ``ids``, with hidden parts as unpainted."""
     hidden = document.flags.hidden
     labels, member = document.labels[ids], document.member[ids]
     if hidden.labels.any():
@@ -149,7 +149,7 @@ def _looks_like(old: Document, new: Document) -> bool:
 
 
 def differing_vertices(old: Document, new: Document) -> np.ndarray:
-    """Vertices of different colour in two documents, ascending."""
+    """Sorted vertices whose colours differ between two documents."""
     (labels, member), (other, others) = drawn_labels(old, slice(None)), drawn_labels(new, slice(None))
     differ = (labels != other) | (member != others)
     if old.soft_constraints is not new.soft_constraints or old.flags != new.flags:
@@ -157,13 +157,13 @@ def differing_vertices(old: Document, new: Document) -> np.ndarray:
     return np.flatnonzero(differ)
 
 
-_MOST_DOTS = 2000  # of more, the colour says enough, and they would hide it
+_MOST_DOTS = 2000  # with more vertices their colour suffices, and dots would hide it
 _NONE = np.empty(0, dtype=np.int64)
 _DOT, _HALO = 6.0, 9.5
 
 
 class VertexMarks(MouseTool):
-    """Marked vertices, visible from anywhere.
+    """Tool to mark vertices visibly, even hidden or tiny ones.
 
     A vertex of a large mesh is less than a pixel, one without a face is not drawn at all, and one at the
     back is hidden: a dot has the same size everywhere. It is a tool of the viewport that only paints.

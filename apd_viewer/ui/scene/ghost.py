@@ -1,4 +1,4 @@
-"""Glass: rest or target shape around the deformed one, and parts to come."""
+"""Translucent rest or target shape, and previews of moved patches."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 
 
 class RestActor(ABC):
-    """Actor of the rest shape, switched on and off; without cost while off.
+    """Base class of an optional actor of the rest shape, built only when visible.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class RestActor(ABC):
 
     @property
     def visible(self) -> bool:
-        """True while shown."""
+        """True while the actor is shown."""
         return self._on
 
     @visible.setter
@@ -47,7 +47,7 @@ class RestActor(ABC):
         self._show()
 
     def follow(self, mesh: Mesh | None) -> None:
-        """Show the rest shape of another mesh, or nothing."""
+        """Set the mesh; None shows nothing."""
         if mesh is not self._mesh:
             self._mesh = mesh
             self._show()
@@ -64,11 +64,11 @@ class RestActor(ABC):
 
     @abstractmethod
     def _drawn(self, mesh: Mesh) -> pv.PolyData:
-        """Data to draw; also places the actor and returns its extent."""
+        """Position the actor, store its bounds, and return the data to draw."""
 
     @abstractmethod
     def _match_background(self, dark: bool) -> None:
-        """Stand out from a dark or a light background."""
+        """Adapt the colours to a dark or a light background."""
 
 
 class Ghost(RestActor):
@@ -89,7 +89,7 @@ class Ghost(RestActor):
 
     def _drawn(self, mesh: Mesh) -> pv.PolyData:
         V, F = mesh.V, mesh.joined_F
-        middle = V.mean(axis=0)  # far from the origin single precision is coarser than the mesh
+        middle = V.mean(axis=0)  # single precision is too coarse far from the origin
         glass = pv.PolyData.from_regular_faces((V - middle).astype(np.float32), F)
         glass.point_data["Normals"] = vertex_normals(V, F).astype(np.float32)
         glass.GetPointData().SetActiveNormals("Normals")
@@ -103,7 +103,7 @@ class Ghost(RestActor):
 
 
 class PatchGhost:
-    """Patches of a surface, each in its colour, where they would go.
+    """Translucent patches of a surface at previewed positions, each in its colour.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ class PatchGhost:
         self._viewport = viewport
         self.vertices = np.empty((0, 3))
         self._mapper = vtkPolyDataMapper()
-        # A round handle that turns about itself would flicker through its ghost.
+        # Avoid z-fighting between a round handle and its ghost rotated about the axis.
         self._mapper.SetResolveCoincidentTopologyToPolygonOffset()
         self._mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0)
         self._actor = vtkActor()
@@ -135,7 +135,7 @@ class PatchGhost:
     def show(self, V: np.ndarray, F: np.ndarray, colors: np.ndarray) -> None:
         """Show triangles ``F`` (m, 3) of ``V`` (n, 3), with ``colors`` (n, 3) uint8."""
         self.vertices = V
-        middle = V.mean(axis=0)  # far from the origin single precision is coarser than the mesh
+        middle = V.mean(axis=0)  # single precision is too coarse far from the origin
         glass = pv.PolyData.from_regular_faces((V - middle).astype(np.float32), F)
         glass.point_data["Normals"] = vertex_normals(V, F).astype(np.float32)
         glass.GetPointData().SetActiveNormals("Normals")
@@ -147,7 +147,7 @@ class PatchGhost:
         self._viewport.update()
 
     def hide(self) -> None:
-        """Show nothing."""
+        """Remove the patches."""
         if len(self.vertices):
             self.vertices = np.empty((0, 3))
             self._actor.SetVisibility(False)
@@ -155,7 +155,7 @@ class PatchGhost:
             self._viewport.update()
 
     def _box(self) -> tuple[float, ...]:
-        """Extent as VTK gives it: low and high along each axis; empty without a patch."""
+        """Bounds in VTK order, low and high along each axis; empty without a patch."""
         if not len(self.vertices):
             return ()
         return tuple(np.column_stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]).ravel())

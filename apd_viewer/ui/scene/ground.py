@@ -16,18 +16,18 @@ from apd_viewer.ui.scene.ghost import RestActor
 from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.viewport import Viewport
 
-_LINES = 12  # about so many fit along the longer side of the mesh
-_AROUND = 0.3  # of the size of the mesh
-_APART = 34.0  # px between two figures
-_BETWEEN = 6  # px, the least
-_CORNER, _REACH = 58.0, 30.0  # px: of the axes from the upper right corner, and their length
+_LINES = 12  # approximate number of grid cells across the mesh
+_AROUND = 0.3  # margin of the grid, as a fraction of the mesh size
+_APART = 34.0  # px: minimum spacing of two labels
+_BETWEEN = 6  # px: minimum gap between two labels
+_CORNER, _REACH = 58.0, 30.0  # px: distance of the axes from the upper right corner, and their length
 _ON_LIGHT, _ON_DARK = (0.74, 0.77, 0.81), (0.33, 0.36, 0.42)
 _COLORS = ((204, 36, 82), (107, 155, 0), (66, 66, 210))
 _LIGHTER = ((255, 107, 139), (190, 230, 70), (150, 150, 255))
 
 
 class Ground(MouseTool, RestActor):
-    """Grid below the mesh with figures at two sides, and axes.
+    """Grid below the mesh, labelled at two sides, and axes in a corner.
 
     To the viewport it is a tool that only paints.
 
@@ -53,7 +53,7 @@ class Ground(MouseTool, RestActor):
         viewport.tools.append(self)
 
     def set_unit(self, unit: Unit) -> None:
-        """Write lengths in another unit."""
+        """Set the length unit of the labels."""
         self._unit = unit
         self._viewport.tool_layer.update()
 
@@ -93,7 +93,7 @@ class Ground(MouseTool, RestActor):
             self._mapper.SetInputData(self._drawn(self._shown))
 
     def paint(self, painter: QPainter) -> None:
-        """Write the figures, and draw the axes."""
+        """Draw the grid labels and the axes."""
         if self._shown is None:
             return
         ink = QColor(166, 173, 186) if self._viewport.is_dark else QColor(90, 98, 112)
@@ -110,7 +110,7 @@ class Ground(MouseTool, RestActor):
         painter.restore()
 
     def _write_along(self, painter: QPainter, axis: int, taken: list[QRectF]) -> None:
-        """Write the figures along the nearer side of the grid.
+        """Write the labels along the nearer side of the grid.
 
         No figure is written over one that was ``taken`` down before: both sides have one at their corner.
         """
@@ -142,7 +142,7 @@ class Ground(MouseTool, RestActor):
         font = QFont(painter.font())
         font.setBold(True)
         painter.setFont(font)
-        for k in np.argsort(-forward):  # the farthest first
+        for k in np.argsort(-forward):  # draw the farthest axis first
             color = QColor(*(_LIGHTER if self._viewport.is_dark else _COLORS)[k])
             x, y = float(right[k]), -float(up[k])
             painter.setPen(QPen(color, 2.0, c=Qt.PenCapStyle.RoundCap))
@@ -152,7 +152,7 @@ class Ground(MouseTool, RestActor):
 
 
 def _lines(ends: np.ndarray, ticks: dict[int, np.ndarray]) -> pv.PolyData:
-    """The lines of the grid, seen from its middle; ``ticks`` of the level axes."""
+    """Grid lines relative to the grid centre; ``ticks`` by horizontal axis."""
     rows = []
     for axis, places in ticks.items():
         lines = np.tile(ends, (len(places), 1, 1))

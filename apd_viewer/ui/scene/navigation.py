@@ -1,4 +1,4 @@
-"""Tools of the mouse, and the navigation for events that none of them takes.
+"""Base class of the mouse tools, and camera navigation for unconsumed events.
 
 ======================================  =====================================================
 left drag (background), right drag      orbit; the horizon stays level
@@ -19,11 +19,11 @@ from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 
 from apd_viewer.ui.scene.camera_controller import CameraController
 
-_GIVEN = {"event", "painter"}  # names of arguments, with or without an underscore
+_GIVEN = {"event", "painter"}  # parameter names of event and paint methods, leading underscores ignored
 
 
 class MouseTool:
-    """A tool of a viewport; its methods do nothing until a subclass overrides them.
+    """Base class of a viewport's mouse tools; all methods do nothing by default.
 
     Raises
     ------
@@ -41,22 +41,22 @@ class MouseTool:
                 raise TypeError(f"{cls.__name__}.{name} is no method of mouse tools: is it misspelled?")
 
     def press(self, _event: QMouseEvent) -> bool:
-        """Begin a drag at a press; True holds the mouse until the button is up again."""
+        """Begin a drag; True captures the mouse until the button is released."""
         return False
 
     def move(self, _event: QMouseEvent) -> bool:
-        """Continue a drag or preview a press; True hides the cursor from later tools."""
+        """Continue a drag or preview a press; True consumes the event."""
         return False
 
     def release(self, _event: QMouseEvent) -> None:
         """End a drag."""
 
     def wheel(self, _event: QWheelEvent) -> bool:
-        """Turn the wheel; True consumes the event."""
+        """Handle a turn of the wheel; True consumes the event."""
         return False
 
     def leave(self) -> None:
-        """Forget the cursor, now outside the viewport or taken by another tool."""
+        """Handle the cursor leaving the viewport or being taken by an earlier tool."""
 
     def cancel(self) -> bool:
         """Cancel a drag or a stroke; True if there was one."""
@@ -67,16 +67,16 @@ class MouseTool:
         return False
 
     def paint(self, painter: QPainter) -> None:
-        """Draw on the overlay."""
+        """Draw on the tool layer above the scene."""
 
 
 ZOOM_PER_PIXEL = 1.008
 ZOOM_PER_WHEEL_UNIT = 1.0013  # one notch is 120 units
-DEAD_ZONE = 2.0  # pixels that the cursor may tremble in a click that is no drag
+DEAD_ZONE = 2.0  # px: a press that moves no farther is a click
 
 
 class Navigation(MouseTool):
-    """Orbit, pan and zoom; consumes every press.
+    """Tool to orbit, pan and zoom the camera; consumes every press.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class Navigation(MouseTool):
         self._mode = ""
 
     def wheel(self, event: QWheelEvent) -> bool:
-        """Zoom to the cursor."""
+        """Zoom about the point under the cursor."""
         self._look.zoom_at(event.position(), ZOOM_PER_WHEEL_UNIT ** event.angleDelta().y())
         return True
 

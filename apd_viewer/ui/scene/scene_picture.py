@@ -1,4 +1,4 @@
-"""Pictures of the scene or of other shapes, at any size."""
+"""Pictures of the scene or of given shapes, at any size."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ from apd_viewer.ui.scene.shading import Shading
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 
-# Pixels that are drawn so as to be made fewer; a software renderer needs seconds for more.
+# Largest number of supersampled pixels; a software renderer needs seconds for more.
 _MOST_DRAWN = 24_000_000
-# Pixels of a picture: each takes some bytes in memory, several times over.
+# Largest number of pixels in a picture, since several copies of it are held in memory.
 _MOST = 200_000_000
 
 
 def scene_picture(
     viewport: Viewport, size: QSize, transparent: bool = False, renderer: vtkRenderer | None = None
 ) -> QImage:
-    """Picture of a viewport without its tools, complete at any aspect ratio.
+    """Render the viewport's scene without tools, complete at any aspect ratio.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def scene_picture(
             _on_nothing(window, scene, transparent),
             _thicker(scene, finer * picture_scale(seen, size)),
         ):
-            # It would smooth the edge of the shape with a background that is not there.
+            # FXAA would blend the outline of a transparent picture with the omitted background.
             scene.SetUseFXAA(finer == 1 and not transparent and window.GetMultiSamples() == 0)
             image = _drawn(window, size * finer, transparent)
             scene.SetUseFXAA(False)
@@ -75,7 +75,7 @@ def scene_picture(
 
 
 def small_picture(viewport: Viewport, side: int) -> bytes:
-    """PNG file of the shapes in a viewport, its longer side ``side`` pixels at most.
+    """PNG bytes of the cropped scene; its longer side has at most ``side`` pixels.
 
     Empty where nothing can be drawn.
     """
@@ -85,13 +85,13 @@ def small_picture(viewport: Viewport, side: int) -> bytes:
         image = _cropped(scene_picture(viewport, size, transparent=True))
         if max(image.width(), image.height()) > side:
             image = image.scaled(side, side, keep, smooth)
-        return png_of(image)
+        return encode_png(image)
     except InputError:
         return b""
 
 
 def _cropped(image: QImage) -> QImage:
-    """The picture without the empty rows and columns around it; an empty one as it is."""
+    """Image without transparent margins; a fully transparent one is unchanged."""
     alpha = image.convertToFormat(QImage.Format.Format_Alpha8)
     lines = np.frombuffer(alpha.constBits(), dtype=np.uint8).reshape(alpha.height(), -1)
     covered = lines[:, : alpha.width()] > 0
@@ -102,8 +102,8 @@ def _cropped(image: QImage) -> QImage:
     return image.copy(QRect(*corners))
 
 
-def png_of(image: QImage) -> bytes:
-    """A picture as the content of a PNG file."""
+def encode_png(image: QImage) -> bytes:
+    """Encode an image as PNG bytes."""
     content = QByteArray()
     buffer = QBuffer(content)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
@@ -120,12 +120,12 @@ def check_picture_size(viewport: Viewport, size: QSize) -> None:
 
 
 def picture_scale(view_size: QSize, size: QSize) -> float:
-    """Scale factor from the viewport to a picture of ``view_size``."""
+    """Scale factor from a view of ``view_size`` to a picture of ``size``."""
     return min(size.width() / max(view_size.width(), 1), size.height() / max(view_size.height(), 1))
 
 
 def _finer(window: vtkRenderWindow, size: QSize) -> int:
-    """Supersampling factor: 2 without multisampling, if affordable."""
+    """Supersampling factor: 2 if affordable and without multisampling, else 1."""
     most, longest = int(vtkTextureObject.GetMaximumTextureSize(window)), max(size.width(), size.height())
     if longest > most:
         said = tr("A picture can have up to {most:,} pixels per side on this computer; choose a smaller one.")
@@ -145,7 +145,7 @@ def _drawn(window: vtkRenderWindow, size: QSize, transparent: bool) -> QImage:
     pixels = vtkUnsignedCharArray()
     window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, pixels)
     rows = vtk_to_numpy(pixels).reshape(height, width, 4)[::-1].copy()
-    # Drawn over nothing a colour comes weighted by how much it covers; a background claims to be nothing.
+    # A transparent background gives premultiplied colours; an opaque one wrongly reports zero alpha.
     kind = QImage.Format.Format_RGBA8888_Premultiplied
     if not transparent:
         rows[:, :, 3], kind = 255, QImage.Format.Format_RGBX8888
@@ -154,7 +154,7 @@ def _drawn(window: vtkRenderWindow, size: QSize, transparent: bool) -> QImage:
 
 @contextmanager
 def _only(window: vtkRenderWindow, scene: vtkRenderer) -> Iterator[None]:
-    """Draw one scene, and leave the others as they are."""
+    """Draw only one renderer of the window within the context."""
     others = [other for other in window.GetRenderers() if other is not scene and other.GetDraw()]
     guest = not window.HasRenderer(scene)
     for other in others:
@@ -172,7 +172,7 @@ def _only(window: vtkRenderWindow, scene: vtkRenderer) -> Iterator[None]:
 
 @contextmanager
 def _framed(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None]:
-    """Widen the camera's view to a narrower picture."""
+    """Widen the camera angle for a narrower picture within the context."""
     camera = scene.GetActiveCamera()
     angle = camera.GetViewAngle()
     narrower = (seen.width() * size.height()) / max(seen.height() * size.width(), 1)
@@ -186,7 +186,7 @@ def _framed(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None]:
 
 @contextmanager
 def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) -> Iterator[None]:
-    """Take the background away."""
+    """Make the background transparent within the context, if requested."""
     if not transparent:
         yield
         return
@@ -207,7 +207,7 @@ def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) 
 
 @contextmanager
 def _thicker(scene: vtkRenderer, factor: float) -> Iterator[None]:
-    """Scale the widths of lines with the picture."""
+    """Scale line widths by ``factor`` within the context."""
     _thicken(scene, factor)
     try:
         yield
@@ -222,11 +222,11 @@ def _thicken(scene: vtkRenderer, factor: float) -> None:
 
 
 _LONGER = 1000  # px
-_ROOM = 0.02  # of the picture, around the shapes
+_ROOM = 0.02  # margin around the shapes, as a fraction of the picture
 
 
 class _OffscreenViewport:
-    """As much of a viewport as a surface needs."""
+    """Stand-in with the viewport attributes needed by a surface."""
 
     is_dark = False
 
@@ -237,11 +237,11 @@ class _OffscreenViewport:
         self.pick_point: object = None
 
     def update(self) -> None:
-        """There is no screen."""
+        """Do nothing, as there is no screen."""
 
 
 class OffscreenScene:
-    """Renders the shapes of a state from the user's camera, all at one scale.
+    """Renders the shapes of a state from the user's view direction, at one scale.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ class OffscreenScene:
         self.size = self._aim(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
 
     def _aim(self, points: np.ndarray) -> QSize:
-        """Frame all points and return the size of a picture that suits them."""
+        """Frame all points, and return a fitting picture size."""
         eye = self._viewport.camera_controller.camera
         right, up, _ = eye.axes
         wide, high = float(np.ptp(points @ right)), float(np.ptp(points @ up))
@@ -280,12 +280,12 @@ class OffscreenScene:
         return size
 
     def painted_picture(self, U: np.ndarray) -> QImage:
-        """The shape with the positions ``U`` (n, 3), as it is painted."""
+        """Picture of the shape ``U`` (n, 3) with its paint."""
         self._surface.set_color_map(None)
         return self._taken(U)
 
     def measured_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
-        """Picture in the colours of a ``scale``; ``shades`` as a surface's."""
+        """Picture of the shape ``U`` coloured by ``shades`` on a ``scale``."""
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
         self._surface.set_color_map(scale.measure.colors, neutral)
         self._surface.shades[:] = shades

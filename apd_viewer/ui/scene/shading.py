@@ -1,4 +1,4 @@
-"""Material, light and antialiasing of surfaces, and their arrays."""
+"""Materials, light, antialiasing and vertex arrays of surfaces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Shading(Enum):
-    """Normals of a drawn surface."""
+    """Kind of normals used to shade a surface."""
 
     SMOOTH = "smooth"
     SHARP = "sharp"
@@ -29,11 +29,11 @@ class Shading(Enum):
     FILE = "file"
 
 
-# The light moves with the camera: a soft key from the upper left, a sky that is brighter than the
+# The light moves with the camera: a soft key light from the upper left, a sky brighter than the
 # ground, and a thin rim where the surface turns away. VTK's own lights cannot wrap around the shape:
 # they leave half of it dark or wash out the painted colours, which here stay true where the surface
-# faces the viewer. The rim is light on a dark background, dark on a light one. Triangles of a fine mesh are
-# smaller than a pixel, and without a graphics card each costs this sixteen times: hence products for powers.
+# faces the viewer. The rim is light on a dark background and dark on a light one. Fine triangles are smaller
+# than a pixel and cost a software renderer 16 evaluations each: hence products instead of powers.
 _SHADING = """
   vec3 n = normalize(normalVCVSOutput);
   vec3 v = normalize(-vertexVC.xyz);
@@ -50,13 +50,13 @@ _SHADING = """
   gl_FragData[0] = vec4(shaded, OPACITY);
 """
 
-# Of the height of the picture: some sixty of them are seen above each other.
+# Stripe period, as a fraction of the picture height: about sixty stripes fit above each other.
 _STRIPE = 0.0157
 
-# Measured values come as the opacity of the vertices, so that they are blended over a triangle before they
-# are made a colour: between a loss and a gain there is no change, and not the mean of two colours. What is
-# painted lies over them in stripes, between which the colours are those of the legend. The place of a pixel
-# in the picture would say as well where they are, but a software renderer takes long to tell it.
+# Measured values are stored as vertex opacities, so that they are interpolated before the colour lookup:
+# halfway between loss and gain lies the neutral colour, not the mean of two colours. The paint is drawn over
+# them in stripes, which leave the legend's colours visible in between. Stripes could also be placed by
+# fragment coordinates, but those are slow with a software renderer.
 _HEAT = """
   float heat = opacity * 255.0;
   float place = clamp((heat - 1.0) / 254.0, 0.0, 1.0);
@@ -71,7 +71,7 @@ _HEAT = """
   diffuseColor = line * mix(diffuseColor, paint, painted);
 """
 
-# Of the file's image; what is painted lies over it.
+# Texture image of the file, with the paint drawn over it.
 _TEXTURE = """
   vec3 paint = vertexColorVSOutput.rgb;
   vec3 away = paint - FREE;
@@ -79,28 +79,28 @@ _TEXTURE = """
   diffuseColor = LINE * mix(texture(actortexture, tcoordVCVSOutput).rgb, paint, painted);
 """
 
-# Edges of triangles, by which VTK has darkened the paint, darken the colours too.
+# Factor by which VTK darkens the paint along triangle edges, applied to the other colours as well.
 _LINE = "clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0)"
 
-# Seen through from the front, and at its outline.
+# Glass: nearly clear where it faces the viewer, denser towards its outline.
 GLASS_SHADER = """
   float facing = clamp(dot(normalize(normalVCVSOutput), normalize(-vertexVC.xyz)), 0.0, 1.0);
   float rim = pow(1.0 - facing, 2.5);
   gl_FragData[0] = vec4(mix(vec3(0.16, 0.22, 0.33), vec3(0.80, 0.87, 1.0), onDark), 0.07 + 0.63 * rim);
 """
 
-# The same in the colour of the vertices, denser.
+# Denser glass in the vertex colours.
 TINTED_GLASS_SHADER = """
   float facing = abs(dot(normalize(normalVCVSOutput), normalize(-vertexVC.xyz)));
   float rim = 1.0 - facing;
   gl_FragData[0] = vec4(diffuseColor * (0.75 + 0.35 * facing), 0.45 + 0.35 * rim * rim);
 """
-# The same in amber, to tell a target shape from the rest shape.
+# Amber glass, to distinguish a target shape from the rest shape.
 AMBER_GLASS_SHADER = GLASS_SHADER.replace("0.16, 0.22, 0.33", "0.52, 0.30, 0.02").replace(
     "0.80, 0.87, 1.0", "1.0, 0.80, 0.48"
 )
 
-# Of obstacles, in their colour: plates are as clear all over, round ones denser at their outline.
+# Obstacle shaders: plates are uniformly translucent, round obstacles denser towards their outline.
 PLATE_SHADER = """
   gl_FragData[0] = vec4(diffuseColor, opacity);
 """
@@ -115,14 +115,14 @@ ROUND_OBSTACLE_SHADER = """
   gl_FragData[0] = vec4(shaded, clamp(opacity * (0.85 + 0.9 * rim * rim) + 0.25 * gloss, 0.0, 1.0));
 """
 
-# What is seen of the inside where the surface is cut.
+# Darkens the inside of the surface, visible where it is cut open.
 _INSIDE = """
   if (!gl_FrontFacing) { diffuseColor *= 0.62; }
 """
 
 
 def shade(actor: vtkActor, color_map: ColorMap | None = None, inside: bool = False) -> None:
-    """Give ``actor`` its shader, for the given heat colours, its edges and texture.
+    """Set the shader of ``actor`` for its colour map, edges and texture.
 
     With ``color_map`` the opacities of its vertices are values on a scale; with ``inside`` its back
     is darker.
@@ -143,12 +143,12 @@ def shade(actor: vtkActor, color_map: ColorMap | None = None, inside: bool = Fal
     shader.ClearAllFragmentShaderReplacements()
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, code, False)
     if textured:
-        # VTK would multiply the light by it, and the paint too.
+        # Omit VTK's own texturing, which would multiply both the light and the paint by the texture.
         shader.AddFragmentShaderReplacement("//VTK::TCoord::Impl", True, "", False)
     match_view(actor, False, math.pi / 6.0)
 
 
-def texture_of(image: np.ndarray) -> vtkTexture:
+def make_texture(image: np.ndarray) -> vtkTexture:
     """Texture of an image (h, w, 3) uint8, repeated beyond its border."""
     data = pv.ImageData(dimensions=(image.shape[1], image.shape[0], 1))
     data.point_data["rgb"] = image[::-1].reshape(-1, 3)
@@ -162,7 +162,7 @@ def texture_of(image: np.ndarray) -> vtkTexture:
 
 
 def set_neutral_band(actor: vtkActor, neutral: float) -> None:
-    """Show ``neutral`` of a scale, around its middle, as no change."""
+    """Show the middle fraction ``neutral`` of a scale as no change."""
     actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniformf("heatNeutral", neutral)
 
 
@@ -174,7 +174,7 @@ def match_view(actor: vtkActor, dark: bool, angle: float) -> None:
 
 
 def headlight() -> vtkLight:
-    """The light of a scene: without one VTK would not hand normals to the shader."""
+    """Headlight of a scene; without a light, VTK omits normals from the shader."""
     light = vtkLight()
     light.SetLightTypeToHeadlight()
     return light
@@ -212,7 +212,7 @@ class SurfaceArrays:
             self.data.GetPointData().SetActiveTCoords("uv")
 
     def set_points(self, U: np.ndarray, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Follow the shape ``U`` (n, 3); see :meth:`RenderMesh.drape`."""
+        """Update points and normals to the shape ``U`` (n, 3), relative to ``origin``."""
         points, normals = self.data.points, self.data.point_data["Normals"]
         box = self._rendered.drape(U, origin, np.asarray(points), np.asarray(normals))
         points.VTKObject.Modified()
@@ -225,24 +225,24 @@ class SurfaceArrays:
         return np.asarray(self.data.point_data["rgba"])[: self._count]
 
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None) -> None:
-        """Colour the vertices ``ids``, or all, and keep their opacities."""
+        """Set the RGB of the vertices ``ids``, or of all; opacities are kept."""
         self.rgba[slice(None) if ids is None else ids, :3] = rgba[:, :3]
         self.update_colors()
 
     def update_colors(self) -> None:
-        """Draw the edited ``rgba`` from the next frame on."""
+        """Pass edits of ``rgba`` on to the next frame."""
         colors = self.data.point_data["rgba"]
         np.asarray(colors)[self._count :] = self.rgba[self._rendered.repeated_vertices]
         colors.VTKObject.Modified()
 
     def normal_at(self, face: int, weights: np.ndarray) -> np.ndarray:
-        """Normal (3,) as drawn at a point of a face with barycentric ``weights``."""
+        """Drawn normal (3,) on a face at barycentric ``weights``."""
         normal: np.ndarray = weights @ np.asarray(self.data.point_data["Normals"])[self._rendered.F[face]]
         return normal
 
     @property
     def normals(self) -> np.ndarray:
-        """Vertex normals (n, 3) as drawn; zero without a face."""
+        """Drawn vertex normals (n, 3); zero at vertices without a face."""
         return np.asarray(self.data.point_data["Normals"])[: self._count]
 
 
@@ -255,12 +255,12 @@ SOFTWARE_RENDERERS = (
     "gdi generic",
     "basic render",
 )
-MULTISAMPLES = 8  # on a GPU; each sample costs a software renderer as much as a frame
-IDLE_DELAY = 120  # ms without a draw, after which a software renderer draws once more, with smooth edges
+MULTISAMPLES = 8  # samples on a GPU; a software renderer needs as long for each sample as for a frame
+IDLE_DELAY = 120  # ms without a draw before a software renderer redraws with smooth edges
 
 
 class Antialiasing:
-    """Multisampling on a GPU; in software, smooth edges once the scene rests.
+    """Multisampling on a GPU; with software OpenGL, FXAA on an idle scene.
 
     Parameters
     ----------
@@ -283,16 +283,16 @@ class Antialiasing:
         self.idle_timer.timeout.connect(self._smooth)
 
     def choose_samples(self, renderer: str) -> None:
-        """Choose the samples by the name of the OpenGL renderer."""
+        """Set the number of samples for an OpenGL renderer, by its name."""
         self.is_software = any(word in renderer.lower() for word in SOFTWARE_RENDERERS)
         self._viewport.ren_win.SetMultiSamples(0 if self.is_software else MULTISAMPLES)
 
     def begin_draw(self) -> None:
-        """Set up the scene for a draw."""
+        """Enable FXAA if due in the next draw."""
         self._viewport.renderer.SetUseFXAA(self.smooths_next_draw)
 
     def end_draw(self) -> None:
-        """Plan the draw with smooth edges if this one was without."""
+        """Schedule a draw with FXAA if this one lacked it."""
         if self.is_software and not self.smooths_next_draw:
             self.idle_timer.start()
         self.smooths_next_draw = False

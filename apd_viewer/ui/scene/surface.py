@@ -1,4 +1,4 @@
-"""Mesh on screen: points, normals and colours updated in place."""
+"""Drawn mesh, with points, normals and colours updated in place."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from apd_viewer.ui.scene.shading import (
     Shading,
     SurfaceArrays,
     headlight,
+    make_texture,
     match_view,
     set_neutral_band,
     shade,
-    texture_of,
 )
 from apd_viewer.ui.scene.viewport import Viewport
 
-# Before the first mesh, with one vertex: PyVista takes no empty arrays.
+# Placeholder before the first mesh; it gets one vertex, as PyVista rejects empty arrays.
 _NOTHING = PreviewSurface(np.empty((0, 3), dtype=np.int32))
 
 
@@ -37,7 +37,7 @@ class Hit(NamedTuple):
 
 
 class Surface:
-    """One triangle mesh in a viewport.
+    """Triangle mesh drawn in a viewport.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class Surface:
         self._plane = vtkPlane()
         self._origin = np.zeros(3)
         self._box: tuple[float, ...] = ()
-        self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
+        self._boxes: np.ndarray | None = None  # for picking, computed at the first ray
         self.arrays = SurfaceArrays(_NOTHING, np.zeros((1, 4), dtype=np.uint8))
         self._shading = Shading.FILE
         self._texture: Texture | None = None
@@ -94,7 +94,7 @@ class Surface:
         viewport.box = lambda: self._box
 
     def set_mesh(self, surface_index: SurfaceIndex | PreviewSurface, U: np.ndarray, rgba: np.ndarray) -> None:
-        """Show another mesh.
+        """Replace the mesh by one with the shape ``U`` and the colours ``rgba``.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class Surface:
         if surface_index is not self.surface_index:
             self.surface_index = self.texture = None
         self.surface_index, self._blend = surface_index, None
-        # Far from the origin single precision is coarser than the mesh.
+        # Far from the origin, single precision is too coarse for the mesh.
         self._origin = np.array([x.mean() for x in U.T])
         self._actor.SetPosition(*self._origin)
         self._actor.SetVisibility(True)
@@ -135,7 +135,7 @@ class Surface:
         self.U = np.ascontiguousarray(U, dtype=np.float64).view()
         self.U.flags.writeable = False
         low, high = self.arrays.set_points(self.U, self._origin)
-        # Asked for its bounds, VTK would look at all triangles once more, on one core.
+        # Bounds from VTK would need another pass over all triangles, on one core.
         self._box = tuple(np.column_stack([low, high]).ravel() + np.repeat(self._origin, 2))
         self._boxes = None
         self.revision += 1
@@ -143,7 +143,7 @@ class Surface:
 
     @property
     def shape(self) -> np.ndarray:
-        """Positions (n, 3), also during a :meth:`blend`."""
+        """Deformed vertex positions (n, 3), also during a :meth:`blend`."""
         return self._given
 
     @property
@@ -152,13 +152,13 @@ class Surface:
         return self._blend is not None
 
     def blend(self, rest: np.ndarray | None, share: float = 1.0) -> None:
-        """Show the shape at ``share`` between ``rest`` (n, 3) and itself."""
+        """Show the interpolation at ``share`` from ``rest`` (n, 3) to the shape."""
         self._blend = None if rest is None or len(rest) != len(self._given) else (rest, share)
         if self.surface_index is not None:
             self.set_points(self._given)
 
     def cut(self, point: np.ndarray | None, normal: np.ndarray | None = None) -> None:
-        """Cut off the part behind a plane, given by (3,) arrays; none uncuts."""
+        """Hide the surface behind a plane given by (3,) arrays; None removes the cut."""
         was_cut, self._cut = self._cut is not None, None
         self._mapper.RemoveAllClippingPlanes()
         if point is not None and normal is not None:
@@ -172,13 +172,13 @@ class Surface:
 
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
         """Colour the vertices ``ids``, or all, by ``rgba`` (k, 4) uint8."""
-        # How opaque they are is how they are measured: see `wear`.
+        # Opacities stay unchanged, as they encode the measured values: see `shades`.
         if self.surface_index is not None:
             self.arrays.set_colors(rgba, ids)
             self._viewport.update()
 
     def set_color_map(self, color_map: ColorMap | None, neutral: float = 0.0) -> None:
-        """Show values in colours over striped paint; None shows the paint.
+        """Set the colours for values under striped paint; None shows only the paint.
 
         ``neutral`` is how much of the scale, around its middle, is shown as no change. What the values are
         is written into :attr:`shades`, before or after. It is seen in the next draw, for which this does not
@@ -199,7 +199,7 @@ class Surface:
         return self.arrays.rgba[:, 3]
 
     def update_shades(self) -> None:
-        """Draw the edited ``shades`` from the next frame on."""
+        """Pass edits of ``shades`` on to the next frame."""
         self.arrays.update_colors()
 
     @property
@@ -226,7 +226,7 @@ class Surface:
 
     @property
     def shading(self) -> Shading:
-        """Choice of the normals; sharp edges where a file should have some and has none."""
+        """Kind of normals; SHARP if the file's are chosen but missing."""
         if self._shading is Shading.FILE and not self.has_normals:
             return Shading.SHARP
         return self._shading
@@ -252,7 +252,7 @@ class Surface:
         if texture is self._texture:
             return
         self._texture = texture
-        self._actor.SetTexture(None if texture is None else texture_of(texture.image))  # type: ignore[arg-type]
+        self._actor.SetTexture(None if texture is None else make_texture(texture.image))  # type: ignore[arg-type]
         self._shade()
         if self.surface_index is not None and self.arrays is not None:
             self._arrange(self.surface_index, self.arrays.rgba)
@@ -268,7 +268,7 @@ class Surface:
         return None if isinstance(self.surface_index, PreviewSurface) else self.surface_index
 
     def hit(self, position: QPointF) -> Hit | None:
-        """Hit under a position in the viewport, if any."""
+        """Ray hit at a position in the viewport; None if the ray misses."""
         skin = self.picking_index
         if skin is None:
             return None
@@ -314,11 +314,11 @@ class Surface:
 
     @property
     def normals(self) -> np.ndarray:
-        """Vertex normals (n, 3) as drawn; zero without a face."""
+        """Drawn vertex normals (n, 3); zero at vertices without a face."""
         return self.arrays.normals
 
     def point_under(self, position: QPointF) -> np.ndarray | None:
-        """Point of the surface seen at a position in the viewport."""
+        """Visible surface point (3,) at a position in the viewport, or None."""
         hit = self.hit(position)
         return None if hit is None else hit.point
 
@@ -326,7 +326,7 @@ class Surface:
 def _uncut(
     plane: tuple[np.ndarray, np.ndarray] | None, origin: np.ndarray, direction: np.ndarray
 ) -> tuple[float, float]:
-    """Interval of a ray in front of a cutting plane."""
+    """Interval of ray parameters in front of a cutting plane."""
     if plane is None:
         return 0.0, np.inf
     point, normal = plane

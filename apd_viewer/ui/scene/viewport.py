@@ -1,4 +1,4 @@
-"""The 3D view: one VTK draw a paint, tools first, a Qt layer on top."""
+"""3D view: one VTK draw per paint, mouse tools, and a Qt layer on top."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
 
 
 class Viewport(QtInteractor):
-    """Widget with a scene and mouse tools.
+    """Widget to show a scene and dispatch mouse events to tools.
 
     What a tool may do and how the mouse moves the camera is said in :mod:`apd_viewer.ui.scene.navigation`.
 
@@ -67,7 +67,7 @@ class Viewport(QtInteractor):
     resized = Signal()
     clicked = Signal(QPointF)
 
-    _in_paint: bool  # of the base class: while it is set a draw is not brought to the screen
+    _in_paint: bool  # base-class flag; while set, a draw is not copied to the screen
 
     def __init__(self, parent: QWidget | None = None) -> None:
         self.tools: list[MouseTool] = []
@@ -80,9 +80,9 @@ class Viewport(QtInteractor):
         self.opengl_info = ""
         self.is_stale = True  # the scene has changed since the last VTK draw
         super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
-        self.setAcceptDrops(False)  # the stock widget reads dropped files into the scene by itself
+        self.setAcceptDrops(False)  # the base class would load dropped files into the scene
         self.ren_win.GetInteractor().EnableRenderOff()
-        # They would ask everything for its bounds, to leave out what the camera does not see.
+        # Cullers would query the bounds of all actors in order to skip those out of view.
         self.renderer.GetCullers().RemoveAllItems()
         self.antialiasing = Antialiasing(self)
         self.tool_layer = ToolLayer(self, self.tools)
@@ -92,10 +92,10 @@ class Viewport(QtInteractor):
         self.mouse = MouseDispatcher(self, self.tools, Navigation(self.camera_controller, self.clicked.emit))
         self.set_theme("#f4f5f7")
 
-    # ---- looks
+    # ---- appearance
 
     def set_theme(self, background_top: str, background_bottom: str | None = None) -> None:
-        """Set the colour of the background, or the two ends of a vertical blend."""
+        """Set the background colour, or the two ends of a vertical gradient."""
         top, bottom = QColor(background_top), QColor(background_bottom or background_top)
         self.is_dark = bottom.lightnessF() < 0.5
         self.renderer.SetBackground(bottom.redF(), bottom.greenF(), bottom.blueF())
@@ -114,7 +114,7 @@ class Viewport(QtInteractor):
 
     @contextmanager
     def offscreen_window(self) -> Iterator[Any]:
-        """Render window for other drawings; None without OpenGL."""
+        """Render window for off-screen drawing as a context; None without OpenGL."""
         self._ensure_initialized()
         window = self.ren_win
         if self._ctx is None or not window.GetReadyForRendering():
@@ -131,35 +131,35 @@ class Viewport(QtInteractor):
             self.update()
 
     def update(self, *_: Any) -> None:
-        """Draw the scene and the overlay again, soon; several calls make one draw."""
+        """Schedule a repaint of scene and tool layer; repeated calls cause one draw."""
         if getattr(self, "_closed", False):
             return
         self.is_stale = True
         super().update()
-        if hasattr(self, "overlay"):  # not yet while the base class builds itself
+        if hasattr(self, "overlay"):  # not set yet while the base class is initialized
             self.tool_layer.update()
 
     def render(self, *_: Any, **__: Any) -> None:
-        """Same as update: pyvista calls this after each change."""
+        """Schedule a repaint; called by pyvista after each change."""
         self._rendered = True
         self.update()
 
     _render = render
 
     def initializeGL(self) -> None:
-        """Choose the drawing settings affordable with this OpenGL."""
+        """Choose drawing settings to suit the OpenGL renderer."""
         super().initializeGL()
         functions = self.context().functions()
         vendor, renderer, version = (str(functions.glGetString(name)) for name in _GL_NAMES)
         self.opengl_info = f"{vendor}, {renderer}, {version}"
         self.antialiasing.choose_samples(renderer)
         if self.antialiasing.is_software:
-            # For each blink of a text cursor the processor would compose the whole window: 4 % of a core.
+            # Each blink of a text cursor would make the CPU compose the whole window: 4 % of a core.
             QApplication.setCursorFlashTime(0)
         self.is_stale = True
 
     def resizeGL(self, width: int, height: int) -> None:
-        """Draw at the new size."""
+        """Resize the render window to the device pixels."""
         super().resizeGL(width, height)
         # Qt rounds halves up, Python to even: at a scale of 1.5 a line of pixels would stay black.
         ratio = self.devicePixelRatioF()
@@ -170,10 +170,10 @@ class Viewport(QtInteractor):
         super()._blit(target, QRect(0, 0, *self.ren_win.GetSize()))
 
     def paintGL(self) -> None:
-        """Draw if the scene has changed, and bring the picture to the screen."""
+        """Render the scene if it has changed, and copy the picture to the screen."""
         if self.is_stale and self._RenderWindow is not None and self._RenderWindow.GetReadyForRendering():
             self._draw()
-        # Inside _in_paint the stock method only copies the picture; else it would draw a second time.
+        # With _in_paint set, the base class only copies the picture instead of drawing a second time.
         self._in_paint = True
         try:
             super().paintGL()
@@ -181,7 +181,7 @@ class Viewport(QtInteractor):
             self._in_paint = False
 
     def prepare_scene(self) -> None:
-        """Bring the scene up to date, as before each VTK draw."""
+        """Run the pre-draw callbacks and update the clipping range."""
         for prepare in self.pre_draw:
             prepare()
         boxes = [box for find in (self.box, *self.more_boxes) if find is not None and (box := find())]
@@ -206,11 +206,11 @@ class Viewport(QtInteractor):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Offer the press to the tools, then to the camera."""
-        self.setFocus()  # or keys would go on into the field that was typed in last
+        self.setFocus()  # otherwise keys would still go to the last text field
         self.mouse.press(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Treat the second press of two quick ones like any other."""
+        """Treat the second press of a double click as an ordinary press."""
         self.mouse.press(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -227,14 +227,14 @@ class Viewport(QtInteractor):
         event.accept()
 
     def enterEvent(self, _event: QEvent) -> None:
-        """Keep VTK out of it."""
+        """Do nothing, to keep the event from VTK."""
 
     def leaveEvent(self, _event: QEvent) -> None:
-        """Notify the tools of the cursor's leaving."""
+        """Notify the tools of the cursor leaving the viewport."""
         self.mouse.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc cancels, Return finishes; VTK's one-key shortcuts are off."""
+        """Cancel on Esc and finish on Return, without VTK's one-key shortcuts."""
         key = event.key()
         done = key == Qt.Key.Key_Escape and self.mouse.cancel()
         if not done and key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
@@ -243,11 +243,11 @@ class Viewport(QtInteractor):
             event.ignore()
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Keep VTK out of it."""
+        """Do nothing, to keep the event from VTK."""
         event.ignore()
 
     def event(self, event: QEvent) -> bool:
-        """Zoom when two fingers pinch a trackpad."""
+        """Zoom on a pinch gesture of the trackpad."""
         if isinstance(event, QNativeGestureEvent):
             if event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
                 self.camera_controller.zoom_at(event.position(), 1.0 + event.value())
@@ -255,7 +255,7 @@ class Viewport(QtInteractor):
         return super().event(event)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Resize the overlay, and keep the framing until the camera is moved."""
+        """Resize the tool layer, and reframe unless the camera was moved."""
         super().resizeEvent(event)
         self.tool_layer.setGeometry(self.rect())
         self.resized.emit()
@@ -267,7 +267,7 @@ class Viewport(QtInteractor):
         self.update()
 
     def close(self) -> None:
-        """Free the scene; the view cannot be used afterwards."""
+        """Release the scene; the widget cannot be used afterwards."""
         if not getattr(self, "_closed", True):
             self.antialiasing.idle_timer.stop()
             self.pre_draw.clear()
@@ -276,13 +276,13 @@ class Viewport(QtInteractor):
             self.camera_controller.close()
             self.pick_point = self.box = None
         super().close()
-        # Qt frees context and surface itself and may put others at their addresses, where Python
-        # would still find these wrappers: of the wrong class, or of an object that is gone.
+        # Qt frees context and surface itself and may reuse their addresses; Python would then look up these
+        # stale wrappers for the new objects, with a wrong class or an already deleted object.
         self._ctx = self._surface = None
 
 
 class ToolLayer(QWidget):
-    """Widget as large as the viewport, blind to the mouse.
+    """Transparent widget over the viewport, painted by the tools.
 
     QPainter draws smooth lines and letters where a software OpenGL draws neither, and a tool that
     only changes its own looks costs no VTK draw.
@@ -301,7 +301,7 @@ class ToolLayer(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Let the tools paint, the first one on top."""
+        """Paint the tools in reverse order, the first one on top."""
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             for tool in reversed(self._tools):
@@ -309,7 +309,7 @@ class ToolLayer(QWidget):
 
 
 class MouseDispatcher:
-    """Dispatches mouse events to the tools in order, then to the camera.
+    """Dispatches mouse events to the tools in order, then to the navigation.
 
     Parameters
     ----------
@@ -327,7 +327,7 @@ class MouseDispatcher:
         self._button = Qt.MouseButton.NoButton
 
     def press(self, event: QMouseEvent) -> None:
-        """Offer a press; its taker holds the mouse until the button is released."""
+        """Offer a press; the accepting tool holds the mouse until the release."""
         if self._holder is not None:
             return
         self._button = event.button()
@@ -335,7 +335,7 @@ class MouseDispatcher:
         self._holder = next(takers, None)
 
     def move(self, event: QMouseEvent) -> None:
-        """Send the move to the holder, or to all tools for a preview."""
+        """Send the move to the holding tool, or to all tools as a preview."""
         if self._holder is not None and not event.buttons() & self._button:
             self.release(event)  # the release went to another window
         elif self._holder is not None:
@@ -352,31 +352,31 @@ class MouseDispatcher:
             self._hover(event)
 
     def wheel(self, event: QWheelEvent) -> None:
-        """Offer the wheel."""
+        """Offer a wheel event to the tools, then to the navigation."""
         any(tool.wheel(event) for tool in self._everyone())
 
     def leave(self) -> None:
-        """Notify the tools of the cursor's leaving, except during a drag."""
+        """Notify the tools of the cursor leaving, except during a drag."""
         if self._holder is None:
             for tool in self._tools:
                 tool.leave()
 
     def cancel(self) -> bool:
-        """Cancel the tools' work; True if there was any."""
+        """Cancel the operations of the tools; True if there were any."""
         done = any(tool.cancel() for tool in self._tools)
         if done:
             self._holder = None
         return done
 
     def finish(self) -> bool:
-        """Finish a shape of several clicks; True if there was one."""
+        """Finish an outline of several clicks; True if there was one."""
         return any(tool.finish() for tool in self._tools)
 
     def _everyone(self) -> tuple[MouseTool, ...]:
         return (*self._tools, self._navigation)
 
     def _hover(self, event: QMouseEvent) -> None:
-        """Offer a move; for tools behind its taker the cursor has left."""
+        """Offer a move; tools after the accepting one are notified of leaving."""
         taken = False
         for tool in self._tools:
             if taken:

@@ -1,1 +1,1 @@
-"""Settings page: the table of preferences, its dialog and its effects."""
+"""Settings page: the preferences, their dialog and their effects."""

@@ -1,4 +1,4 @@
-"""All preferences: names, defaults, allowed values and words."""
+"""Table of all preferences: names, defaults, allowed values and texts."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from apd_viewer.ui.tools.toolbox import FIRST_MODE, SelectionMode
 _RESTART = tr("Takes effect after a restart")
 _SYSTEM = tr("System default")
 _MIB = 2**20
-_MINUTE = 60.0  # s
+_MINUTE = 60.0  # seconds
 _CORES = os.cpu_count() or 1
 
 
 def _language_name(name: str) -> str:
-    if name == "en":  # which Qt takes for that of the United States
+    if name == "en":  # Qt would name it American English
         return "English"
     return QLocale(name).nativeLanguageName().capitalize() or name
 
@@ -137,7 +137,7 @@ THREADS: Preference[int] = Preference(
 
 
 class PreferenceGroup(NamedTuple):
-    """Rows of the page under a heading."""
+    """Group of rows on the Settings page, with a heading."""
 
     title: str
     rows: tuple[Preference[Any], ...]

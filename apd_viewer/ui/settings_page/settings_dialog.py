@@ -40,11 +40,11 @@ from apd_viewer.ui.widgets.fields import ComboBox, NumberField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 
-_WIDTH, _TITLES, _CONTROLS = 640, 120, 190  # px
+_WIDTH, _TITLES, _CONTROLS = 640, 120, 190  # px; dialog width, and smallest widths of titles and controls
 
 
 class SettingsDialog(QDialog):
-    """Groups of preferences; buttons for the shortcuts and the defaults.
+    """Dialog of grouped preferences, with buttons for shortcuts and defaults.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class SettingsDialog(QDialog):
     def _buttons(self) -> QHBoxLayout:
         self.shortcuts = QPushButton(tr("Keyboard shortcuts…"), autoDefault=False)
         self.restore = QPushButton(tr("Restore defaults"), autoDefault=False)
-        # None is the default: Enter in a field ends the entry, and not the dialog.
+        # No default button: Enter in a field only ends its editing, and does not close the dialog.
         self.close_ = QPushButton(tr("Close"), objectName="primary", autoDefault=False)
         self.shortcuts.setToolTip(tr("View and change the keyboard shortcuts"))
         self.restore.setToolTip(tr("Return all settings of this page to their defaults"))
@@ -125,7 +125,7 @@ class SettingsDialog(QDialog):
 
 
 def _align(grids: list[QGridLayout]) -> None:
-    """Align titles and controls of all groups, for words of any length."""
+    """Align titles and controls of all groups, whatever the length of the texts."""
     for column, least in enumerate((_TITLES, _CONTROLS)):
         found = [grid.itemAtPosition(row, column) for grid in grids for row in range(1, grid.rowCount())]
         width = max([least, *(item.sizeHint().width() for item in found if item is not None)])
@@ -134,7 +134,7 @@ def _align(grids: list[QGridLayout]) -> None:
 
 
 class SettingsPage(QObject):
-    """Opens the dialog, one at a time.
+    """Opens the settings dialog, at most once at a time.
 
     Parameters
     ----------
@@ -151,14 +151,14 @@ class SettingsPage(QObject):
         self.dialog: SettingsDialog | None = None
 
     def open_at(self, name: str) -> None:
-        """Show the dialog with the preference ``name`` in use."""
+        """Open the dialog and focus the preference ``name``."""
         self.open()
         control = self.dialog.findChild(QWidget, name) if self.dialog is not None else None
         if isinstance(control, QWidget):
             control.setFocus(Qt.FocusReason.TabFocusReason)
 
     def open(self) -> None:
-        """Show the dialog in front."""
+        """Open the dialog or bring it to the front."""
         if self.dialog is None:
             self.dialog = SettingsDialog(self._window, self._values, self._list_shortcuts)
             self.dialog.finished.connect(self._forget)
@@ -175,11 +175,11 @@ class SettingsPage(QObject):
         self.dialog = None
 
 
-SETTING_PROPERTY = "settingName"  # property of a control, by which the manual knows it
+SETTING_PROPERTY = "settingName"  # property of a control with its name in the manual
 
 
 def preference_control(preference: Preference[Any], values: PreferenceValues) -> ComboBox | NumberField:
-    """Control showing a preference, now and after changes made elsewhere."""
+    """Control showing and changing a preference, also updated from elsewhere."""
     if isinstance(preference.allowed, NumberRange):
         control: ComboBox | NumberField = _NumberControl(preference, preference.allowed, values)
     else:
@@ -193,7 +193,7 @@ def preference_control(preference: Preference[Any], values: PreferenceValues) ->
 
 
 class _ChoiceControl(ComboBox):
-    """List of the allowed values."""
+    """Combo box for the value of a preference."""
 
     def __init__(self, preference: Preference[Any], allowed: OneOf[Any], values: PreferenceValues) -> None:
         super().__init__()
@@ -209,7 +209,7 @@ class _ChoiceControl(ComboBox):
 
 
 class _NumberControl(NumberField):
-    """Field for a number."""
+    """Number field for the value of a preference."""
 
     def __init__(self, preference: Preference[Any], allowed: NumberRange, values: PreferenceValues) -> None:
         super().__init__(minimum=allowed.least, maximum=allowed.most, decimals=0, suffix=allowed.suffix)
@@ -223,7 +223,7 @@ class _NumberControl(NumberField):
 
 
 def limit_threads(threads: int) -> None:
-    """Limit the parallel kernels of this process and its children; 0 does not.
+    """Limit the threads of parallel kernels here and in child processes; 0 for none.
 
     It has to come before numba, which reads the number once: a script that has used numba keeps its own, and
     so does whoever sets the variable.
@@ -235,7 +235,7 @@ def limit_threads(threads: int) -> None:
 def connect_preferences(
     values: PreferenceValues, session: Session, tools: ToolChoice, brush: BrushSize
 ) -> None:
-    """Have session and tools follow the preferences."""
+    """Apply the preferences to session and tools, now and after changes."""
     values.follow(UNDO_MEMORY, session.gestures.limit_memory)
     values.follow(AUTOSAVE, session.autosave.set_interval)
     values.follow(SELECTION_MODE, tools.set_mode)
@@ -243,12 +243,12 @@ def connect_preferences(
 
 
 def connect_menu(values: PreferenceValues, schemes: dict[Qt.ColorScheme, QAction]) -> None:
-    """Have the menu show the colour scheme."""
+    """Keep the colour scheme checked in the menu."""
     values.follow(COLOR_SCHEME, lambda scheme: schemes[scheme].setChecked(True))
 
 
 def connect_language(values: PreferenceValues, show_failure: Callable[[str], object]) -> None:
-    """Have the next start use the chosen language; ``show_failure`` says a sentence."""
+    """Store a chosen language for the next start, or report a failure."""
 
     def keep(name: str) -> None:
         try:

@@ -1,1 +1,1 @@
-"""Reports and pictures."""
+"""Reports and pictures of the deformed shape."""

@@ -24,15 +24,15 @@ from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
-_LEAST, _MOST = 16, 32_768  # pixels per side; a hint tells what cannot be drawn
+_LEAST, _MOST = 16, 32_768  # pixels per side; a message reports sizes too large to render
 _TIMES = (1, 2, 3, 4)
 _PREVIEW = QSize(360, 270)
-_SOON = 40  # ms
-_SQUARE = 8  # px
+_SOON = 40  # ms; delay of the preview
+_SQUARE = 8  # px; squares of the checkerboard
 
 
 class _Preview(QWidget):
-    """Preview on squares for transparency."""
+    """Preview on a checkerboard indicating transparency."""
 
     def __init__(self) -> None:
         super().__init__(accessibleName=tr("Preview"))
@@ -40,7 +40,7 @@ class _Preview(QWidget):
         self.image = QImage()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw it."""
+        """Draw the checkerboard and the picture."""
         painter = QPainter(self)
         size = self.image.size()
         room = QRect(0, 0, size.width(), size.height())
@@ -61,7 +61,7 @@ class _Preview(QWidget):
 
 
 class PictureDialog(QDialog):
-    """Size, background and overlays of a picture.
+    """Dialog for size, background and overlays of a picture.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ class PictureDialog(QDialog):
 
     @property
     def settings(self) -> PictureSettings:
-        """Chosen settings."""
+        """Settings currently chosen."""
         size = QSize(int(self.width_.value()), int(self.height_.value()))
         return PictureSettings(
             size, self.transparent.isChecked(), self.legend.isChecked(), self.gizmo.isChecked()
@@ -181,13 +181,13 @@ class PictureDialog(QDialog):
         self._soon.start()
 
     def _show_times(self) -> None:
-        """Name the multiple of the view's size."""
+        """Select the size entry matching the typed width and height."""
         size = self.settings.size
         found = [times for times in _TIMES if self._pictures.view_size * times == size]
         self.times.setCurrentIndex(self.times.findData(found[0] if found else 0))
 
     def _show(self) -> None:
-        """Preview the picture, and tell if its size cannot be drawn."""
+        """Update the preview, and report a size too large to render."""
         wish = self.settings
         small = wish.size.scaled(_PREVIEW, Qt.AspectRatioMode.KeepAspectRatio).expandedTo(QSize(1, 1))
         try:
@@ -216,7 +216,7 @@ _MARGIN, _ROUND = 12.0, 8.0  # pixels of the window
 
 @dataclass(frozen=True)
 class PictureSettings:
-    """Settings of a picture.
+    """Size, background and overlays of a picture.
 
     Attributes
     ----------
@@ -235,7 +235,7 @@ class PictureSettings:
 
 
 class Pictures:
-    """Takes pictures of a canvas.
+    """Renders pictures of a canvas.
 
     Parameters
     ----------
@@ -250,7 +250,7 @@ class Pictures:
 
     @property
     def view_size(self) -> QSize:
-        """Pixels of the view on its screen."""
+        """Size of the view in device pixels."""
         view = self._canvas.viewport
         return view.size() * view.devicePixelRatioF()
 
@@ -261,16 +261,16 @@ class Pictures:
 
     @property
     def has_gizmo(self) -> bool:
-        """True if a gizmo is shown."""
+        """True if any gizmo is shown."""
         return bool(self._gizmos)
 
     @property
     def _gizmos(self) -> list[Gizmo]:
-        """The gizmo at the handle or at the obstacle in the hand, if it is shown."""
+        """Gizmos shown, of the active handle or obstacle."""
         return [tool for tool in self._canvas.viewport.tools if isinstance(tool, Gizmo) and tool.visible]
 
     def save(self, path: Path, settings: PictureSettings) -> None:
-        """Write a picture as PNG; it is drawn now, and written in the background."""
+        """Render a picture now, and write it as PNG in the background."""
         try:
             image = self.picture(settings)
         except InputError as error:
@@ -288,7 +288,7 @@ class Pictures:
         self._jobs.run(title, work, self._notice.show_message, can_be_cancelled=False)
 
     def copy(self, settings: PictureSettings | None = None) -> None:
-        """Bring a picture to the clipboard; the view as it is seen, without the gizmo."""
+        """Copy a picture to the clipboard, by default the view without the gizmo."""
         try:
             image = self.picture(settings or PictureSettings(self.view_size))
         except InputError as error:
@@ -303,7 +303,7 @@ class Pictures:
         check_picture_size(self._canvas.viewport, size)
 
     def picture(self, settings: PictureSettings) -> QImage:
-        """Picture; raises InputError if too large to be drawn."""
+        """Picture with these settings; raises InputError if too large to render."""
         view = self._canvas.viewport
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
@@ -313,7 +313,7 @@ class Pictures:
         scale = picture_scale(view.size(), settings.size)
         with QPainter(image) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            # The view is centred in the picture.
+            # Origin at the centre, as the view is centred in the picture.
             painter.translate(QPointF(settings.size.width(), settings.size.height()) / 2)
             painter.scale(scale, scale)
             painter.save()
@@ -330,7 +330,7 @@ class Pictures:
         return image
 
     def _draw_legend(self, painter: QPainter) -> None:
-        """Draw a card above the painter's lower left corner."""
+        """Draw the legend above the painter's origin, the lower left corner."""
         heat, theme = self._looks.overlay, DARK if self._canvas.viewport.is_dark else LIGHT
         card = QRectF(_MARGIN, -_MARGIN - HEIGHT, WIDTH, HEIGHT)
         painter.setPen(QPen(QColor(theme.line), 1.0))

@@ -1,4 +1,4 @@
-"""Reports and pictures for others."""
+"""Controller of reports, pictures and diagnostics."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.processes.shape_checker import ShapeQuery, check_shape_apart
+from apd_viewer.session.processes.shape_checker import ShapeQuery, check_shape_in_process
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs
@@ -47,18 +47,18 @@ from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart_drawing import draw_chart
 from apd_viewer.ui.plots.plots import svg_element
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.scene.scene_picture import OffscreenScene, png_of
+from apd_viewer.ui.scene.scene_picture import OffscreenScene, encode_png
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, Pictures, PictureSettings
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
-_CHART, _LETTERS = QSize(1016, 230), 12  # px
-_LONGEST = 24_000_000  # bytes of a session; base64 adds a third
+_CHART, _LETTERS = QSize(1016, 230), 12  # px; size of the histogram, and font size
+_LONGEST = 24_000_000  # largest embedded session in bytes; base64 adds a third
 
 
 @dataclass(frozen=True, eq=False)
 class _Measured:
-    """Slow measurements for a report, and the area change at the vertices."""
+    """Slow measurements of a report, and the area change at the vertices."""
 
     subject: ReportSubject
     evidence: ReportReadings
@@ -67,7 +67,7 @@ class _Measured:
 
 
 class ReportController:
-    """Writes reports, and hands pictures out.
+    """Commands to write reports, and to save or copy pictures and diagnostics.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class ReportController:
         self._notice.show_message(tr("Diagnostics copied; paste them into your bug report."))
 
     def copy_python(self) -> None:
-        """Copy the Python lines that repeat the deformation."""
+        """Copy a Python script reproducing the deformation to the clipboard."""
         if (state := self._session.store.state) is None:
             return
         try:
@@ -120,7 +120,7 @@ class ReportController:
         self._notice.show_message(tr("Copied the Python lines that repeat this deformation."))
 
     def ask_for_report(self) -> None:
-        """Choose a target and write a report."""
+        """Ask for a file and write a report to it."""
         if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_put_report(
@@ -130,7 +130,7 @@ class ReportController:
             self.write_report(path)
 
     def ask_for_picture(self) -> None:
-        """Ask for a picture's settings and path, and write it."""
+        """Ask for a picture's settings and file, and save it."""
         if (state := self._session.store.state) is None:
             return
         pictures = self.pictures
@@ -168,13 +168,13 @@ class ReportController:
         session.jobs.run(title, work, lambda measured: self._finish(path, measured, scale))
 
     def _scale(self, state: State) -> Scale:
-        """Colour scale of the local area change in use."""
+        """Current colour scale of the local area change, or the default one."""
         V, F = state.document.mesh.V, state.document.mesh.F
         size = diagonal(V[F.ravel()]) or 1.0
         return self._looks.overlay.scales.get(Measure.AREA) or default_scale(Measure.AREA, size)
 
     def _finish(self, path: Path, measured: _Measured, scale: Scale) -> None:
-        """Take the pictures on this thread, and write the page in the background."""
+        """Render the pictures on this thread, and write the page in the background."""
         session, subject = self._session, measured.subject
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
@@ -215,7 +215,7 @@ class ReportController:
         chart = replace(reading_charts.local_change(change), title="", readings=())
         font = QFont(self._window.font())
         font.setPixelSize(_LETTERS)
-        words = 2.5 * QFontMetricsF(font).height()  # title and readings, given by the page instead
+        words = 2.5 * QFontMetricsF(font).height()  # title and readings, shown by the page instead
         room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
 
         def drawn(theme: Theme) -> str:
@@ -231,16 +231,16 @@ class ReportController:
 def _checked(
     state: State, found: ShapeCheck | None, at_rest: ShapeCheck | None
 ) -> tuple[ShapeCheck, ShapeCheck]:
-    """Checks of the shape and of the mesh at rest, missing ones made."""
+    """Checks of the current and the rest shape, computed if missing."""
     V, F = state.document.mesh.V, state.document.mesh.joined_F
-    at_rest = at_rest or check_shape_apart(ShapeQuery(V, F))
+    at_rest = at_rest or check_shape_in_process(ShapeQuery(V, F))
     if state.frame.U is V:
         return at_rest, at_rest
-    return found or check_shape_apart(ShapeQuery(state.frame.U, F)), at_rest
+    return found or check_shape_in_process(ShapeQuery(state.frame.U, F)), at_rest
 
 
 def _measured(subject: ReportSubject, view: View, scale: Scale) -> _Measured:
-    """Compute the slow measurements."""
+    """Compute the slow measurements of a report."""
     state = subject.state
     mesh, skin, U, target = (
         state.document.mesh,
@@ -261,7 +261,7 @@ def _measured(subject: ReportSubject, view: View, scale: Scale) -> _Measured:
 
 
 def _session_of(state: State, view: View) -> bytes:
-    """Session file without the mesh's place; empty if too long."""
+    """Session file without the paths of meshes; empty if too large."""
     document, target = state.document, state.document.target_shape
     if target is not None:
         target = TargetShape(target.mesh.without_path())
@@ -278,16 +278,17 @@ def _session_of(state: State, view: View) -> bytes:
 def _encoded(images: list[QImage], legend: str) -> html_page.PagePictureRow:
     captions = tr("Rest shape"), tr("Current shape"), tr("Local area change")
     pictures = [
-        html_page.PagePicture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)
+        html_page.PagePicture(encode_png(image), caption)
+        for image, caption in zip(images, captions, strict=True)
     ]
     return html_page.PagePictureRow(tuple(pictures), legend)
 
 
-_LINES = 100  # of the log
+_LINES = 100  # last lines of the log to include
 
 
 def diagnostics(opengl: str) -> str:
-    """Diagnostics as text, without the user's folders and meshes.
+    """Diagnostics as text, with names of folders removed.
 
     Parameters
     ----------
@@ -303,14 +304,14 @@ def diagnostics(opengl: str) -> str:
 
 
 def _last_lines() -> list[str]:
-    """End of this process's log; empty if there is none."""
+    """Last lines of this process's log; empty without a log."""
     file = log.current_file()
     return [] if file is None else _lines(file)[-_LINES:]
 
 
 def _last_crash() -> list[str]:
-    """Last crash of any process, after its file name; empty if none."""
-    for path in sorted(log.log_folder().glob("*.crash"), reverse=True):  # named by their time
+    """File name and contents of the latest crash report; empty if there is none."""
+    for path in sorted(log.log_folder().glob("*.crash"), reverse=True):  # latest first; named by their time
         if lines := _lines(path):
             return [path.name, *lines]
     return []

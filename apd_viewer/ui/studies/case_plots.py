@@ -23,11 +23,11 @@ from apd_viewer.presentation.palette import SEQUENTIAL
 from apd_viewer.ui.plots.chart_drawing import Chart, ColorBar, Curve, Dots
 from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 from apd_viewer.ui.plots.scatter_view import ScatterView
-from apd_viewer.ui.studies.result_columns import ResultColumn, reading_words
+from apd_viewer.ui.studies.result_columns import ResultColumn, reading_texts
 from apd_viewer.ui.studies.result_table import ResultModel
 from apd_viewer.ui.widgets.fields import ComboBox
 
-_NARROWEST, _AROUND = 72, 44  # px, of a choice and around its title
+_NARROWEST, _AROUND = 72, 44  # px: smallest width of the box, and space around its title
 _ABSCISSA = "part"
 _OFFERED = (
     "volume_error",
@@ -42,19 +42,19 @@ _OFFERED = (
 )
 _LOWEST = QSize(200, 120)
 _Curves = Mapping[str, list[float | None]]
-# Okabe and Ito's, those first that stand out on light and dark.
+# Okabe-Ito palette, starting with colours clearly visible on light and dark backgrounds.
 _CHOSEN = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a63c9", "#8c8c1e")
 MOST_CHOSEN = len(_CHOSEN)
-# Where the largest value is so many times the least, and half of all values lie in this lower share of the
-# range, a logarithmic axis parts them.
+# Use a logarithmic axis if the ratio of largest to smallest value exceeds ``_MANY`` and half of the
+# values lie in the lowest fraction ``_CROWDED`` of the range.
 _MANY, _CROWDED = 50.0, 0.25
-_FINEST = 0.01  # percent: two decimals are shown
+_FINEST = 0.01  # smallest range in percent, as two decimals are shown
 _NOTHING = "#b8bcc4"
-_SHADES = 100  # of dots: more cannot be told apart
+_SHADES = 100  # colour levels of the dots; finer levels would be indistinguishable
 
 
 class ColumnChoice(ComboBox):
-    """Combo box of columns; it keeps its choice while there is such a column.
+    """Combo box of columns, keeping its choice while the column exists.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class ColumnChoice(ComboBox):
     def __init__(self, name: str, may_be_none: bool = False) -> None:
         super().__init__(accessibleName=name, toolTip=name)
         self._may_be_none = may_be_none
-        self._own = False  # until somebody chooses, the columns so far tell what is shown
+        self._own = False  # True once the user has chosen; until then the preferred column is selected
         self.activated.connect(self._choose)
 
     def _choose(self) -> None:
@@ -82,17 +82,17 @@ class ColumnChoice(ComboBox):
         self._tell()
 
     def _tell(self) -> None:
-        """Tell the whole title where there is no room for it."""
+        """Show the full title in the tooltip, as the box may elide it."""
         self.setToolTip(f"{self.accessibleName()}: {self.currentText()}")
         self.updateGeometry()
 
     @property
     def name(self) -> str:
-        """Name of the column; empty for none."""
+        """Name of the chosen column; empty if none is chosen."""
         return str(self.currentData() or "")
 
     def set_columns(self, columns: Sequence[ResultColumn], preferred: Sequence[ResultColumn]) -> None:
-        """Offer other columns; the first of ``preferred`` until one is chosen."""
+        """Set the columns; the first of ``preferred`` is selected until the user chooses."""
         names = [column.name for column in columns]
         before = self.currentData() if self._own else None
         offered = [self.itemData(k) for k in range(self.count())]
@@ -111,17 +111,17 @@ class ColumnChoice(ComboBox):
         self._tell()
 
     def sizeHint(self) -> QSize:
-        """Room for the chosen title, and not for the longest."""
+        """Size for the current title instead of the longest one."""
         text = self.fontMetrics().horizontalAdvance(self.currentText())
         return QSize(max(_NARROWEST, text + _AROUND), super().sizeHint().height())
 
     def minimumSizeHint(self) -> QSize:
-        """A few letters: the list shows the whole."""
+        """Size for a few letters; the list shows full titles."""
         return QSize(_NARROWEST, self.sizeHint().height())
 
 
 class CaseCurves(QWidget):
-    """A measurement along the motion of each chosen case.
+    """Chart of one reading along the motion, with a curve for each selected case.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ class CaseCurves(QWidget):
         self.reading = ColumnChoice(tr("Measurement along the motion"))
         nothing = np.empty(0)
         offered = [
-            ResultColumn(name, reading_words(name).title, reading_words(name).tip, nothing, ())
+            ResultColumn(name, reading_texts(name).title, reading_texts(name).tip, nothing, ())
             for name in _OFFERED
         ]
         self.reading.set_columns(offered, offered)
@@ -160,12 +160,12 @@ class CaseCurves(QWidget):
         column.addWidget(self.view, 1)
 
     def show_study(self, folder: Path) -> None:
-        """Show cases of another study."""
+        """Set the study folder and clear the cached curves."""
         self._folder, self._kept, self._shown = folder, {}, {}
         self._redraw()
 
     def show_cases(self, colors: Mapping[int, str]) -> None:
-        """Show the curves of rows of the plan, each in a colour."""
+        """Show the curves of plan rows, given with their colours."""
         self._shown = dict(colors)
         self._redraw()
 
@@ -173,7 +173,7 @@ class CaseCurves(QWidget):
         self.view.update()
 
     def _curves(self, row: int) -> _Curves:
-        """Curves of a case; none if it is not done or its file cannot be read."""
+        """Curves of a case; empty if it is unfinished or its file unreadable."""
         found = self._model.rows[row]
         if found.status != DONE or self._folder is None:
             return {}
@@ -186,7 +186,7 @@ class CaseCurves(QWidget):
 
     def _chart(self) -> Chart:
         name = self.reading.name
-        scale = 100.0 if reading_words(name).percent else 1.0
+        scale = 100.0 if reading_texts(name).percent else 1.0
         curves, legend = [], []
         for row, color in self._shown.items():
             found = self._curves(row)
@@ -203,7 +203,7 @@ class CaseCurves(QWidget):
 
 
 class ScatterPlot(QWidget):
-    """The plot, and the choices of its columns.
+    """Scatter plot with the choice of its columns.
 
     Parameters
     ----------
@@ -244,14 +244,14 @@ class ScatterPlot(QWidget):
         column.addWidget(self.view, 1)
 
     def refresh(self) -> None:
-        """Offer the columns of the model, and draw them."""
+        """Offer the columns of the model, and redraw the plot."""
         columns = self._model.numeric_columns
         asked = [column for column in columns if column.is_from_plan]
         found = [column for column in columns if not column.is_from_plan]
         volume, energy = ([c for c in found if c.name == name] for name in ("volume_error", "energy"))
         self.across.set_columns(columns, [*asked, *found])
         self.upright.set_columns(columns, [*volume, *found, *asked[1:], *asked])
-        # The area is the same in all cases, as a rule; the energy is not.
+        # The area is usually equal in all cases; the energy is not.
         self.color.set_columns(columns, [*asked[1:2], *energy, *found[:1]])
         self.redraw()
 
@@ -261,7 +261,7 @@ class ScatterPlot(QWidget):
         self.view.update()
 
     def redraw(self) -> None:
-        """Draw anew."""
+        """Discard the cached chart and schedule a repaint."""
         self._drawn = None
         self.view.update()
 
@@ -292,7 +292,7 @@ class ScatterPlot(QWidget):
         return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
 
     def _about(self, row: int) -> str:
-        """Line of the plan and the values of the axes."""
+        """Tooltip text of a row: its line number and the values of the chosen columns."""
         named = {self.upright.name, self.across.name, self.color.name}
         shown: list[ResultColumn] = [self._model.columns[0]]
         shown += [column for column in self._model.columns if column.name in named]
@@ -300,13 +300,13 @@ class ScatterPlot(QWidget):
 
 
 class CaseColors:
-    """Colours of chosen cases, each of which keeps its own while it is chosen."""
+    """Assigns colours to selected cases, stable while a case is selected."""
 
     def __init__(self) -> None:
         self._given: dict[int, str] = {}
 
     def colors_of(self, rows: Sequence[int]) -> dict[int, str]:
-        """Colours of the first rows of the plan."""
+        """Colours of the first of the given plan rows, by row."""
         rows = rows[:MOST_CHOSEN]
         kept = {row: color for row, color in self._given.items() if row in rows}
         free = [color for color in _CHOSEN if color not in kept.values()]
@@ -315,11 +315,11 @@ class CaseColors:
 
 
 def axis_of(column: ResultColumn) -> tuple[Axis, np.ndarray]:
-    """Axis of a column with numbers, and the places (n,) of its values on it."""
+    """Axis for a numeric column, and positions (n,) of its values on it."""
     known = column.values[np.isfinite(column.values)]
     low, high = float(known.min()), float(known.max())
     if column.suffix.strip() == "%" and high - low < _FINEST:
-        # Apart by less than what is shown: an area that is kept, but for rounding.
+        # The range is below the displayed precision, as with an area preserved up to rounding.
         low, high = (round((low + high) / 2.0 + side * _FINEST, 2) for side in (-1.0, 1.0))
     crowded = float(np.median(known)) < low + _CROWDED * (high - low)
     if low > 0.0 and high > _MANY * low and crowded:
@@ -329,12 +329,12 @@ def axis_of(column: ResultColumn) -> tuple[Axis, np.ndarray]:
 
 
 def color_bar_colors() -> tuple[str, ...]:
-    """Colours of the scale, from its lower end to its upper."""
+    """Colours of the sequential scale, from low to high."""
     return tuple(_hex(color) for color in SEQUENTIAL.knots)
 
 
 def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
-    """Colour of each of the places (n,) on an axis, grey where there is none."""
+    """Colours for positions (n,) on an axis; grey for NaN."""
     share = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
     shades = [*map(_hex, SEQUENTIAL.colors(np.linspace(0.0, 1.0, _SHADES)).tolist()), _NOTHING]
     chosen = np.where(np.isfinite(share), np.rint((_SHADES - 1) * np.nan_to_num(share)), _SHADES)
@@ -342,7 +342,7 @@ def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
 
 
 def uniform_colors(count: int) -> tuple[str, ...]:
-    """One colour for all dots."""
+    """Equal colours for ``count`` dots."""
     return (_hex(SEQUENTIAL.knots[3]),) * count
 
 

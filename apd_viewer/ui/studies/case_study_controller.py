@@ -1,4 +1,4 @@
-"""Studies of many cases in the window: their dialog, process and dock."""
+"""Controller of case studies: their dialog, process and dock."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.theme import Theme
 
 _EVERY = 1000  # ms
-_TIMES = 20.0  # so many times longer than reading takes is waited before the next
+_TIMES = 20.0  # smallest pause between two reads, as a multiple of the time to read
 
 
 class CaseStudyController(QObject):
@@ -95,7 +95,7 @@ class CaseStudyController(QObject):
     # Commands
 
     def design_study(self) -> None:
-        """Design a study of what is open."""
+        """Open the dialog to design a study of the current document."""
         found = self._opened()
         if found is None:
             return
@@ -114,7 +114,7 @@ class CaseStudyController(QObject):
             self.dialog.activateWindow()
 
     def ask_for_folder(self) -> None:
-        """Choose the folder of a study to look at."""
+        """Ask for the folder of a study and show its results."""
         folder = QFileDialog.getExistingDirectory(
             self._window, tr("Open the folder of a study"), str(self._memory.last_folder)
         )
@@ -122,7 +122,7 @@ class CaseStudyController(QObject):
             self.open_study(Path(folder))
 
     def open_study(self, folder: Path) -> None:
-        """Show the results of a folder, and follow them while they grow."""
+        """Show the results in a folder, and watch them for changes."""
         if not (folder / DATABASE_NAME).is_file() and folder != self.run.folder:
             self._notice.show_failure(
                 tr("{folder} holds no study; choose the folder of one.").format(folder=folder.name)
@@ -138,7 +138,7 @@ class CaseStudyController(QObject):
         self.dialog = None
 
     def _is_free(self) -> bool:
-        """True if no study runs; otherwise say so."""
+        """True if no study is running; otherwise show a message."""
         if self.run.running:
             self._notice.show_failure(tr("A study is running; wait for it or stop it, then begin another."))
             self._dock.show()
@@ -159,7 +159,7 @@ class CaseStudyController(QObject):
             self._begin(self.panel.folder, None, retry_failed)
 
     def _trusts(self, options: list[str]) -> bool:
-        """Ask before connecting to a scheduler that a folder names, perhaps anybody's."""
+        """Ask before connecting to a scheduler named in a folder of unknown origin."""
         address = scheduler_option(options)
         if not address:
             return True
@@ -193,10 +193,10 @@ class CaseStudyController(QObject):
         elif sentence:
             self._notice.show_failure(sentence)
 
-    # Cases
+    # Opening of cases
 
     def _open_case(self, row: int) -> None:
-        """Open the shape of a case, or say why there is none."""
+        """Open the shape of a case, or show the reason for a missing shape."""
         folder, found = self.panel.folder, self.panel.model.rows[row]
         if folder is None:
             return
@@ -212,14 +212,14 @@ class CaseStudyController(QObject):
 
         self._filing.run_unless_unsaved(go)
 
-    # The window
+    # Window events
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the parts beyond the style sheet's reach."""
+        """Recolour widgets not covered by the style sheet."""
         self.panel.set_theme(theme)
 
     def ask_before_closing(self, event: QCloseEvent) -> None:
-        """Ask before the window is closed over a running study."""
+        """Ask before the window closes during a running study."""
         if not self.run.running or not event.isAccepted():
             return
         buttons = QMessageBox.StandardButton
@@ -242,7 +242,7 @@ class CaseStudyController(QObject):
 
 
 def _seen_as(before: tuple[State, int, View] | None, state: State, view: View) -> tuple[State, View]:
-    """A case, in the view of before if the mesh is the same.
+    """State of a case with its view; the previous view is kept for an equal mesh.
 
     So shapes can be compared.
     """
@@ -251,7 +251,7 @@ def _seen_as(before: tuple[State, int, View] | None, state: State, view: View) -
 
 
 class FolderWatch(QObject):
-    """Reads results on a thread, at first and after each change.
+    """Reads results on a thread, initially and after each change.
 
     Attributes
     ----------
@@ -277,12 +277,12 @@ class FolderWatch(QObject):
         self._timer.timeout.connect(self.check_folder)
 
     def watch_folder(self, folder: Path) -> None:
-        """Read the results of a folder from now on; it need not hold any yet."""
+        """Start watching a folder, even before it holds results."""
         self.folder, self._seen, self._next, self._said = folder, None, 0.0, ""
         self.set_enabled(self._shown)
 
     def set_enabled(self, on: bool) -> None:
-        """Look at the folder from now on, or leave it alone, as nobody sees it."""
+        """Enable or suspend the watching, depending on the visibility of the results."""
         self._shown = on
         if on and self.folder is not None:
             self._timer.start()
@@ -319,7 +319,7 @@ class FolderWatch(QObject):
             self._said = results
 
     def close(self) -> None:
-        """Read nothing any more."""
+        """Stop watching the folder."""
         self._timer.stop()
         self.folder = None
         self._task.close()

@@ -1,4 +1,4 @@
-"""A command of the command line in a process of its own.
+"""Command of the command line, run in its own process.
 
 A QProcess and no ChildProcess: it reports by signals on the GUI thread, which here would need a thread.
 """
@@ -16,7 +16,7 @@ from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, Signal
 
 from apd_viewer.language import tr
 
-# Not -m: it would import from the current folder.
+# Started with -c, since -m would import modules from the current folder.
 _START = """
 import os, sys
 count = int(sys.argv[1])
@@ -27,7 +27,7 @@ from apd_viewer.__main__ import main
 sys.exit(main(words))
 """
 _ERROR = "error: "
-_PATIENCE = 5000  # ms
+_PATIENCE = 5000  # ms to wait for a killed process to wait for a killed process
 
 
 class CommandProcess(QObject):
@@ -61,7 +61,7 @@ class CommandProcess(QObject):
         return self._process is not None
 
     def start(self, arguments: list[str], scratch: Path | None = None) -> None:
-        """Run the command of these words; one at a time.
+        """Start the command with the given arguments; none may be running.
 
         It keeps its temporary files in ``scratch``: killed it cannot remove them.
         """
@@ -77,7 +77,7 @@ class CommandProcess(QObject):
         self.process_id = process.processId()
 
     def cancel(self) -> None:
-        """End the command at once; neither ``ended`` nor ``failed`` comes any more."""
+        """Kill the command; neither ``ended`` nor ``failed`` is emitted."""
         process, self._process = self._process, None
         if process is not None:
             process.kill()
@@ -85,8 +85,8 @@ class CommandProcess(QObject):
             process.deleteLater()
 
     def interrupt(self) -> bool:
-        """Ask the command to end soon, as Ctrl+C does; False where that cannot be said."""
-        if self._process is None or not hasattr(os, "getuid"):  # Windows knows no such signal
+        """Interrupt the command as Ctrl+C does; False where signals are unsupported."""
+        if self._process is None or not hasattr(os, "getuid"):  # a process cannot be sent SIGINT on Windows
             return False
         os.kill(self._process.processId(), signal.SIGINT)
         return True
@@ -101,7 +101,7 @@ class CommandProcess(QObject):
 
     def _finish(self, process: QProcess, status: int, way: QProcess.ExitStatus) -> None:
         self._read(process)
-        if process is not self._process:  # cancelled
+        if process is not self._process:  # the process was the process was cancelled
             return
         self._process = None
         process.deleteLater()

@@ -1,4 +1,4 @@
-"""Fields for where the cases of a study run, and how long one may take."""
+"""Fields for the engine of a study and the time limit of its cases."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MOST = 1000
 
 
 class EngineFields(QObject):
-    """Processes of this machine, or workers behind a scheduler.
+    """Fields to choose local processes or the workers of a scheduler.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class EngineFields(QObject):
         self.address.setVisible(not here)
 
     def options(self) -> list[str]:
-        """Options of the command; raises InputError for no address or an odd limit."""
+        """Options of the command; raises InputError on a missing address or bad limit."""
         if self.where.currentData() == _HERE:
             return ["--processes", str(round(self.processes.value())), *self._limit()]
         address = self.address.text().strip()
@@ -92,7 +92,7 @@ class EngineFields(QObject):
         return ["--limit", f"{seconds:.6g}"]
 
     def check_engine(self) -> None:
-        """Announce that the cases can be run, at once or as soon as the scheduler answers.
+        """Emit ``engine_ready`` at once, or once the scheduler answers.
 
         Raises
         ------
@@ -106,12 +106,12 @@ class EngineFields(QObject):
 
 
 SCHEDULER_FILE_SUFFIX = ".json"
-_PATIENCE = 5000  # ms
+_PATIENCE = 5000  # ms to wait for an answer of the scheduler to wait for an answer of the scheduler
 _BY_TCP = ("tcp", "tls", "ws", "wss")
 
 
 class SchedulerCheck(QObject):
-    """Connects to an address, without waiting, and hangs up.
+    """Tests an address by an asynchronous connection.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ class SchedulerCheck(QObject):
         super().__init__()
         self._address = ""
         self._socket = QTcpSocket(self)
-        # As Dask does: a proxy of the system is for the web.
+        # Connect directly, as Dask does; a system proxy is meant for web traffic.
         self._socket.setProxy(QNetworkProxy(QNetworkProxy.ProxyType.NoProxy))
         self._socket.connected.connect(self._answer)
         self._socket.errorOccurred.connect(lambda _: self._fail(self._socket.errorString()))
@@ -138,11 +138,11 @@ class SchedulerCheck(QObject):
 
     @property
     def is_waiting(self) -> bool:
-        """True while nobody has answered yet."""
+        """True while the connection is pending."""
         return self.timer.isActive()
 
     def begin(self, address: str) -> None:
-        """Connect to an address, or to that in a file; raises InputError if it is none."""
+        """Connect to an address, or to one read from a file; raises InputError."""
         host, port = host_and_port(address)
         self.stop()
         self._address = address
@@ -150,7 +150,7 @@ class SchedulerCheck(QObject):
         self._socket.connectToHost(host, port)
 
     def stop(self) -> None:
-        """Hang up, and say nothing."""
+        """Abort the connection without emitting a signal."""
         self.timer.stop()
         if self._socket.state() is not QAbstractSocket.SocketState.UnconnectedState:
             self._socket.abort()
@@ -171,7 +171,7 @@ class SchedulerCheck(QObject):
 
 
 def host_and_port(address: str) -> tuple[str, int]:
-    """Host and port of an address such as tcp://host:8786, or of that in a file.
+    """Host and port of an address such as tcp://host:8786, or of one in a file.
 
     Raises
     ------

@@ -33,7 +33,7 @@ def _about() -> str:
 
 
 def _figures() -> dict[str, str]:
-    """Return the figures by file, with their captions."""
+    """File names of the figures, with their captions."""
     return {
         "bottle.png": tr("Table 1: the bottle at rest, and twisted by 60° and 120°."),
         "duck.png": tr("Table 2: the duck at rest, and its tail moved by 0.15 L and 0.3 L."),
@@ -48,7 +48,7 @@ def _figures() -> dict[str, str]:
 
 
 class PaperDialog(RunDialog):
-    """Runs the tables on request, and shows them with their figures.
+    """Dialog to recompute the paper's tables, shown with their figures.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class PaperDialog(RunDialog):
 
 
 def _table(lines: list[dict[str, str]]) -> QGridLayout:
-    """Return a row a move: area changes by ARAP and APD, here and in the paper."""
+    """Grid with a row per motion: area changes by ARAP and APD, here and in the paper."""
     grid = QGridLayout(horizontalSpacing=24, verticalSpacing=6)
     grid.setColumnStretch(0, 1)
     over = (

@@ -1,4 +1,4 @@
-"""Dialog that designs a study of the current document, and begins it."""
+"""Dialog to design and start a study of the current document."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 
-_WIDTH = 720  # px
+_WIDTH = 720  # px: width of the dialog: width of the dialog
 _CASES, _LEVELS = 100, 5
 
 
 class PlanDialog(QDialog):
-    """Designs a study of the document that is open when the dialog opens.
+    """Dialog to design a study of the document open at its creation.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class PlanDialog(QDialog):
             view,
             preferences,
         )
-        self._preview = EndPreview(session, ghost)
+        self._preview = RangeEndPreview(session, ghost)
         mesh = self._state.document.mesh
         self.setWindowTitle(tr("Study – {name}").format(name=window_title_text(mesh.name)))
         self.varied = VariedFields(self._state, Unit(view.unit))
@@ -107,10 +107,10 @@ class PlanDialog(QDialog):
         self._count()
         self._move_aside(window)
 
-    # Laying out
+    # Layout
 
     def _move_aside(self, window: QWidget) -> None:
-        """Move to the right of the window, so that its view shows the ends of ranges."""
+        """Move to the right of the window, to keep the mesh preview visible."""
         there = window.frameGeometry().intersected(window.screen().availableGeometry())
         self.move(there.right() + 1 - self.width(), there.center().y() - self.height() // 2)
 
@@ -204,7 +204,7 @@ class PlanDialog(QDialog):
         self._count()
 
     def _count(self) -> None:
-        """Say how many cases there will be."""
+        """Show the number of cases of the current design."""
         grid = self.design.currentData() == GRID
         self._of_samples.setText(tr("values of each,") if grid else tr("cases,"))
         varying = sum(row.is_checked and row.has_two_ends for row in self.varied.rows.values())
@@ -214,7 +214,7 @@ class PlanDialog(QDialog):
         self.words.setText("")
 
     def _look(self, name: str, upper: bool) -> None:
-        """Show an end of a range on the mesh."""
+        """Preview one end of a range on the mesh."""
         try:
             said = self.varied.values_at_end(name, upper)
             document = document_with_values(self._state, Unit(self._view.unit), self._handle, said)
@@ -232,7 +232,7 @@ class PlanDialog(QDialog):
         if folder:
             self.folder.setText(str(unused_folder(Path(folder), Path(self.folder.text()).name)))
 
-    # Beginning
+    # Start of the study
 
     def begin(self) -> None:
         """Start the study as soon as its engine is available."""
@@ -252,7 +252,7 @@ class PlanDialog(QDialog):
         self.words.setText(sentence)
 
     def _designed(self) -> tuple[Path, PlanRows, list[str]]:
-        """Folder, rows of the plan and options of the command; raises InputError."""
+        """Folder, plan rows and command options as entered; raises InputError."""
         folder = path_from_text(self.folder.text())
         options = self.engine.options()
         design = StudyDesign(
@@ -268,7 +268,7 @@ class PlanDialog(QDialog):
         return folder, rows, options
 
     def _begin(self) -> None:
-        """Write plan and session as they were asked for, and announce them."""
+        """Write the plan and session, and emit ``study_designed``."""
         self.start.setEnabled(True)
         folder, rows, options = self._asked
         try:
@@ -280,7 +280,7 @@ class PlanDialog(QDialog):
         self.accept()
 
     def _check(self, folder: Path, design: StudyDesign) -> None:
-        """Raise InputError without a folder, for one in use, or where nothing would move."""
+        """Raise InputError for a missing or used folder, or without any motion."""
         if not self.folder.text().strip():
             raise InputError(tr("Enter a new folder for the plan and the results."))
         if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
@@ -289,14 +289,14 @@ class PlanDialog(QDialog):
             raise InputError(tr("No handle moves; tick a motion as well, with one end or with both."))
 
     def done(self, result: int) -> None:
-        """Close the dialog, and show the mesh as it was."""
+        """Close the dialog and end the preview."""
         self._preview.hide()
         self.engine.check.stop()
         super().done(result)
 
 
-class EndPreview:
-    """Shows documents within a gesture that is taken back.
+class RangeEndPreview:
+    """Preview of documents as a gesture, cancelled at its end.
 
     Parameters
     ----------
@@ -311,11 +311,11 @@ class EndPreview:
 
     @property
     def is_showing(self) -> bool:
-        """True while it shows anything."""
+        """True while a preview is shown."""
         return self._before is not None and self._session.gestures.state_before is self._before
 
     def show(self, document: Document) -> None:
-        """Show a document, if its mesh is open and no other gesture is under way."""
+        """Preview a document of the open mesh, unless another gesture is active."""
         gestures, state = self._session.gestures, self._session.store.state
         if state is None or state.document.mesh is not document.mesh:
             return
@@ -328,7 +328,7 @@ class EndPreview:
         self._session.handles.solve_poses(document)
 
     def hide(self) -> None:
-        """Return to the state before."""
+        """End the preview, and restore the state before it."""
         self._ghost.hide()
         gestures, before, self._before = self._session.gestures, self._before, None
         if before is None:
@@ -338,11 +338,11 @@ class EndPreview:
         elif (
             gestures.state_before is not None and gestures.state_before.document.mesh is before.document.mesh
         ):
-            gestures.state_before = before  # a drag that began on what was shown is undone to what was before
+            gestures.state_before = before  # undo of a drag begun on the preview goes back to before it
 
 
 class MethodFields(QObject):
-    """A box for each method; that of the document is ticked.
+    """Check box for each method, with the document's method checked.
 
     Parameters
     ----------
@@ -374,11 +374,11 @@ class MethodFields(QObject):
 
     @property
     def chosen_count(self) -> int:
-        """Number of ticked methods."""
+        """Number of checked methods."""
         return sum(check.isChecked() for check in self.checks.values())
 
     def chosen_methods(self) -> tuple[str, ...]:
-        """Names of the ticked methods; raises InputError if there is none."""
+        """Names of the checked methods; raises InputError if none is checked."""
         found = tuple(name for name, check in self.checks.items() if check.isChecked())
         if not found:
             raise InputError(tr("No method is ticked; tick one, or several to compare them."))

@@ -1,4 +1,4 @@
-"""Dialog that presses the mesh between two plates, and shows the curves."""
+"""Dialog to press the mesh between two plates, with curves of the result."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _PROPOSED_STIFFNESS = 0.001
 
 
 class PressDialog(RunDialog):
-    """Presses the mesh as it was when the dialog opened.
+    """Dialog to press the mesh of the document open at its creation.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class PressDialog(RunDialog):
         return widget_row(self.stiffness, self.hint, spacing=8)
 
     def _show_stiffness(self) -> None:
-        """Say the expected excess of loads and the wall's own stiffness."""
+        """Show the expected load excess and the stiffness of the wall."""
         material = self._material()
         said = [obstacle_readings.excess_phrase(load_excess(material, self._cells))]
         own = None
@@ -141,7 +141,7 @@ class PressDialog(RunDialog):
         self.hint.setText("; ".join(said))
 
     def _material(self, yield_radius: float | None = None) -> Material:
-        """Material of the fields; raises InputError on creases without stiffness."""
+        """Material as entered; raises InputError on creases without stiffness."""
         method, document = METHODS[self.method.currentData()], self._document
         return method_material(
             method,
@@ -161,7 +161,7 @@ class PressDialog(RunDialog):
 
     @property
     def _distance(self) -> float:
-        """Of the plates in the end, mesh units."""
+        """Final distance of the plates, mesh units."""
         return float(self.to.value() / 100.0 * self._extents[self.direction.currentIndex()])
 
     def _written(self, distance: float) -> str:
@@ -206,14 +206,14 @@ class PressDialog(RunDialog):
 
     @property
     def _targets(self) -> dict[str, str]:
-        """Options of the command for the targets that the method keeps."""
+        """Command options for the targets kept by the method."""
         area, volume, *_ = kept_percentages(self._document.with_settings(method=self.method.currentData()))
         said = {"--area": area, "--volume": volume}
         return {option: f"{value!r}%" for option, value in said.items() if value is not None}
 
     @property
     def _options(self) -> dict[str, str]:
-        """Options of the command that set how to press."""
+        """Command options for plates, steps, method and stiffness."""
         return {
             "--axis": self.direction.currentData(),
             "--to": f"{self.to.value():.0f}%",

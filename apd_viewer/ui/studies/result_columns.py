@@ -22,19 +22,19 @@ from apd_viewer.session.posing.motion import Motion
 from apd_viewer.session.posing.motion_text import parse_motion
 
 LINE_COLUMN, MOTION_COLUMN, STATUS_COLUMN, REMARK_COLUMN = "line", "motion", "status", "sentence"
-_ASKED_FOR = "plan "  # before the name of a column of the plan
+_ASKED_FOR = "plan "  # name prefix of a column of the plan
 _NOTE = f"{_ASKED_FOR}{NOTE_PREFIX}"
 _ORDER = (DONE, FAILED, WRONG, DUPLICATE, WAITING)
 _AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%°]*)\s*")
-_MOST_KINDS = 12  # of motions: more columns would hide the rest
-_LONGEST = 20  # texts that are measured: letters differ in their width
-# Handle, motion, and which of the amounts.
+_MOST_KINDS = 12  # motion columns at most, as more would hide the others
+_LONGEST = 20  # number of longest texts to measure, since letters differ in width
+# Handle, motion, and index of the amount in the motion.
 _Amount = tuple[int, Motion, int]
 _DEGREES = {"deg": "°"}
 
 
-class ReadingWords(NamedTuple):
-    """Words of a reading, and how its number is written.
+class ReadingTexts(NamedTuple):
+    """Title, tooltip and number format of a reading.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class ReadingWords(NamedTuple):
     whole: bool = False
 
 
-# Titles of a plan's columns; notes have their own.
+# Titles of the columns of a plan; titles of notes are made from their names.
 PLAN_TITLES = {
     "mesh": tr("Mesh"),
     "session": tr("Session"),
@@ -61,36 +61,36 @@ PLAN_TITLES = {
     "iterations": tr("Most iterations"),
     **{name: setting.title for name, setting in SETTINGS.items() if name in COLUMNS},
 }
-READING_WORDS = {
-    "area_error": ReadingWords(tr("Area change"), tr("Of the total area, from rest"), percent=True),
-    "volume_error": ReadingWords(tr("Volume change"), tr("Of the enclosed volume, from rest"), percent=True),
-    "local_change": ReadingWords(tr("Local change"), tr("Largest area change of a triangle"), percent=True),
-    "energy": ReadingWords(tr("Energy"), tr("ARAP energy of the deformation")),
-    "crossings": ReadingWords(tr("Self-intersections"), tr("Triangles that pass through others"), whole=True),
-    "handle_drift": ReadingWords(tr("Handle drift"), tr("Largest distance of a handle from its place")),
-    "share_reached": ReadingWords(
+READING_TEXTS = {
+    "area_error": ReadingTexts(tr("Area change"), tr("Of the total area, from rest"), percent=True),
+    "volume_error": ReadingTexts(tr("Volume change"), tr("Of the enclosed volume, from rest"), percent=True),
+    "local_change": ReadingTexts(tr("Local change"), tr("Largest area change of a triangle"), percent=True),
+    "energy": ReadingTexts(tr("Energy"), tr("ARAP energy of the deformation")),
+    "crossings": ReadingTexts(tr("Self-intersections"), tr("Triangles that pass through others"), whole=True),
+    "handle_drift": ReadingTexts(tr("Handle drift"), tr("Largest distance of a handle from its place")),
+    "share_reached": ReadingTexts(
         tr("Motion reached"), tr("Share of the way on which contact let the handle go"), percent=True
     ),
-    "least_gap": ReadingWords(tr("Least gap"), tr("Between walls in contact")),
-    "volume": ReadingWords(tr("Volume"), tr("Enclosed volume, mesh units")),
-    "volume_capped": ReadingWords(tr("Capped volume"), tr("With caps on its openings, mesh units")),
-    "packed_volume": ReadingWords(tr("Smallest box"), tr("Volume of the smallest box around it, any way up")),
-    "box_volume": ReadingWords(tr("Box"), tr("Volume of the box around it along the axes")),
-    "hull_volume": ReadingWords(tr("Convex hull"), tr("Volume of the convex hull")),
-    "area": ReadingWords(tr("Area"), tr("Total area, mesh units")),
-    "area_rest": ReadingWords(tr("Area at rest"), tr("Total area, mesh units")),
-    "volume_rest": ReadingWords(tr("Volume at rest"), tr("Enclosed volume, mesh units")),
-    "iterations": ReadingWords(tr("Iterations"), tr("Of all steps together"), whole=True),
-    "unsettled_steps": ReadingWords(
+    "least_gap": ReadingTexts(tr("Least gap"), tr("Between walls in contact")),
+    "volume": ReadingTexts(tr("Volume"), tr("Enclosed volume, mesh units")),
+    "volume_capped": ReadingTexts(tr("Capped volume"), tr("With caps on its openings, mesh units")),
+    "packed_volume": ReadingTexts(tr("Smallest box"), tr("Volume of the smallest box around it, any way up")),
+    "box_volume": ReadingTexts(tr("Box"), tr("Volume of the box around it along the axes")),
+    "hull_volume": ReadingTexts(tr("Convex hull"), tr("Volume of the convex hull")),
+    "area": ReadingTexts(tr("Area"), tr("Total area, mesh units")),
+    "area_rest": ReadingTexts(tr("Area at rest"), tr("Total area, mesh units")),
+    "volume_rest": ReadingTexts(tr("Volume at rest"), tr("Enclosed volume, mesh units")),
+    "iterations": ReadingTexts(tr("Iterations"), tr("Of all steps together"), whole=True),
+    "unsettled_steps": ReadingTexts(
         tr("Unsettled steps"), tr("Steps that stopped before they converged"), whole=True
     ),
-    "turned": ReadingWords(
+    "turned": ReadingTexts(
         tr("Turn asked"), tr("Of a handle against the base, degrees, whole turns counted")
     ),
-    "turned_held": ReadingWords(
+    "turned_held": ReadingTexts(
         tr("Turn held"), tr("By the surface between base and handle, degrees, whole turns counted")
     ),
-    "seconds": ReadingWords(tr("Time (s)"), tr("Of the case, seconds")),
+    "seconds": ReadingTexts(tr("Time (s)"), tr("Of the case, seconds")),
 }
 
 
@@ -124,12 +124,12 @@ class ResultColumn:
 
     @cached_property
     def is_numeric(self) -> bool:
-        """True if it has any number."""
+        """True if the column contains a finite number."""
         return bool(np.isfinite(self.values).any())
 
     @cached_property
     def sort_keys(self) -> np.ndarray:
-        """Numbers (n,) to sort by; NaN where there is none."""
+        """Sort keys (n,): numbers, ranks or the order of the texts; NaN for gaps."""
         if self.is_numeric:
             return self.values
         if self.ranks is not None:
@@ -139,24 +139,24 @@ class ResultColumn:
 
     @cached_property
     def longest_texts(self) -> list[str]:
-        """Its texts with most letters, of which one is the widest."""
+        """Texts with most letters, to estimate the widest one."""
         return nlargest(_LONGEST, set(self.texts), key=len)
 
     @property
     def varies(self) -> bool:
-        """True if not all are alike."""
+        """True if the texts of the column differ."""
         return len(set(self.texts)) > 1
 
 
 class ReadResults(NamedTuple):
-    """Results with their columns, as read at a moment."""
+    """Results and their columns, read at one time."""
 
     table: ResultTable
     columns: list[ResultColumn]
 
 
 def shown_columns(table: ResultTable) -> list[ResultColumn]:
-    """Columns of the table in the window, ready to be sorted and laid out."""
+    """Columns of the results table, with sort keys and longest texts precomputed."""
     line, *found = result_columns(table)
     asked = [column for column in found if column.is_from_plan]
     readings = [column for column in found if not column.is_from_plan]
@@ -167,7 +167,7 @@ def shown_columns(table: ResultTable) -> list[ResultColumn]:
 
 
 def result_columns(table: ResultTable) -> list[ResultColumn]:
-    """The line, what varies of the plan, and all readings with a number."""
+    """Line number, varying columns of the plan, and all readings with numbers."""
     found = [_plain(LINE_COLUMN, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows])]
     for k in sorted(range(len(table.columns)), key=lambda k: table.columns[k] != MOTION_COLUMN):
         cells = [row.cells[k] for row in table.rows]
@@ -178,7 +178,7 @@ def result_columns(table: ResultTable) -> list[ResultColumn]:
 
 
 def _told_once(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
-    """All columns but notes with the numbers of another one."""
+    """Columns without the notes whose numbers repeat another column."""
     notes = [each for each in columns if each.name.startswith(_NOTE)]
     others = [each for each in columns if each not in notes]
     repeated = [note for note in notes if any(_agree(note.values, each.values) for each in others)]
@@ -186,19 +186,19 @@ def _told_once(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
 
 
 def _agree(one: np.ndarray, other: np.ndarray) -> bool:
-    """True if both have the same numbers, apart from gaps."""
+    """True if both columns have equal numbers, except for gaps."""
     both = np.isfinite(one) & np.isfinite(other)
     return bool(both.any() and (one[both] == other[both]).all())
 
 
 def _place(name: str) -> int:
-    """Place of a reading among the columns; unknown ones come last."""
-    return list(READING_WORDS).index(name) if name in READING_WORDS else len(READING_WORDS)
+    """Position of a reading among the columns; unknown readings come last."""
+    return list(READING_TEXTS).index(name) if name in READING_TEXTS else len(READING_TEXTS)
 
 
-def reading_words(name: str) -> ReadingWords:
-    """Words of a reading; its name where there are none."""
-    return READING_WORDS.get(name, ReadingWords(name, ""))
+def reading_texts(name: str) -> ReadingTexts:
+    """Texts of a reading; its name if unknown."""
+    return READING_TEXTS.get(name, ReadingTexts(name, ""))
 
 
 def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultColumn:
@@ -206,7 +206,7 @@ def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultCo
 
 
 def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
-    """Column of a plan; numbers with one unit, or texts."""
+    """Column of a plan, with numbers if all share one unit, or texts."""
     title = PLAN_TITLES.get(name, name.lstrip(NOTE_PREFIX).replace("_", " ").strip().capitalize())
     tip = tr("Column “{name}” of the plan").format(name=name)
     return _amounts(f"{_ASKED_FOR}{name}", title, tip, cells)
@@ -225,7 +225,7 @@ def _amounts(name: str, title: str, tip: str, cells: Sequence[str]) -> ResultCol
 
 
 def _motions(cells: Sequence[str]) -> list[ResultColumn]:
-    """Columns of the motion amounts; one of text if a row repeats a motion."""
+    """Columns of the motion amounts; one text column if a row repeats a motion."""
     tip = tr("Motion of the plan")
     nothing = np.full(len(cells), np.nan)
     as_text = [ResultColumn(MOTION_COLUMN, tr("Motion"), tip, nothing, tuple(cells), "", True)]
@@ -233,7 +233,7 @@ def _motions(cells: Sequence[str]) -> list[ResultColumn]:
     for cell in cells:
         try:
             steps = parse_motion(cell) if cell else ()
-        except InputError:  # the row is wrong
+        except InputError:  # invalid motion in this row
             steps = ()
         amounts = {
             (step.handle, step.motion, place): text
@@ -269,7 +269,7 @@ def _motion_title(handle: int, motion: Motion, place: int, several: bool) -> str
 
 
 def _reading(table: ResultTable, name: str) -> ResultColumn:
-    words = reading_words(name)
+    words = reading_texts(name)
     numbers = [row.readings.get(name) for row in table.rows]
     values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
     values = 100.0 * values if words.percent else values
@@ -278,7 +278,7 @@ def _reading(table: ResultTable, name: str) -> ResultColumn:
     return ResultColumn(name, words.title, words.tip, values, texts, " %" if words.percent else "")
 
 
-def _writer(words: ReadingWords) -> Callable[[float], str]:
+def _writer(words: ReadingTexts) -> Callable[[float], str]:
     if words.percent:
         return lambda value: f"{format_grouped(value, 2)} %"
     if words.whole:

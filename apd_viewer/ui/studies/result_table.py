@@ -1,4 +1,4 @@
-"""Results of a study as rows, and their table."""
+"""Table of study results, with its model."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ _ROLES = Qt.ItemDataRole
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 _Index = QModelIndex | QPersistentModelIndex
-_ROW = 24  # px
+_ROW = 24  # px: height of a row: height of a row
 _WIDEST, _NARROWEST = 360, 48
-_PAD = 18  # px, left and right of a text
-# With these a click adds rows to the chosen ones.
+_PAD = 18  # px: horizontal padding of a text, both sides together
+# Modifier keys for a click to extend the selection.
 _MORE = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 _SELECTION = QItemSelectionModel.SelectionFlag
 
 
 class ResultModel(QAbstractTableModel):
-    """Rows of the results, in the order of a column.
+    """Table model of the results, sortable by a column.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class ResultModel(QAbstractTableModel):
         self._sorted_by = LINE_COLUMN, Qt.SortOrder.AscendingOrder
 
     def show_results(self, table: ResultTable, columns: list[ResultColumn]) -> None:
-        """Show other results; order, selection and widths stay where the columns do."""
+        """Set the results; order and selection are kept if the columns are unchanged."""
         alike = len(table.rows) == len(self.rows) and [c.name for c in columns] == [
             c.name for c in self.columns
         ]
@@ -81,7 +81,7 @@ class ResultModel(QAbstractTableModel):
 
     @contextmanager
     def _moving_rows(self) -> Iterator[None]:
-        """Arrange the rows anew, and have the current one go along."""
+        """Rearrange the rows after the context, with persistent indexes updated."""
         self.rows_moving.emit()
         self.layoutAboutToBeChanged.emit()
         before, held = self.order, self.persistentIndexList()
@@ -105,9 +105,9 @@ class ResultModel(QAbstractTableModel):
         if column is None:
             return
         keys = column.sort_keys if way is Qt.SortOrder.AscendingOrder else -column.sort_keys
-        self.order = np.argsort(keys, kind="stable")  # what has no number comes last
+        self.order = np.argsort(keys, kind="stable")  # NaN keys come last
 
-    # Qt's
+    # Overrides of Qt methods
 
     def rowCount(self, parent: _Index = QModelIndex()) -> int:  # noqa: B008
         """Number of rows."""
@@ -118,7 +118,7 @@ class ResultModel(QAbstractTableModel):
         return 0 if parent.isValid() else len(self.columns)
 
     def data(self, index: _Index, role: int = _ROLES.DisplayRole) -> Any:
-        """Text, alignment, colour or tip of a cell."""
+        """Text, alignment, colour or tooltip of a cell."""
         column, k = self.columns[index.column()], int(self.order[index.row()])
         if role == _ROLES.DisplayRole:
             return column.texts[k]
@@ -136,7 +136,7 @@ class ResultModel(QAbstractTableModel):
         return QBrush(QColor(self.theme.quiet)) if status in (WAITING, DUPLICATE) else None
 
     def headerData(self, section: int, orientation: Qt.Orientation, role: int = _ROLES.DisplayRole) -> Any:
-        """Title or tip of a column."""
+        """Title or tooltip of a column."""
         if orientation is not Qt.Orientation.Horizontal or section >= len(self.columns):
             return None
         column = self.columns[section]
@@ -145,7 +145,7 @@ class ResultModel(QAbstractTableModel):
         return {_ROLES.DisplayRole: self._titled(column), _ROLES.ToolTipRole: column.tip}.get(_ROLES(role))
 
     def _titled(self, column: ResultColumn) -> str:
-        """Title with a mark of the order."""
+        """Title of a column, with an arrow for the sort order."""
         name, way = self._sorted_by
         mark = "▴" if way is Qt.SortOrder.AscendingOrder else "▾"
         return f"{column.title} {mark}" if column.name == name else column.title
@@ -160,7 +160,7 @@ class ResultModel(QAbstractTableModel):
 
 
 class ResultsView(QTableView):
-    """Sortable rows of cases; a click or Enter opens one, Ctrl and Shift choose more.
+    """Sortable table of cases; Enter or a click opens one, Ctrl or Shift selects more.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ class ResultsView(QTableView):
         across, down = self.horizontalHeader(), self.verticalHeader()
         across.setSortIndicator(0, Qt.SortOrder.AscendingOrder)
         across.setHighlightSections(False)
-        # One of its own, always empty: to draw itself it would ask for each chosen row.
+        # Separate and always empty selection model; with the table's, painting queries each selected row.
         across.setSelectionModel(QItemSelectionModel(model, self))
         across.setMinimumSectionSize(_NARROWEST)
         across.setSectionsMovable(True)
@@ -215,18 +215,18 @@ class ResultsView(QTableView):
             self.setColumnWidth(k, min(max(widest, head.sectionSizeHint(k)) + 8, _WIDEST))
 
     def _hold(self) -> None:
-        """Remember the chosen rows: Qt would take seconds to move 5,000 of them."""
+        """Store and clear the selection, as Qt would take seconds to move 5,000 rows."""
         self._held = self.chosen_rows
         with QSignalBlocker(self.selectionModel()):
             self.selectionModel().clearSelection()
 
     def _hold_no_more(self) -> None:
-        """Choose the same rows at their other places."""
+        """Restore the stored selection at the new row positions."""
         with QSignalBlocker(self.selectionModel()):
             self._select(self._held, _SELECTION.Select)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Remember whether more rows are chosen."""
+        """Record whether the click extends the selection."""
         self._chooses = bool(event.modifiers() & _MORE)
         super().mouseReleaseEvent(event)
 
@@ -245,26 +245,26 @@ class ResultsView(QTableView):
             super().keyPressEvent(event)
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
-        """Announce a change of the selected rows."""
+        """Emit ``choice_changed`` after a change of the selection."""
         super().selectionChanged(selected, deselected)
         self.choice_changed.emit()
 
     @property
     def chosen_rows(self) -> list[int]:
-        """Chosen rows of the plan, from 0, in the order of the table."""
-        # By ranges: an index for each of 10,000 rows takes half a second.
+        """Selected rows of the plan, from 0, in table order."""
+        # Selection ranges are read, since an index for each of 10,000 rows takes half a second.
         selection, order = self.selectionModel().selection(), self._results.order
         parts = map(selection.at, range(selection.count()))
         places = sorted({(part.top(), part.bottom() + 1) for part in parts})
         return [int(k) for first, end in places for k in order[first:end]]
 
     def choose(self, rows: Sequence[int]) -> None:
-        """Select rows of the plan, and show the last."""
+        """Select rows of the plan, and scroll to the last."""
         self._select(rows, _SELECTION.ClearAndSelect)
         self._show(rows[-1:])
 
     def toggle(self, row: int) -> None:
-        """Choose a row of the plan besides the others, or no longer."""
+        """Toggle the selection of a row of the plan."""
         self._select([row], _SELECTION.Toggle)
         self._show([row])
 
@@ -276,7 +276,7 @@ class ResultsView(QTableView):
             self.scrollTo(shown)
 
     def _select(self, rows: Sequence[int], how: QItemSelectionModel.SelectionFlag) -> None:
-        """Select rows of the plan; those below each other as one range."""
+        """Select rows of the plan, with adjacent rows as one range."""
         index, last = self._results.index, self._results.columnCount() - 1
         places = np.sort(np.argsort(self._results.order)[list(rows)])
         selection = QItemSelection()

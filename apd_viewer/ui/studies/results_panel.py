@@ -29,14 +29,14 @@ from apd_viewer.ui.widgets.elided_label import ElidedLabel, ThinBar
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 from apd_viewer.ui.widgets.theme import Theme
 
-_SMALLEST, _NARROWEST = QSize(320, 160), 72  # px, of it and of the name of a study
-# Of the window, at first: the mesh is more important.
+_SMALLEST, _NARROWEST = QSize(320, 160), 72  # px: minimum size of the panel; minimum width of the study name
+# Preferred width, and height as a clipped fraction of the window; the mesh needs most of the space.
 _WIDTH, _SHARE, _LOWEST, _HIGHEST = 960, 0.3, 210, 420
-_SILENT = 120.0  # s without a new result, after which a study elsewhere is taken to have stopped
+_SILENT = 120.0  # s without a new result before a run elsewhere counts as stopped
 
 
 class ResultsPanel(QWidget):
-    """Contents of the dock of a study.
+    """Contents of the dock with the results of a study.
 
     Attributes
     ----------
@@ -108,10 +108,10 @@ class ResultsPanel(QWidget):
         column.addWidget(self.bar)
         column.addWidget(self.panes, 1)
 
-    # What is shown
+    # Display
 
     def show_study(self, folder: Path) -> None:
-        """Show another study, of which nothing is read yet."""
+        """Set the folder of a study, before its results are read."""
         self.folder = folder
         self.status.reset_for(folder)
         self.name.setText(folder.name)
@@ -120,7 +120,7 @@ class ResultsPanel(QWidget):
         self._follow_status()
 
     def show_results(self, results: ReadResults) -> None:
-        """Show the results of the study as they were read."""
+        """Show results read from the study folder."""
         self.model.show_results(results.table, results.columns)
         self.status.set_results(results.table)
         self.scatter.refresh()
@@ -128,12 +128,12 @@ class ResultsPanel(QWidget):
         self._follow_status()
 
     def show_progress(self, progress: dict[str, Any]) -> None:
-        """Show the progress told by the command that runs it."""
+        """Show the progress reported by the running command."""
         self.status.set_progress(progress)
         self._follow_status()
 
     def show_running(self, is_running: bool, stopping: bool = False, sentence: str = "") -> None:
-        """Show whether it runs here, and how it has ended."""
+        """Show whether the study runs in this program, and how the run ended."""
         self.status.set_running(is_running, stopping, sentence)
         self._follow_status()
 
@@ -154,7 +154,7 @@ class ResultsPanel(QWidget):
         self.show_folder.setVisible(self.folder is not None)
         self.open.setVisible(self.folder is None)
 
-    # Choosing cases
+    # Selection of cases
 
     def _choose(self) -> None:
         colors = self._colors.colors_of(self.table.chosen_rows)
@@ -162,7 +162,7 @@ class ResultsPanel(QWidget):
         self.curves.show_cases(colors)
 
     def _pick(self, row: int, more: bool) -> None:
-        """Choose the row of a dot, or add it; open it alone."""
+        """Select the row of a dot and open its case, or toggle it if ``more``."""
         if more:
             self.table.toggle(row)
         else:
@@ -188,11 +188,11 @@ class ResultsPanel(QWidget):
         return QSize(_WIDTH, round(min(_HIGHEST, max(_LOWEST, _SHARE * self.window().height()))))
 
     def minimumSizeHint(self) -> QSize:
-        """As narrow as a column beside the canvas."""
+        """Minimum size, to fit into a column beside the canvas."""
         return _SMALLEST
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Arrange the parts by the aspect of the dock."""
+        """Arrange the panes by the aspect ratio of the dock."""
         super().resizeEvent(event)
         self.panes.arrange(self.size())
 
@@ -219,19 +219,19 @@ class StudyStatus:
         self._grown = -_SILENT
 
     def reset_for(self, folder: Path) -> None:
-        """Begin with another study."""
+        """Reset the counts for the study in another folder."""
         self._folder, self._sentence = folder, ""
         self.is_running = self.is_stopping = False
         self._forget()
 
     def set_running(self, is_running: bool, stopping: bool, sentence: str) -> None:
-        """Note whether this program runs it, and what is to be said of its end."""
+        """Set whether this program runs the study, and the sentence about its end."""
         if is_running and not self.is_running:
             self._forget()
         self.is_running, self.is_stopping, self._sentence = is_running, stopping, sentence
 
     def set_progress(self, progress: dict[str, Any]) -> None:
-        """Note the progress told by the command."""
+        """Update the counts from the progress reported by the command."""
         self._counts = CaseCounts(*(progress[name] for name in CaseCounts._fields))
 
     def set_results(self, table: ResultTable) -> None:
@@ -242,7 +242,7 @@ class StudyStatus:
         if self.is_running:
             return
         before = self._counts
-        # Cases may have been run again, or another plan.
+        # False if cases were run again, or if the plan has changed.
         grown = before is not None and 0 <= failed - before.failed <= done - before.finished
         if before is None or self._pace is None or before.cases != len(states) or not grown:
             self._pace = ProgressMeter(len(states), done, failed)
@@ -255,24 +255,24 @@ class StudyStatus:
 
     @property
     def _grows(self) -> bool:
-        """True if results have come in lately from elsewhere."""
+        """True if results of a run elsewhere have recently arrived."""
         return time.monotonic() - self._grown < _SILENT
 
     @property
     def is_unfinished(self) -> bool:
-        """True if cases are missing."""
+        """True if cases remain to be computed."""
         return self.is_running or (self._counts is not None and self._counts.finished < self._counts.cases)
 
     @property
     def share(self) -> float | None:
-        """Part of the cases that is finished; None while nobody knows."""
+        """Finished fraction of the cases; None while unknown."""
         if self._counts is None:
             return None if self.is_running else 0.0
         return self._counts.share
 
     @property
     def _may_run(self) -> bool:
-        """True if it could be run here, and nobody seems to run it."""
+        """True if the study can run here, and seems not to run elsewhere."""
         folder = self._folder
         return folder is not None and not self.is_running and not self._grows and may_continue(folder)
 
@@ -284,12 +284,12 @@ class StudyStatus:
 
     @property
     def may_retry(self) -> bool:
-        """True if failed cases could be run here again."""
+        """True if failed cases can be run again on this machine."""
         return self._counts is not None and self._counts.failed > 0 and self._may_run
 
     @property
     def text(self) -> str:
-        """All of it in a few words."""
+        """Summary of counts, rate, remaining time and state."""
         if self._counts is None:
             waiting = tr("starting …") if self.is_running else ""
             return self._sentence or waiting or (tr("No study is open.") if self._folder is None else "")

@@ -1,4 +1,4 @@
-"""Dialogs for many shapes: sweeps, animations, presses, the paper's tables."""
+"""Controller of the dialogs for sweeps, animations, presses and paper tables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from apd_viewer.ui.studies.sweep_dialog import AnimationDialog, SweepDialog
 
 
 class RunController(QObject):
-    """Opens the dialogs, each once at most.
+    """Opens the dialogs to run commands, one of each kind at most.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class RunController(QObject):
         self.dialogs: dict[str, QDialog] = {}
 
     def open_sweep(self) -> None:
-        """Sweep the motion of the handles that are open."""
+        """Open the dialog to sweep the current motion of the handles."""
         found = self._opened()
         if found is None:
             return
@@ -67,7 +67,7 @@ class RunController(QObject):
         self._show("sweep", lambda: SweepDialog(self._window, state, handle, view, self._memory))
 
     def open_animation(self) -> None:
-        """Export the motion of the handles that are open, or their last gesture."""
+        """Open the dialog to export the current motion or the last gesture."""
         found = self._opened()
         if found is None:
             return
@@ -105,7 +105,7 @@ class RunController(QObject):
         return dialog
 
     def _show_pressed(self, path: Path, unit: Unit) -> None:
-        """Close the dialog, and open a pressed mesh in the window behind it."""
+        """Close the press dialog, and open the pressed mesh in the window."""
         if (dialog := self.dialogs.get("press")) is not None:
             dialog.close()
         if unit is not Unit.NONE and not unit.is_guess:

@@ -1,4 +1,4 @@
-"""Dialog that runs a command with options, and shows and saves its results."""
+"""Base dialog to run a command with options, and to show and save its results."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import largest_on_screen, resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 
-_WIDTH, _WIDTH_WITH_FIGURE = 640, 900  # px
+_WIDTH, _WIDTH_WITH_FIGURE = 640, 900  # px: width without and with a figure: width without and with a figure
 
 
 class RunDialog(QDialog):
-    """Options of a command above the bar that runs it; then its summary and figure.
+    """Base dialog with options, a run bar, and the summary and figure of the result.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class RunDialog(QDialog):
         self._column.setContentsMargins(20, 16, 20, 16)
 
     def lay_out(self, description: str, rows: Sequence[tuple[str, QLayout]]) -> None:
-        """Arrange a sentence and the rows of options, each with its title."""
+        """Arrange the description and the titled rows of options."""
         self._column.addWidget(QLabel(description, objectName="quiet", wordWrap=True))
         self._asks = QWidget()
         self._column.addWidget(self._asks)
@@ -85,13 +85,13 @@ class RunDialog(QDialog):
 
     def _show_busy(self, on: bool) -> None:
         self._asks.setEnabled(not on)
-        # Reserve room for the bar above the button: it would be taken from the fields.
+        # Reserve room for the progress bar above the button, which would otherwise shrink the fields.
         self._column.activate()
         if self._column.totalHeightForWidth(self.width()) > self.height():
             self._fit(self.width())
 
     def _show(self, folder: Path, said: str) -> None:
-        # The first line names a temporary folder; runs of blanks line columns up on a terminal only.
+        # Omit the line with the temporary folder; repeated spaces align columns only in a terminal.
         lines = re.sub(" +", " ", "\n".join(said.splitlines()[1:]))
         self.summary.setText(re.sub(r"-(?=\d)", "−", lines))
         self.summary.show()
@@ -104,8 +104,8 @@ class RunDialog(QDialog):
         self._fit(max(self.width(), _WIDTH_WITH_FIGURE))
 
     def _fit(self, width: int) -> None:
-        """Set the width, and the height it needs; on a low screen the figure gives way."""
-        self._rows.activate()  # otherwise the column learns of a longer text when the event loop runs
+        """Set the width and the required height; a low screen shrinks the figure."""
+        self._rows.activate()  # otherwise a longer text changes the layout only in the event loop
         self._column.activate()
         if self.figure is not None:
             self.figure.shrink_by(0)
@@ -137,7 +137,7 @@ def add_titled_rows(grid: QGridLayout, rows: Sequence[tuple[str, QLayout]]) -> N
 
 
 def widget_row(*widgets: QWidget, spacing: int = 16) -> QHBoxLayout:
-    """Widgets side by side, from the left."""
+    """Row layout of widgets, aligned to the left."""
     row = QHBoxLayout(spacing=spacing)
     for widget in widgets:
         row.addWidget(widget)
@@ -146,7 +146,7 @@ def widget_row(*widgets: QWidget, spacing: int = 16) -> QHBoxLayout:
 
 
 class RunBar(QWidget):
-    """Runs a command into a temporary folder, and saves the results from there.
+    """Runs a command with results in a temporary folder, and saves them on request.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ class RunBar(QWidget):
         self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         application = QCoreApplication.instance()
         assert application is not None
-        application.aboutToQuit.connect(self.discard_run)  # ended by a signal, it closes no dialog
+        application.aboutToQuit.connect(self.discard_run)  # a quit by a signal closes no dialog
         self._lay_out(start)
         self._show_busy(False)
 
@@ -235,7 +235,7 @@ class RunBar(QWidget):
     def begin(
         self, make_arguments: Callable[[Path, Path], list[str]], other_folder: Path | None = None
     ) -> None:
-        """Run a command.
+        """Start a command in a new temporary folder.
 
         Parameters
         ----------
@@ -281,7 +281,7 @@ class RunBar(QWidget):
             self._beside = None
 
     def show_failure(self, sentence: str) -> None:
-        """Show the reason for having no result."""
+        """Show the reason for a missing result."""
         self.words.setText(sentence)
         self._show_busy(False)
 
@@ -324,7 +324,7 @@ class RunBar(QWidget):
             self.save_in(Path(folder))
 
     def save_in(self, folder: Path) -> None:
-        """Save the results as a new folder in ``folder``, in the background."""
+        """Save the results as a new subfolder of ``folder``, in the background."""
         results, target = self.results_folder, unused_folder(folder, self._name)
 
         def work() -> Path:

@@ -1,4 +1,4 @@
-"""A study run by the command line in a process of its own."""
+"""Study run by the command line in its own process."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ PlanRows = tuple[list[str], list[list[str]]]
 RUN_FILE = "run.json"
 _SCHEDULERS = "--scheduler", "--scheduler-file"
 _PROCESSES = "--processes"
-# Each with a value. A folder may come from anybody: nothing else reaches the command.
+# Options with one value each. The folder may come from a stranger, so no others reach the command.
 _KEPT = (*_SCHEDULERS, _PROCESSES, "--limit")
 
 
 class StudyDesign(NamedTuple):
-    """Choice of the cases within the ranges.
+    """Design of a study: ranges, methods and sampling of its cases.
 
     Attributes
     ----------
@@ -66,11 +66,11 @@ class StudyDesign(NamedTuple):
 
     @property
     def has_motion(self) -> bool:
-        """True if a motion is typed, instead of that of the session."""
+        """True if a typed motion replaces the motion of the session."""
         return any(span.quantity.is_motion for span in self.spans)
 
     def plan_rows(self, default_method: str) -> PlanRows:
-        """Columns and rows of the plan, each row once.
+        """Columns and distinct rows of the plan.
 
         Parameters
         ----------
@@ -87,7 +87,7 @@ class StudyDesign(NamedTuple):
         if not vary:
             raise InputError(tr("Nothing varies; give both ends of a range, or tick several methods."))
         columns, rows = design_table(self._given(default_method), vary, self.method, self.samples, 0)
-        # With choices alone there are fewer different cases than samples.
+        # Designs with only categorical variables yield fewer distinct cases than samples.
         return columns, [list(row) for row in dict.fromkeys(map(tuple, rows))]
 
     def _given(self, usual: str) -> dict[str, str]:
@@ -105,7 +105,7 @@ class StudyDesign(NamedTuple):
 
 
 def path_from_text(text: str) -> Path:
-    """Absolute path from a field, where ~ is the folder of a user.
+    """Absolute path from a text, with ~ expanded to the home folder.
 
     That of a user who is not there stays as it is, instead of raising RuntimeError.
     """
@@ -142,7 +142,7 @@ def write_study(folder: Path, rows: PlanRows, state: State, view: View) -> None:
 
 
 def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[str, str]) -> Document:
-    """The document with its handles and settings at some values of quantities.
+    """Document with its handles and settings at given values of the quantities.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
 
 
 class StudyRun(QObject):
-    """Runs one study at a time; what it has finished stays in its folder.
+    """Runs one study at a time; finished cases stay in its folder.
 
     Attributes
     ----------
@@ -203,7 +203,7 @@ class StudyRun(QObject):
         return self.command.running
 
     def begin(self, folder: Path, options: Sequence[str] | None = None, retry_failed: bool = False) -> None:
-        """Run the plan of a folder, or go on with it.
+        """Start or continue the plan in a folder.
 
         Parameters
         ----------
@@ -228,7 +228,7 @@ class StudyRun(QObject):
         self.command.start(words)
 
     def stop(self) -> None:
-        """Finish the running cases; at the second call end at once."""
+        """Stop after the running cases; a second call stops at once."""
         if not self.running:
             return
         if self.stopping or not self.command.interrupt():
@@ -237,7 +237,7 @@ class StudyRun(QObject):
             self.stopping = True
 
     def kill(self) -> None:
-        """End it; what runs is computed again when it goes on."""
+        """Stop at once; running cases are computed again on continuation."""
         if self.running:
             self.command.cancel()
             self._end(_stopped())
@@ -260,22 +260,22 @@ def _keep_options(folder: Path, options: Sequence[str]) -> None:
 
 
 def stored_options(folder: Path) -> list[str]:
-    """Options of the command of the last time, as the folder has them."""
+    """Command options of the last run, read from the study folder."""
     try:
         said: Any = json.loads(read_bytes(folder / RUN_FILE))
         words = [str(word) for word in said["options"]]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return []  # begun elsewhere, or edited: it runs here
+        return []  # no valid options stored: run on this machine
     if not set(words[::2]) <= set(_KEPT) or len(words) % 2:
         return []
     said = dict(zip(words[::2], words[1::2], strict=True))
-    if said.get(_PROCESSES, "").isdecimal():  # perhaps of a larger machine
+    if said.get(_PROCESSES, "").isdecimal():  # may stem from a machine with more cores
         said[_PROCESSES] = str(min(int(said[_PROCESSES][:4]), core_count()))
     return [word for pair in said.items() for word in pair]
 
 
 def scheduler_option(options: Sequence[str]) -> str:
-    """Address or file of a scheduler among the options; empty without one."""
+    """Scheduler address or file among the options; empty if none."""
     values = dict(zip(options[::2], options[1::2], strict=True))
     return next((values[name] for name in _SCHEDULERS if name in values), "")
 

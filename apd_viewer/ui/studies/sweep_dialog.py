@@ -1,4 +1,4 @@
-"""Dialogs that sweep the motion of the handles, for curves or an animation."""
+"""Dialogs to sweep the motion of the handles, for curves or an animation."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ ANIMATION_FORMATS: Mapping[str, str] = {
 
 
 class SweepDialog(RunDialog):
-    """Sweeps the session as it was when the dialog opened.
+    """Dialog to sweep the motion of the document open at its creation.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class SweepDialog(RunDialog):
 
     @property
     def _pushed(self) -> bool:
-        """True if obstacles were moved that push."""
+        """True if moved obstacles push the mesh by contact."""
         return self._state.is_contact_active and any(
             each.shift.any() for each in self._state.document.obstacles
         )
@@ -147,7 +147,7 @@ class SweepDialog(RunDialog):
 
 
 class AnimationDialog(RunDialog):
-    """Solves a motion in steps by the method of the session, and writes the shapes.
+    """Dialog to solve a motion in steps and export the shapes as an animation.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ class AnimationDialog(RunDialog):
         self.run.begin(partial(_sweep_arguments, state, self._view, words, path), other_folder=path.parent)
 
     def _ask(self) -> Path | None:
-        """File to write to; None if cancelled; raises InputError."""
+        """Path chosen for the animation; None if cancelled; raises InputError."""
         name = f"{self._state.document.mesh.stem}-animation{self.format.currentData()}"
         path = ask_where_to_save(self, tr("Export animation"), self._memory.last_folder / name)
         if path is not None:
@@ -225,7 +225,7 @@ class AnimationDialog(RunDialog):
         return path
 
     def _tell(self) -> None:
-        # A film that could not be drawn leaves what was there; the summary says why.
+        # A failed export leaves an existing file unchanged; the summary gives the reason.
         if self._path is not None and _stamp(self._path) != self._before:
             self.run.words.setText(tr("Exported {name}.").format(name=self._path.name))
 
@@ -233,7 +233,7 @@ class AnimationDialog(RunDialog):
 def _sweep_arguments(
     state: State, view: View, words: Sequence[str], animation: Path | None, scratch: Path, results: Path
 ) -> list[str]:
-    """Words of the command for a session saved in ``scratch``."""
+    """Command arguments for a sweep of the session saved in ``scratch``."""
     session = scratch / "sweep.apd"
     save_session(session, state, view)
     animated = [] if animation is None else ["--animation", str(results / animation)]
@@ -241,7 +241,7 @@ def _sweep_arguments(
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:
-    """Mark of a file that one replacing it does not have; None without a file."""
+    """Modification time and inode of a file, to detect a replacement; None if missing."""
     try:
         found = path.stat()
     except OSError:
@@ -250,7 +250,7 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 
 
 def format_choice(first: str) -> ComboBox:
-    """Choice of a format by its ending; ``first`` is chosen to begin with."""
+    """Combo box of animation formats by suffix, with ``first`` selected."""
     choice = ComboBox()
     choice.setAccessibleName(tr("Format of the animation"))
     for ending, title in ANIMATION_FORMATS.items():

@@ -1,4 +1,4 @@
-"""Quantities that a study can vary, in rows with the ends of their ranges."""
+"""Fields for the quantities of a study and the ends of their ranges."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from apd_viewer.ui.widgets.fields import CheckBox, TextField
 
 DEGREES, PERCENT, NO_UNIT = "deg", "%", ""
 SHARE_COLUMN = "to"
-_DIGITS = 10  # of a number in a plan
-_WIDTH = 104  # px, of an end
+_DIGITS = 10  # significant digits significant digits of a number in a plan
+_WIDTH = 104  # px: width of a field for an end
 TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 
 
 class VariedQuantity(NamedTuple):
-    """Quantity to be varied by a study.
+    """Quantity available for variation in a study.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class VariedQuantity(NamedTuple):
 
 
 class QuantityRange(NamedTuple):
-    """Typed range of a quantity; without an end it has one value.
+    """Range of a quantity as entered; a single value without an upper end.
 
     Attributes
     ----------
@@ -79,19 +79,19 @@ class QuantityRange(NamedTuple):
 
     @property
     def varied(self) -> DesignVariable:
-        """The range for a design; raises InputError if its ends are exchanged."""
+        """Design variable of the range; raises InputError if its ends are reversed."""
         by = ":log" if self.quantity.by_factors else ""
         unit = PERCENT if self.low.endswith(PERCENT) else self.quantity.unit.replace(PERCENT, "")
         low = self.low.removesuffix(unit)
         return parse_variable(f"{self.quantity.name}={low}..{self.high}{by}")
 
     def end(self, upper: bool) -> str:
-        """One end of the range."""
+        """Lower or upper end of the range."""
         return self.high if upper and self.high is not None else self.low
 
 
 def varied_quantities(state: State) -> list[VariedQuantity]:
-    """Quantities that can be varied on a document, in the order of their rows."""
+    """Quantities available for variation on a document, in row order."""
     document = state.document
     found = []
     if document.relative_to_rest.is_posed:
@@ -154,7 +154,7 @@ def quantity_range(quantity: VariedQuantity, low: str, high: str, state: State, 
         last = _plan_text(quantity, unambiguous_text(high), state, unit) if high.strip() else None
         if last is not None and first.endswith(PERCENT) != last.endswith(PERCENT):
             raise InputError(tr("Give both ends in percent, or both as lengths."))
-        if not quantity.is_motion:  # refuse here what every row of the plan would refuse
+        if not quantity.is_motion:  # reject values that every row of the plan would reject
             for end in filter(None, (first, last)):
                 SETTING_COLUMNS[quantity.name].parse(end)
         last = None if last == first else last
@@ -167,14 +167,14 @@ def quantity_range(quantity: VariedQuantity, low: str, high: str, state: State, 
 
 
 def _plan_text(quantity: VariedQuantity, text: str, state: State, unit: Unit) -> str:
-    """Number with its unit, as a plan has it; raises InputError."""
+    """Number with unit in the notation of a plan; raises InputError."""
     if quantity.unit == DEGREES:
         return _written(math.degrees(parse_angle(text, {}))) + DEGREES
     if quantity.unit == NO_UNIT:
         return _written(parse_number(text, {}))
     share = text.strip()
     if not (share.endswith(PERCENT) or quantity.is_motion):
-        SETTING_COLUMNS[quantity.name].parse(share)  # asks about what could be a factor
+        SETTING_COLUMNS[quantity.name].parse(share)  # raises InputError on a bare number that may be a factor
     if share.endswith(PERCENT) or not quantity.is_motion:
         return _written(parse_number(share.removesuffix(PERCENT), {})) + PERCENT
     return _written(parse_length(text, unit, state.document.mesh.named_lengths))
@@ -185,7 +185,7 @@ def _written(value: float) -> str:
 
 
 class VariedRow:
-    """Row of a quantity: check box to vary it, and the ends of its range."""
+    """Row of a quantity: check box to vary it, and fields for its range."""
 
     def __init__(self, quantity: VariedQuantity) -> None:
         self.quantity = quantity
@@ -197,22 +197,22 @@ class VariedRow:
 
     @property
     def is_checked(self) -> bool:
-        """True if it is ticked."""
+        """True if the check box is checked."""
         return self.check.isChecked()
 
     @property
     def has_two_ends(self) -> bool:
-        """True if its ends differ; with one of them it has a single value."""
+        """True if the typed ends differ and the upper one is not empty."""
         return self.high.text().strip() not in ("", self.low.text().strip())
 
     def set_enabled(self, on: bool) -> None:
-        """Let its ends be typed, or not."""
+        """Enable or disable the fields of the range."""
         for field in (self.low, self.high):
             field.setEnabled(on)
 
 
 class VariedFields(QWidget):
-    """All quantities of a document.
+    """Rows for all quantities available on a document.
 
     Parameters
     ----------
@@ -264,7 +264,7 @@ class VariedFields(QWidget):
         grid.setColumnMinimumWidth(0, TITLE_COLUMN_WIDTH - 8)
 
     def _choose(self, name: str, on: bool) -> None:
-        """Tick a quantity; a typed motion stands in place of the current one."""
+        """Check or uncheck a quantity; a typed motion excludes the current motion."""
         self.rows[name].set_enabled(on)
         if on:
             typed = self.rows[name].quantity.is_motion
@@ -283,7 +283,7 @@ class VariedFields(QWidget):
                     self.end_focused.emit(name, upper)
 
     def ranges(self) -> tuple[QuantityRange, ...]:
-        """Ranges of the ticked quantities; raises InputError."""
+        """Ranges of the checked quantities; raises InputError."""
         return tuple(
             quantity_range(row.quantity, row.low.text(), row.high.text(), self._state, self._unit)
             for row in self.rows.values()
@@ -291,7 +291,7 @@ class VariedFields(QWidget):
         )
 
     def values_at_end(self, name: str, upper: bool) -> dict[str, str]:
-        """Values of all ticked quantities at an end of one of them.
+        """Values of the checked quantities at one end of a quantity's range.
 
         Motions go along to the same end, so that the corners of the ranges are seen; an end of a setting
         is seen where the motions are largest.

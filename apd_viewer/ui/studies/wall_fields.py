@@ -1,4 +1,4 @@
-"""Fields of the wall of a mesh to press: its material, and what follows from it."""
+"""Fields for the wall of a mesh to press: material and derived properties."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _OWN = tr("your own numbers")
 
 
 class WallFields(QObject):
-    """Material, thickness, elasticity and creases of a wall.
+    """Fields for material, thickness, elasticity and creases of a wall.
 
     A material fills in the other fields; where one of them is typed, it is a material of the user's own.
 
@@ -65,7 +65,7 @@ class WallFields(QObject):
 
     @property
     def rows(self) -> tuple[tuple[str, QHBoxLayout], ...]:
-        """Rows for a dialog, each with its title."""
+        """Titled rows of fields for a dialog."""
         source = QHBoxLayout()
         source.addWidget(self.source, 1)
         ratio, heavy = QLabel(tr("Poisson's ratio")), QLabel(tr("Density"))
@@ -82,7 +82,7 @@ class WallFields(QObject):
         )
 
     def on_change(self, callback: Callable[[], object]) -> None:
-        """Call back when what the wall is made of has changed."""
+        """Register a callback for edits of thickness, Young's modulus or Poisson's ratio."""
         for field in (self.thickness, self.young, self.poisson):
             field.textChanged.connect(lambda _: callback())
 
@@ -103,7 +103,7 @@ class WallFields(QObject):
 
     @property
     def options(self) -> dict[str, str]:
-        """Options of the command; raises InputError."""
+        """Command options of the wall; raises InputError."""
         wall, young = self.value, self.young.text().strip()
         if self.air.isChecked() and not young:
             raise InputError(
@@ -122,7 +122,7 @@ class WallFields(QObject):
         return {option: text for option, text in said.items() if text}
 
     def _fill(self) -> None:
-        """Fill in what the material has."""
+        """Fill the fields with the properties of the chosen material."""
         material = self.material.currentData()
         self.source.setText(_OWN if material is None else material.source)
         if material is None:

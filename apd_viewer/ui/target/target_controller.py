@@ -1,4 +1,4 @@
-"""The target shape of a window: asked for, and measured when the shape stops."""
+"""Controller of the target shape: loading, and measuring the distance to it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 
 class _Compared(NamedTuple):
-    """A shape with its distance from a target shape; None if cancelled."""
+    """A shape and its distance from a target shape, None if cancelled."""
 
     target: TargetShape
     U: np.ndarray
@@ -58,7 +58,7 @@ class TargetController(QObject):
         section.clear.clicked.connect(lambda: self.clear_target_shape())
 
     def ask_for_target_shape(self) -> None:
-        """Choose a mesh to compare with, and show the distance from it in colours."""
+        """Ask for a mesh as target shape, and colour the shape by distance."""
         if self._session.store.state is None:
             return
         path = file_dialogs.ask_for_target_shape(self._window, self._memory.last_folder)
@@ -66,12 +66,12 @@ class TargetController(QObject):
             self._session.shapes.load_target(path, lambda: self._heat.choose_measure(Measure.TARGET_DISTANCE))
 
     def clear_target_shape(self) -> None:
-        """Compare with no other mesh any more."""
+        """Remove the target shape."""
         if self._session.store.state is not None:
             self._session.shapes.clear_target()
 
     def refresh(self) -> None:
-        """Measure the shape on screen once it rests; give up what is out of date."""
+        """Measure the distance once the shape has converged; cancel outdated work."""
         session, state = self._session, self._session.store.state
         target = None if state is None else state.document.target_shape
         rests = session.gestures.state_before is None and session.store.activity is not Activity.REFINING
@@ -90,10 +90,10 @@ class TargetController(QObject):
             self._task.begin(lambda enough: _Compared(target, U, target.target_distance(mesh, U, enough)))
 
     def _take(self, result: object) -> None:
-        """Receive the thread's result; without memory for it there is none."""
+        """Show the thread's result; None if memory ran out."""
         if isinstance(result, _Compared):
             self._section.show_distance(result.found)
 
     def close(self) -> None:
-        """Cancel the measurement under way."""
+        """Cancel the measurement in progress and wait for its thread."""
         self._task.close()

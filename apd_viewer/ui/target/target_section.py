@@ -21,7 +21,7 @@ _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
 class TargetSection(Section):
-    """Name of the target shape and the distances; hidden without one.
+    """Name of the target shape and distances to it; hidden without a target.
 
     Attributes
     ----------
@@ -73,11 +73,11 @@ class TargetSection(Section):
         return tuple(labels)
 
     def show_settings(self, document: Document) -> None:
-        """Show the name of the target shape, or why it is missing."""
+        """Show the name of the target shape, or the reason it is missing."""
         target, missing = document.target_shape, document.missing_target_shape
         shown = target, missing, document.mesh.F
         if all(new is old for new, old in zip(shown, self._shown, strict=True)):
-            return  # comparing all triangles takes too long for every pose of a drag
+            return  # comparing all triangles is too slow for every step of a drag
         self._shown = shown
         self.setVisible(target is not None or missing is not None)
         if target is not None:
@@ -91,14 +91,14 @@ class TargetSection(Section):
                     widget.setVisible(wanted)
 
     def show_readings(self, state: State, unit: Unit) -> None:
-        """Use another unit."""
+        """Update the unit and scale of the distances."""
         self._size = max(state.inspection.size)
         if unit is not self._unit:
             self._unit = unit
             self._show()
 
     def show_distance(self, distance: TargetDistance | None) -> None:
-        """Show the distances of the shape; None while unknown."""
+        """Show the distances to the target shape; None while unknown."""
         if distance is not self._found:
             self._found = distance
             self._show()

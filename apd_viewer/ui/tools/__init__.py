@@ -1,1 +1,1 @@
-"""Tools of the mouse: brushes, selections and the gizmo."""
+"""Mouse tools of the canvas: brush, selections and gizmo."""

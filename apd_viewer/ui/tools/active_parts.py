@@ -1,4 +1,4 @@
-"""Active handle, region and obstacle, none of them part of the document."""
+"""Active handle, region and obstacle, kept outside the document."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from apd_viewer.session.session import Session
 
 
 class ActiveParts(QObject):
-    """The active handle, the active region and, if it is in the hand, an obstacle.
+    """Active handle and region, and the active obstacle if any.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class ActiveParts(QObject):
         self.obstacle: int | None = None
 
     def follow(self, old: Document | None, new: Document) -> None:
-        """Keep the active parts while they exist."""
+        """Keep the active parts valid for a new document."""
         if old is None or old.mesh is not new.mesh:
             self.handle = self.region = 0
             self.obstacle = None
@@ -45,7 +45,7 @@ class ActiveParts(QObject):
             self.obstacle = len(new.obstacles) - 1 if new.obstacles else None
 
     def choose_handle(self, k: int) -> None:
-        """Make handle ``k`` the active one, and take it into the hand."""
+        """Make handle ``k`` active; no obstacle is active then."""
         self._choose(k, self.region)
 
     def choose_region(self, k: int) -> None:
@@ -53,11 +53,11 @@ class ActiveParts(QObject):
         self._choose(self.handle, k, self.obstacle)
 
     def choose_obstacle(self, k: int | None) -> None:
-        """Take obstacle ``k`` into the hand, or the handle again."""
+        """Make obstacle ``k`` active; None returns to the active handle."""
         self._choose(self.handle, self.region, k)
 
     def next_handle(self) -> None:
-        """Make the next handle active, after the last one the first."""
+        """Make the next handle active, in cyclic order."""
         state = self._session.store.state
         if state is not None:
             self.choose_handle((self.handle + 1) % len(state.document.handles))
@@ -71,19 +71,19 @@ class ActiveParts(QObject):
         self.choose_region(self._session.parts.add_region())
 
     def remove_handle(self, k: int) -> None:
-        """Remove handle ``k`` and keep the active one, if it is another."""
+        """Remove handle ``k``; another active handle stays active."""
         if k < self.handle:
             self.handle -= 1
         self._session.parts.remove_handle(k)
 
     def remove_region(self, k: int) -> None:
-        """Remove region ``k`` and keep the active one, if it is another."""
+        """Remove region ``k``; another active region stays active."""
         if k < self.region:
             self.region -= 1
         self._session.parts.remove_region(k)
 
     def remove_obstacle(self, k: int) -> None:
-        """Remove obstacle ``k`` and keep the one in the hand, if it is another."""
+        """Remove obstacle ``k``; another active obstacle stays active."""
         if self.obstacle is not None and k < self.obstacle:
             self.obstacle -= 1
         self._session.obstacles.remove(k)

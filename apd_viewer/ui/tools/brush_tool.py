@@ -1,4 +1,4 @@
-"""The brush: strokes on the surface become sets of vertices."""
+"""Brush tool, with strokes on the surface as vertex sets."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, 
 
 RADIUS_PER_NOTCH = 1.12
 RING_POINTS = 65
-STEEPEST_STEP = 4.0  # two hits farther apart than this many times their distance on the screen are not joined
+STEEPEST_STEP = 4.0  # hits farther apart than this multiple of their screen distance are not joined
 
 
 class BrushTool(SelectionTool):
@@ -36,10 +36,10 @@ class BrushTool(SelectionTool):
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport, surface)
         self.size = BrushSize(viewport)
-        self._covered: np.ndarray | None = None  # (n,) bool while a stroke goes on
+        self._covered: np.ndarray | None = None  # vertices covered so far, (n,) bool; None between strokes
         self._cursor: QPointF | None = None
         self._hit: Hit | None = None
-        self._seen: tuple[object, ...] = ()  # what the hit depends on
+        self._seen: tuple[object, ...] = ()  # camera and shape at the latest hit test
 
     def press(self, event: QMouseEvent) -> bool:
         """Begin a stroke if the cursor is on the surface."""
@@ -54,7 +54,7 @@ class BrushTool(SelectionTool):
         return True
 
     def move(self, event: QMouseEvent) -> bool:
-        """Go on with the stroke, or show the ring."""
+        """Continue the stroke, or show the brush ring."""
         if self._covered is None:
             self._look(event)
             if self._hit is not None:
@@ -79,7 +79,7 @@ class BrushTool(SelectionTool):
         """Change the radius."""
         if not self._enabled or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
-        # Qt turns the wheel sideways while Alt is down.
+        # Qt reports a vertical wheel turn as horizontal while Alt is down.
         notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
         self.size.scale(RADIUS_PER_NOTCH**notches)
         return True
@@ -114,7 +114,7 @@ class BrushTool(SelectionTool):
         painter.drawPolyline(ring)
 
     def _look(self, event: QMouseEvent) -> None:
-        """Note the cursor's position and redraw the ring if necessary."""
+        """Update the hit under the cursor, and redraw the ring if needed."""
         before = self._hit, self.effect
         self._cursor = event.position() if self._enabled else None
         self.effect = stroke_effect(event)
@@ -129,7 +129,7 @@ class BrushTool(SelectionTool):
     def _steps(
         self, start: QPointF, last: Hit | None, end: QPointF
     ) -> Iterator[tuple[Hit | None, Hit | None]]:
-        """Pairs of neighbouring hits along the cursor's path, without gaps.
+        """Pairs of consecutive hits along the cursor's path, closely spaced.
 
         The first of a pair is None where the surface under the cursor leaps to another depth: what
         lies between the two was never touched.
@@ -152,7 +152,7 @@ class BrushTool(SelectionTool):
         return bool(np.linalg.norm(b.point - a.point) <= reach)
 
     def _cover(self, steps: list[tuple[Hit | None, Hit | None]]) -> None:
-        """Emit the vertices under the steps not yet covered by the stroke."""
+        """Emit the vertices under the steps, except those already in the stroke."""
         if self._covered is None:
             return
         fresh = []
@@ -187,7 +187,7 @@ SMALLEST_RADIUS, LARGEST_RADIUS, DEFAULT_RADIUS = 4.0, 200.0, 24.0
 
 
 class BrushSize(QObject):
-    """Radius of the brush, in pixels or in units of the mesh.
+    """Radius of the brush, fixed either in pixels or in mesh units.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ class BrushSize(QObject):
 
     @property
     def length(self) -> float | None:
-        """Radius in mesh units at any zoom; None while it is in pixels."""
+        """Radius in mesh units, independent of the zoom; None if set in pixels."""
         return self._length
 
     @length.setter
@@ -242,7 +242,7 @@ class BrushSize(QObject):
             self.length = self._length * factor
 
     def radius_on_mesh(self, hit: Hit) -> float:
-        """Radius on the mesh, in its units, at a hit."""
+        """Radius in mesh units at a hit."""
         if self._length is not None:
             return self._length
         return self._radius * self._viewport.camera_controller.camera.world_per_pixel(hit.point)

@@ -1,4 +1,4 @@
-"""Canvas: the mesh in a viewport, with its tools."""
+"""Canvas with the mesh in a viewport and the mouse tools."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
 
-_NUDGE = 5.0  # pixels, about
+_NUDGE = 5.0  # approximate pixels per arrow key press
 
 
 class Canvas(QObject):
-    """Puts surface and tools into a viewport and follows the state.
+    """Viewport with surface and tools, updated to the session's state.
 
     Parameters
     ----------
@@ -130,17 +130,17 @@ class Canvas(QObject):
         self.inactive_handles.chosen.connect(self.handle_chosen)
 
     def choose_tool(self, tool: Tool) -> None:
-        """Use ``tool``."""
+        """Make ``tool`` the active tool."""
         self.tool = tool
         self._put_into_hand()
 
     def choose_mode(self, mode: SelectionMode) -> None:
-        """Choose vertices in another way."""
+        """Set the selection mode of the painting tools."""
         self.selection_mode = mode
         self._put_into_hand()
 
     def set_selects_hidden(self, on: bool) -> None:
-        """Select hidden vertices too, or only visible ones."""
+        """Set whether outlines also select hidden vertices."""
         for selector in self.selectors.values():
             if isinstance(selector, OutlineTool):
                 selector.selects_hidden = on
@@ -155,7 +155,7 @@ class Canvas(QObject):
         self.strokes.prepare(self.tool, self._handle, self._region, self._document)
 
     def set_active_parts(self, handle: int, region: int) -> None:
-        """Work on another handle and region, by their numbers."""
+        """Set the active handle and region by their numbers."""
         if handle != self._handle:
             self.gizmo.cancel()
         self._handle, self._region = handle, region
@@ -164,7 +164,7 @@ class Canvas(QObject):
 
     @property
     def is_handle_inactive(self) -> bool:
-        """True while something else is in the hand: all handles are dots."""
+        """True while an obstacle is moved instead, and all handles are drawn as dots."""
         return self._rests
 
     @is_handle_inactive.setter
@@ -178,7 +178,7 @@ class Canvas(QObject):
         self.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
     def show_opening_mesh(self, mesh: Mesh, labels: np.ndarray) -> None:
-        """Draw a mesh still being opened, not yet editable."""
+        """Draw the mesh of a file still being opened, without editing."""
         self._sketched = mesh.V
         self.surface.set_mesh(PreviewSurface(mesh.F), mesh.V, label_colors(labels))
         handle = mesh.V[labels == HANDLE]
@@ -186,13 +186,13 @@ class Canvas(QObject):
         self.view.frame_mesh(handle.mean(axis=0) if len(handle) else None)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
-        """Show the differences between two states, and the active parts."""
+        """Update the view from one state to the next, with the active parts."""
         document, self._document = new.document, new.document
         self._handle, self._region = handle, region
         self._prepare_strokes()
         if old is None or old.document.mesh is not document.mesh:
             self._show_mesh(new)
-            if old is None or old.document.mesh.F is not document.mesh.F:  # a baked mesh is where it was
+            if old is None or old.document.mesh.F is not document.mesh.F:  # a baked mesh needs no framing
                 self._show_whole(document)
         else:
             if old.frame.U is not new.frame.U:
@@ -208,16 +208,16 @@ class Canvas(QObject):
         self.surface.set_mesh(state.surface_index, state.frame.U, self.coloring.begin_mesh(state.document))
 
     def _show_whole(self, document: Document) -> None:
-        self.brush.size.length = self.bend_line = None  # they were of another mesh
+        self.brush.size.length = self.bend_line = None  # both refer to the previous mesh
         self.picker.marked_points = np.empty((0, 3))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):
-            # Otherwise it has, and may have been turned since.
+            # A mesh shown while opening is already framed, and the user may have moved the camera since.
             self.viewport.camera_controller.set_up_axis(self._up_axes.up_axis_of(document.mesh))
             self.frame_mesh()
 
     def preview_selection(self, ids: np.ndarray | None) -> None:
-        """Tint the vertices of a possible selection."""
+        """Tint the vertices of a selection preview; None removes the tint."""
         erases = self.selectors[self.selection_mode].effect is StrokeEffect.REMOVE
         if ids is not None:
             ids = self.strokes.changeable_vertices(ids, erases or self.tool is Tool.ERASE)
@@ -225,7 +225,7 @@ class Canvas(QObject):
         self.coloring.preview(ids, FREE_COLOR if erases else (paint.red(), paint.green(), paint.blue()))
 
     def nudged_pose(self, step: tuple[int, int, int]) -> np.ndarray | None:
-        """Pose of the active handle after a small step: right, up, to the viewer."""
+        """Pose of the active handle after a small step right, up or to the viewer."""
         active, eye = _active(self._pivots, self._handle), self.viewport.camera_controller.camera
         if active is None:
             return None
@@ -233,17 +233,17 @@ class Canvas(QObject):
         return translated(active.pose, length * (np.array(step) * [1, 1, -1]) @ eye.axes)
 
     def frame_mesh(self) -> None:
-        """Show the whole mesh, and all of the gizmo."""
+        """Frame the whole mesh and the gizmo."""
         active = _active(self._pivots, self._handle)
         self.view.frame_mesh(None if active is None else active.centre)
 
     def look_along(self, axis: str) -> None:
-        """Show the whole mesh from 'front', 'side' or 'top', '-' for the opposite."""
+        """Frame the mesh from 'front', 'side' or 'top'; prefix '-' gives the opposite."""
         self.viewport.camera_controller.look_along(axis)
         self.frame_mesh()
 
     def set_up_axis(self, axis: UpAxis) -> None:
-        """Show the mesh with another axis up, and remember it."""
+        """Set and store the up axis of the mesh, and frame it."""
         if self._document is not None:
             self._up_axes.choose(self._document.mesh, axis)
         self.viewport.camera_controller.set_up_axis(axis)
@@ -254,7 +254,7 @@ class Canvas(QObject):
         return () if self._document is None else movable_pivots(self._document)
 
     def _show_tool(self) -> None:
-        # While it paints nobody sees where the handles are, and every event moves their centres.
+        # Only the Move tool shows pivots; while painting, every event would move the handle centres.
         pivots = self._pivots if self.tool is Tool.MOVE else ()
         active = None if self._rests else _active(pivots, self._handle)
         if active is not None:
@@ -276,7 +276,7 @@ class Canvas(QObject):
         return self._handle_at(position) == self._handle
 
     def _handle_at(self, position: QPointF) -> int | None:
-        """Number of the handle painted at a position in the viewport."""
+        """Number of the painted handle at a position in the viewport, or None."""
         hit = self.surface.hit(position)
         if (
             hit is None
@@ -290,12 +290,12 @@ class Canvas(QObject):
 
 
 def _active(pivots: tuple[HandlePivot, ...], handle: int) -> HandlePivot | None:
-    """The pivot of the handle with a number, if it can be moved."""
+    """Pivot of the given handle, or None if it cannot be moved."""
     return next((pivot for pivot in pivots if pivot.number == handle), None)
 
 
 class MeshView:
-    """Moves the camera to the mesh or to parts of it.
+    """Camera moves to the mesh or to parts of it.
 
     Parameters
     ----------
@@ -307,7 +307,7 @@ class MeshView:
         self._look, self._surface = camera_controller, surface
 
     def frame_mesh(self, gizmo: np.ndarray | None) -> None:
-        """Show the whole mesh, and all of a gizmo at a point (3,)."""
+        """Frame the whole mesh, and a gizmo centred at a point (3,)."""
         points, room = self._surface.U, np.zeros(len(self._surface.U))
         if gizmo is not None:
             points = np.vstack([points, gizmo])
@@ -315,7 +315,7 @@ class MeshView:
         self._look.frame(points, room)
 
     def show_vertices(self, vertices: np.ndarray, covered: QRectF) -> None:
-        """Move the camera as little as necessary to show vertices, or all if none.
+        """Show vertices with the smallest camera move; all vertices if none are given.
 
         ``covered`` is the hidden part of the viewport, at its lower right.
         """
@@ -331,13 +331,13 @@ class MeshView:
             look.camera = look.camera.panned(*shift)
 
     def saved_view(self, unit: str) -> View:
-        """View for a file, with the unit of length."""
+        """Camera, up axis and length unit as a view for a file."""
         eye = self._look.camera
         stand = CameraPose(_point(eye.position), _point(eye.focal), _point(eye.up), float(eye.angle))
         return View(stand, unit, up_axis=eye.up_axis)
 
     def restore(self, view: View) -> None:
-        """Move the camera to the standpoint and up axis saved in a file, if any."""
+        """Restore the camera and the up axis from a saved view, if present."""
         if view.up_axis is not None:
             self._look.camera = replace(self._look.camera, up_axis=view.up_axis)
         if view.camera is not None:

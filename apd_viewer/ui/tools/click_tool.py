@@ -1,4 +1,4 @@
-"""Picking by clicks: connected parts of the mesh, points and axes."""
+"""Selection of connected vertices, and picking of points and axes, by clicks."""
 
 from __future__ import annotations
 
@@ -52,12 +52,12 @@ class ClickTool(SelectionTool):
         self.crease_angle = 30.0
         self._cursor: QPointF | None = None
         self._hit: Hit | None = None
-        self._seen: tuple[object, ...] = ()  # what the hit depends on
+        self._seen: tuple[object, ...] = ()  # camera and shape at the latest hit test
         self._pressed = False
         self._known: tuple[object, np.ndarray] = (None, _NONE)
 
     def press(self, event: QMouseEvent) -> bool:
-        """Select the previewed vertices."""
+        """Begin a click if the cursor is on the mesh."""
         if not self._enabled or not may_begin_stroke(event):
             return False
         self._look(event)
@@ -65,7 +65,7 @@ class ClickTool(SelectionTool):
         return self._pressed
 
     def move(self, event: QMouseEvent) -> bool:
-        """Preview the selection of a press."""
+        """Preview the selection at the cursor."""
         if not self._enabled:
             return False
         self._look(event)
@@ -74,9 +74,9 @@ class ClickTool(SelectionTool):
         return self._hit is not None
 
     def release(self, event: QMouseEvent) -> None:
-        """Take it, if the cursor is still on the mesh."""
+        """Select the previewed vertices if the cursor is still on the mesh."""
         if not self._pressed:
-            return  # given up meanwhile
+            return  # the press was cancelled
         self._pressed = False
         self._look(event)
         vertices = self._under()
@@ -95,7 +95,7 @@ class ClickTool(SelectionTool):
         return True
 
     def wheel(self, event: QWheelEvent) -> bool:
-        """Change the crease."""
+        """Change the crease angle."""
         other = self._reach is not ClickExtent.CREASE or not self._enabled
         if other or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
@@ -131,7 +131,7 @@ class ClickTool(SelectionTool):
         self.previewed.emit(self._under() if self._hit is not None else None)
 
     def _under(self) -> np.ndarray:
-        """Vertices connected to the place under the cursor."""
+        """Vertices connected to the surface point under the cursor."""
         skin = self._surface.picking_index
         if skin is None or self._hit is None:
             return _NONE
@@ -150,7 +150,7 @@ _ARM = 9.0
 
 
 class PointPicker(MouseTool, QObject):
-    """Tool for clicks on the mesh on request; Esc cancels.
+    """Tool to pick points on the mesh on request; Esc cancels.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ class PointPicker(MouseTool, QObject):
 
     @property
     def marked_points(self) -> np.ndarray:
-        """Marked points (k, 3)."""
+        """Points (k, 3) drawn with marks."""
         return self._shown
 
     @marked_points.setter
@@ -183,12 +183,12 @@ class PointPicker(MouseTool, QObject):
         self._viewport.tool_layer.update()
 
     def pick_points(self, count: int, on_picked: Callable[[np.ndarray], object], prompt: str) -> None:
-        """Pass ``count`` clicked points (count, 3) to ``on_picked``."""
+        """Request ``count`` clicks, and pass their points (count, 3) to ``on_picked``."""
         self._wanted, self._then, self._points = count, on_picked, []
         self.prompt_changed.emit(prompt)
 
     def press(self, event: QMouseEvent) -> bool:
-        """Take the point under the cursor."""
+        """Begin a click on the point under the cursor."""
         if not self._wanted or event.button() != Qt.MouseButton.LeftButton:
             return False
         self._hit = self._surface.hit(event.position())
@@ -205,7 +205,7 @@ class PointPicker(MouseTool, QObject):
         return self._hit is not None
 
     def release(self, event: QMouseEvent) -> None:
-        """Take the point, and tell all once there are as many as were asked for."""
+        """Add the clicked point, and call ``on_picked`` after the last one."""
         hit = self._surface.hit(event.position())
         if hit is not None:
             self._points.append(hit.point)
@@ -215,13 +215,13 @@ class PointPicker(MouseTool, QObject):
                 self._then(points)
 
     def leave(self) -> None:
-        """Forget the cursor."""
+        """Remove the highlight of the gizmo handle under the cursor."""
         if self._hit is not None:
             self._hit = None
             self._viewport.tool_layer.update()
 
     def cancel(self) -> bool:
-        """Stop waiting for clicks; True if it did."""
+        """Cancel the request for points; True if there was one."""
         waited, self._wanted, self._points = self._wanted > 0, 0, []
         if waited:
             self.prompt_changed.emit("")

@@ -1,4 +1,4 @@
-"""Gizmo to move and rotate a handle, and dots at the pivots of the others."""
+"""Gizmo to move, rotate and scale a handle, and dots at inactive handles."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Gizmo(MouseTool, QObject):
-    """Tool to edit a rigid pose.
+    """Tool to edit the pose of a handle.
 
     Drag an arrow, a square between two arrows, a ring, or the dot in the middle, which moves in the
     plane of the picture, as does what :attr:`may_grab` says; the square out at the corner scales. Ctrl
@@ -63,11 +63,11 @@ class Gizmo(MouseTool, QObject):
         self.offered_handles = ALL_HANDLES
         self._hot: str | None = None
         self._drag: GizmoDrag | None = None
-        self._moving = False  # the drag has left the dead zone
+        self._moving = False  # True once True once the drag has left the dead zone
 
     @property
     def pose(self) -> np.ndarray:
-        """The (4, 4) pose, a copy."""
+        """Copy of the current pose, (4, 4)."""
         return self._pose.copy()
 
     @property
@@ -85,7 +85,7 @@ class Gizmo(MouseTool, QObject):
 
     @property
     def orientation(self) -> GizmoOrientation:
-        """Choice of the axes."""
+        """Orientation of the gizmo's axes."""
         return self._along
 
     @orientation.setter
@@ -108,7 +108,7 @@ class Gizmo(MouseTool, QObject):
 
     @property
     def frame(self) -> GizmoFrame:
-        """The gizmo as the camera sees it now."""
+        """Layout of the gizmo for the current camera."""
         eye, A = self._viewport.camera_controller.camera, self._pose[:3, :3]
         centre, axes = A @ self._pivot + self._pose[:3, 3], np.eye(3)
         if self._along is GizmoOrientation.HANDLE:
@@ -126,18 +126,18 @@ class Gizmo(MouseTool, QObject):
         return True
 
     def begin_drag(self, position: QPointF, handle: str = "centre") -> None:
-        """Begin a drag of one of its handles at a position in the viewport."""
+        """Begin a drag of a gizmo handle at a position in the viewport."""
         drag = begin_drag(handle, self.frame, self._pose, position.x(), position.y())
         self._drag, self._moving = drag, False
         self._show(handle, Qt.CursorShape.ClosedHandCursor)
 
     @property
     def is_dragged(self) -> bool:
-        """True during a drag."""
+        """True while a gizmo handle is pressed or dragged."""
         return self._drag is not None
 
     def move(self, event: QMouseEvent) -> bool:
-        """Drag the handle, or highlight the one under the cursor."""
+        """Continue the drag, or highlight the gizmo handle under the cursor."""
         if self._drag is None:
             handle = self._handle_at(event)
             self._show(handle, Qt.CursorShape.OpenHandCursor)
@@ -166,7 +166,7 @@ class Gizmo(MouseTool, QObject):
         self._show(None)
 
     def cancel(self) -> bool:
-        """Go back to the pose before the drag; True if there was a drag."""
+        """Restore the pose before the drag; True if there was a drag."""
         if self._drag is None:
             return False
         pose = self._drag.start_pose
@@ -177,7 +177,7 @@ class Gizmo(MouseTool, QObject):
         return True
 
     def paint(self, painter: QPainter) -> None:
-        """Draw on the overlay."""
+        """Draw the gizmo, and the amount of a drag."""
         if not self._visible:
             return
         draw_gizmo(painter, self.frame, GizmoAppearance(self._viewport.is_dark, self._hot, self._drag))
@@ -229,7 +229,7 @@ class HandlePivot(NamedTuple):
 
     @property
     def centre(self) -> np.ndarray:
-        """The centre of the handle now, (3,)."""
+        """Current centre of the handle, (3,)."""
         moved: np.ndarray = self.pose[:3, :3] @ self.unposed_position + self.pose[:3, 3]
         return moved
 
@@ -247,7 +247,7 @@ def movable_pivots(document: Document) -> tuple[HandlePivot, ...]:
 
 
 class InactiveHandles(MouseTool, QObject):
-    """Tool to take another handle by its dot or its painted patch, and to move it.
+    """Tool to activate and drag another handle by its dot or painted patch.
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ class InactiveHandles(MouseTool, QObject):
         self._hot: int | None = None
 
     def set_pivots(self, pivots: Sequence[HandlePivot]) -> None:
-        """Show the dots of these pivots."""
+        """Set the pivots drawn as dots."""
         if pivots or self.pivots:
             self.pivots = tuple(pivots)
             self._viewport.tool_layer.update()
@@ -291,11 +291,11 @@ class InactiveHandles(MouseTool, QObject):
         return True
 
     def release(self, event: QMouseEvent) -> None:
-        """Release the handle."""
+        """End the drag of the activated handle."""
         self._gizmo.release(event)
 
     def move(self, event: QMouseEvent) -> bool:
-        """Move the handle taken, or show the name of the one under the cursor."""
+        """Drag the activated handle, or show the name of the one under the cursor."""
         if self._gizmo.is_dragged:
             return self._gizmo.move(event)
         number = self._taken_at(event.position())
@@ -309,7 +309,7 @@ class InactiveHandles(MouseTool, QObject):
         self._show(None)
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the dots, and the name of the one under the cursor."""
+        """Draw the dots, and the name of the handle under the cursor."""
         for pivot in self.pivots:
             at = self._on_screen(pivot)
             if at is not None:
@@ -355,7 +355,7 @@ class InactiveHandles(MouseTool, QObject):
         return None
 
     def _taken_at(self, position: QPointF) -> int | None:
-        """Number of the handle with a dot or paint at a position."""
+        """Number of the inactive handle with a dot or paint at a position, or None."""
         dot = self._dot_at(position)
         if dot is not None or not self.pivots:
             return dot

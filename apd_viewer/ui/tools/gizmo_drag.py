@@ -1,4 +1,4 @@
-"""Drags of the gizmo as changes of a pose; angles in radians.
+"""Pose changes by drags of the gizmo; angles in radians.
 
 Handles are named ``x y z`` (arrows), ``yz zx xy`` (squares), ``rx ry rz`` (rings), ``centre`` and ``scale``.
 """
@@ -16,15 +16,15 @@ from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, t
 from apd_viewer.presentation.number_format import format_grouped, format_signed
 from apd_viewer.ui.scene.camera import Camera, unit
 
-MOST_DRAG_RATIO = 4.0  # an arrow never moves the handle so many times farther than the cursor went
+MOST_DRAG_RATIO = 4.0  # an arrow moves the handle at most this many times as far as the cursor
 SNAP_ANGLE = np.deg2rad(15.0)
 SNAP_PIXELS = 20.0
-SNAP_SCALE = 0.1  # and no handle is made smaller than that
+SNAP_SCALE = 0.1  # step of a snapped scale, and smallest scale factor
 
 
 @dataclass(frozen=True, eq=False)
 class GizmoDrag:
-    """Drag under way, measured from its start to avoid drift.
+    """Drag in progress, computed from its start to avoid drift.
 
     Parameters
     ----------
@@ -57,13 +57,13 @@ class GizmoDrag:
 
     @property
     def axis(self) -> np.ndarray:
-        """Unit axis of the arrow or ring, or normal of the square or of the picture."""
+        """Unit axis of the arrow or ring; normal of the square or the view plane."""
         if self.handle == "centre":
             return self.frame.camera.axes[2]
         return self.frame.axes[axis_index(self.handle)]
 
     def moved_to(self, camera: Camera, x: float, y: float, snap: bool) -> GizmoDrag:
-        """The drag after the cursor went to a pixel position."""
+        """Drag with the cursor moved to a pixel position."""
         frame = replace(self.frame, camera=camera)
         if self.handle in RINGS:
             return self._turned(frame, x, y, snap)
@@ -93,7 +93,7 @@ class GizmoDrag:
             return self
         amounts = directions @ (here - there)
         if self.handle in ARROWS:
-            # Towards the vanishing point of its axis the handle would run away.
+            # Limit the motion, which would diverge towards the vanishing point of the axis.
             most = (
                 MOST_DRAG_RATIO
                 * self.frame.pixel_length
@@ -112,7 +112,7 @@ class GizmoDrag:
         return replace(self, last=(x, y), pose=translated(self.start_pose, offset), text="  ".join(said))
 
     def _directions(self, frame: GizmoFrame) -> tuple[np.ndarray, str]:
-        """Unit directions of free motion, as rows, and the names of the amounts to show."""
+        """Unit directions of free motion, as rows, and names of their amounts."""
         if self.handle in ARROWS:
             return frame.axes[[axis_index(self.handle)]], self.handle
         if self.handle in SQUARES:
@@ -130,7 +130,7 @@ class GizmoDrag:
 
 
 def begin_drag(handle: str, frame: GizmoFrame, pose: np.ndarray, x: float, y: float) -> GizmoDrag:
-    """Take a handle at a pixel position."""
+    """Begin a drag of a gizmo handle at a pixel position."""
     return GizmoDrag(handle, frame, pose.copy(), (x, y), (x, y), pose.copy())
 
 
@@ -147,7 +147,7 @@ def position_along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float 
 
 
 def offset_in_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
-    """Offset (3,) from the centre to the cursor's ray in a plane through it."""
+    """Offset (3,) from the centre to the cursor in a plane through the centre."""
     point = _on_plane(frame, normal, x, y)
     return None if point is None else point - frame.centre
 
@@ -158,7 +158,7 @@ def _on_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.n
     if abs(slope) < 1e-3 * float(np.linalg.norm(normal)):
         return None
     t = float((frame.centre - origin) @ normal) / slope
-    # Behind the camera, or so far that a pixel would be a leap.
+    # Reject points behind the camera, or so distant that one pixel would be a large step.
     return origin + t * direction if 0 < t < 50 * frame.camera.distance else None
 
 
@@ -180,7 +180,7 @@ def cursor_rotation(
 
 
 def _tangent(frame: GizmoFrame, axis: np.ndarray) -> np.ndarray:
-    """Motion in pixels (2,), per radian, of the ring's point nearest to the viewer."""
+    """Pixel motion (2,) per radian of the ring point nearest to the viewer."""
     towards = frame.camera.position - frame.centre
     radial = RING_RADIUS * frame.pixel_length * unit(towards - (towards @ axis) * axis)
     near, ahead = frame.camera.project(frame.centre + np.array([radial, radial + np.cross(axis, radial)]))
@@ -209,32 +209,32 @@ def rotated(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: float
     return rotation_about(centre, axis, angle) @ pose
 
 
-# Logical pixels.
+# Lengths in logical pixels, unless noted.
 SHAFT = (15.0, 92.0)
 TIP = 110.0
 TIP_RADIUS = 6.5
 LABEL = 124.0
-GIZMO_RADIUS = 136.0  # all of it, letters included, lies within this distance of the centre
+GIZMO_RADIUS = 136.0  # radius of a circle around the whole gizmo, letters included
 RING_RADIUS = 76.0
 SQUARE = (27.0, 43.0)
 DOT_RADIUS = 5.0
-SCALE = (86.0, -86.0)  # from the centre, across and down the picture
+SCALE = (86.0, -86.0)  # offset of the scale handle from the centre, right and down
 PICK_RADIUS = 8.0
 
 ARROWS, SQUARES, RINGS = ("x", "y", "z"), ("yz", "zx", "xy"), ("rx", "ry", "rz")
 ALL_HANDLES = frozenset({*ARROWS, *SQUARES, *RINGS, "centre", "scale"})
-ALONG_VIEW = 0.96  # |cosine| beyond which an arrow, 16 degrees from the line of sight, cannot be dragged
+ALONG_VIEW = 0.96  # |cosine| beyond which an arrow, within 16 degrees of the line of sight, cannot be dragged
 EDGE_ON = 0.16  # |cosine| below which a square or a ring is a line
 _TURN = np.linspace(0.0, 2 * np.pi, 73)
 
 
 def axis_index(handle: str) -> int:
-    """0, 1 or 2: the axis of an arrow or a ring, the normal of a square."""
+    """Axis (0, 1 or 2) of an arrow or ring, or of a square's normal."""
     return {**{h: i for hs in (ARROWS, SQUARES, RINGS) for i, h in enumerate(hs)}}[handle]
 
 
 class GizmoOrientation(Enum):
-    """Axes of the gizmo."""
+    """Orientation of the gizmo's axes."""
 
     WORLD = "world"
     HANDLE = "handle"
@@ -243,7 +243,7 @@ class GizmoOrientation(Enum):
 
 @dataclass(frozen=True, eq=False)
 class GizmoFrame:
-    """The gizmo as a camera sees it.
+    """Layout of the gizmo as seen by a camera.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ class GizmoFrame:
         return float(self.camera.depth(self.centre)) > 1e-6 * self.camera.distance
 
     def is_usable(self, handle: str) -> bool:
-        """True if the handle is offered and can be dragged from this side."""
+        """True if the gizmo handle is offered and can be dragged in this view."""
         if handle not in self.offered_handles:
             return False
         if handle in ARROWS:
@@ -297,15 +297,15 @@ class GizmoFrame:
         return True
 
     def to_screen(self, offsets: npt.ArrayLike) -> np.ndarray:
-        """Pixel positions, (k, 2), of points given in pixels along the axes, (k, 3)."""
+        """Pixel positions (k, 2) of offsets (k, 3) along the axes, in pixels."""
         return self.camera.project(self.centre + self.pixel_length * (np.asarray(offsets) @ self.axes))
 
     def arrow(self, i: int) -> np.ndarray:
-        """Both ends of the shaft, the tip and the place of the letter, (4, 2) pixels."""
+        """Shaft ends, tip and letter position of an arrow, (4, 2) pixels."""
         return self.to_screen(np.outer([*SHAFT, TIP, LABEL], np.eye(3)[i]))
 
     def tip(self, i: int) -> np.ndarray:
-        """Outline (k, 2) of an arrow's cone in pixels, in no order."""
+        """Unordered outline points (k, 2) of an arrow's cone, in pixels."""
         circle = _circle(i, _TURN[::6]) * TIP_RADIUS + SHAFT[1] * np.eye(3)[i]
         return np.vstack([self.to_screen(circle), self.arrow(i)[2]])
 
@@ -335,7 +335,7 @@ class GizmoFrame:
         for i, name in enumerate(SQUARES):
             if self.is_usable(name) and is_inside(self.square(i), cursor):
                 return name
-        # A ring is thin and an arrow ends in open space: the arrow wins where both are in reach.
+        # Favour arrows over rings by 2 pixels where both are in reach: arrow ends stand in open space.
         reach = [
             (self._arrow_distance(i, cursor) - 2.0, ARROWS[i]) for i in range(3) if self.is_usable(ARROWS[i])
         ]
@@ -367,7 +367,7 @@ def is_inside(polygon: np.ndarray, point: np.ndarray) -> bool:
 
 
 def distance_to_polyline(points: np.ndarray, cursor: np.ndarray, mask: np.ndarray | None = None) -> float:
-    """Distance of a point to the ``mask`` (k - 1,) bool of a polyline (k, 2)."""
+    """Distance of a point to the segments in ``mask`` (k - 1,) of a polyline (k, 2)."""
     start, edge = points[:-1], np.diff(points, axis=0)
     t = np.einsum("ij,ij->i", cursor - start, edge) / np.maximum(np.einsum("ij,ij->i", edge, edge), 1e-12)
     distance = np.linalg.norm(start + np.clip(t, 0, 1)[:, None] * edge - cursor, axis=1)

@@ -23,25 +23,25 @@ from apd_viewer.ui.tools.gizmo_drag import (
     offset_in_plane,
 )
 from apd_viewer.ui.tools.polylines import (
-    chosen_stretches,
+    chosen_runs,
     convex_hull,
     draw_polyline,
     to_polygon,
     with_opacity,
 )
 
-# Rose, lime and violet: apart from the base blue and the handle vermilion in hue, and from one
-# another in lightness, with any kind of colour vision. The letters say it once more.
+# Rose, lime and violet differ in hue from the base blue and the handle vermilion, and in lightness
+# from one another, for any kind of colour vision. The letters identify the axes as well.
 AXIS_COLOURS = {False: ("#cf2458", "#6f9f0a", "#4b45d1"), True: ("#ff6f97", "#b4e04c", "#8f8bff")}
-INK = {False: "#ffffff", True: "#14161a"}  # halo that parts a line from what lies below
+INK = {False: "#ffffff", True: "#14161a"}  # halo that sets lines off from the background
 CENTRE = {False: "#3a3f47", True: "#f2f4f7"}
-FADED = 0.16  # of the other handles during a drag
-BACK = 0.34  # of the far half of a ring
+FADED = 0.16  # opacity of the other gizmo handles during a drag
+BACK = 0.34  # opacity opacity of the far half of a ring
 
 
 @dataclass(frozen=True)
 class GizmoAppearance:
-    """State of the gizmo's drawing.
+    """Background, highlighted handle and drag used to draw the gizmo.
 
     Parameters
     ----------
@@ -57,15 +57,15 @@ class GizmoAppearance:
     drag: GizmoDrag | None
 
     def opacity(self, handle: str) -> float:
-        """Opacity of a handle, less during a drag of another."""
+        """Opacity of a gizmo handle, reduced while another is dragged."""
         return FADED if self.drag is not None and self.drag.handle != handle else 1.0
 
     def width(self, handle: str) -> float:
-        """Width of its lines in pixels."""
+        """Line width of a gizmo handle, in pixels."""
         return 4.0 if handle in (self.hovered_handle, self.drag and self.drag.handle) else 2.4
 
     def colour(self, handle: str) -> QColor:
-        """Its colour, brighter under the cursor."""
+        """Colour of a gizmo handle, brighter under the cursor."""
         name = (
             CENTRE[self.dark]
             if handle in ("centre", "scale")
@@ -76,7 +76,7 @@ class GizmoAppearance:
 
 
 def draw_gizmo(painter: QPainter, frame: GizmoFrame, appearance: GizmoAppearance) -> None:
-    """Draw the gizmo, far things first."""
+    """Draw the gizmo, with near arrows over far ones."""
     if not frame.is_visible:
         return
     if appearance.drag is not None:
@@ -98,7 +98,7 @@ def draw_hint(painter: QPainter, drag: GizmoDrag, size: tuple[float, float]) -> 
 
 
 def draw_tag(painter: QPainter, text: str, at: tuple[float, float], size: tuple[float, float]) -> None:
-    """Write a line of text beside a pixel position, in a picture of a ``size``."""
+    """Write a caption beside a pixel position, inside a view of the given size."""
     font = QFont(painter.font())
     font.setPixelSize(13)
     font.setWeight(QFont.Weight.DemiBold)
@@ -118,10 +118,10 @@ def _draw_ring(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: i
         return
     points, near = frame.ring(i)
     painter.setOpacity(look.opacity(name) * BACK)
-    for part in chosen_stretches(points, ~near):
+    for part in chosen_runs(points, ~near):
         draw_polyline(painter, part, look.colour(name), look.width(name) - 0.8)
     painter.setOpacity(look.opacity(name))
-    for part in chosen_stretches(points, near):
+    for part in chosen_runs(points, near):
         draw_polyline(painter, part, look.colour(name), look.width(name), INK[look.dark])
 
 
@@ -191,7 +191,7 @@ def _draw_centre(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
 
 
 def _draw_motion(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> None:
-    """Show the start of the drag: a slice of the ring, or a line."""
+    """Draw the extent of the drag: a slice of the ring, or a line from its start."""
     drag = look.drag
     if drag is None:
         return

@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy
     from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
-_SMALLEST = 3.0  # pixels across; less is a click
-_CLOSES = 9.0  # pixels from the first corner
-_NEXT = 2.0  # pixels between the points of a lasso
+_SMALLEST = 3.0  # px: smallest extent of an outline; a smaller one is a click
+_CLOSES = 9.0  # px: a click this close to the first corner closes the polygon
+_NEXT = 2.0  # px: spacing of lasso points
 _PAUSE = 30  # ms between previews
-_TOUCHING = 1e-3  # pixels behind a triangle at which a vertex is still on it
+_TOUCHING = 1e-3  # px: depth tolerance of the visibility test
 
 
 class OutlineKind(Enum):
-    """Kinds of outline."""
+    """Kind of outline on the screen."""
 
     BOX = "box"
     LASSO = "lasso"
@@ -53,7 +53,7 @@ class OutlineTool(SelectionTool):
         self._corners: list[QPointF] = []
         self._cursor = QPointF()
         self._seen: tuple[object, np.ndarray, BoundingHierarchy] | None = None
-        self._foreseen: tuple[object, ...] = ()  # what the latest preview depends on
+        self._foreseen: tuple[object, ...] = ()  # inputs of the latest preview
         self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE)
         self.preview_timer.timeout.connect(self._foresee)
 
@@ -68,14 +68,14 @@ class OutlineTool(SelectionTool):
         self._viewport.tool_layer.update()
 
     def press(self, event: QMouseEvent) -> bool:
-        """Begin, or set a corner of a polygon."""
+        """Begin an outline, or add a corner to a polygon."""
         if not self._enabled or self._surface.picking_index is None or not may_begin_stroke(event):
             return False
         self._cursor = event.position()
         if self._kind is OutlineKind.POLYGON and self._corners:
             again = event.type() == QEvent.Type.MouseButtonDblClick
             if again or _far(self._cursor, self._corners[0]) <= _CLOSES:
-                self._cursor = self._corners[0]  # the click that ends it is no corner
+                self._cursor = self._corners[0]  # the closing click adds no corner
                 self._finish()
                 return True
         elif not self._corners:
@@ -85,7 +85,7 @@ class OutlineTool(SelectionTool):
         return True
 
     def move(self, event: QMouseEvent) -> bool:
-        """Follow the cursor with the outline."""
+        """Extend the outline to the cursor."""
         if not self._enabled:
             return False
         self._cursor = event.position()
@@ -103,7 +103,7 @@ class OutlineTool(SelectionTool):
             self._finish()
 
     def finish(self) -> bool:
-        """Close a polygon; True if there was one."""
+        """Close and apply a polygon; True if there was one."""
         if self._kind is not OutlineKind.POLYGON or not self._corners:
             return False
         self._finish()
@@ -122,7 +122,7 @@ class OutlineTool(SelectionTool):
         if not self._corners:
             return
         if self._foreseen != self._state() and not self.preview_timer.isActive():
-            self.preview_timer.start()  # the mesh or the camera has moved behind it
+            self.preview_timer.start()  # the mesh or the camera has changed under the outline
         shape = QPolygonF(self._shape())
         fill = QColor(self._color)
         fill.setAlpha(36)
@@ -170,7 +170,7 @@ class OutlineTool(SelectionTool):
         self.previewed.emit(None)
 
     def _within(self) -> np.ndarray:
-        """The vertices within the outline."""
+        """Selectable vertices within the outline."""
         skin, U, eye = self._surface.picking_index, self._surface.U, self._viewport.camera_controller.camera
         if skin is None or not self._corners:
             return np.empty(0, dtype=np.int64)
@@ -180,7 +180,7 @@ class OutlineTool(SelectionTool):
         return found if self.selects_hidden else found[self._visible(skin, found)]
 
     def _visible(self, skin: SurfaceIndex, vertices: np.ndarray) -> np.ndarray:
-        """Mask (k,) of the visible vertices, cached for a view and a shape."""
+        """Visibility mask (k,) of ``vertices``, cached per view and shape."""
         key = self._sight
         if self._seen is None or self._seen[0] != key:
             U = self._surface.U
@@ -222,7 +222,7 @@ class SlabTool(SelectionTool):
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport, surface)
         self.axis = 1
-        self._here: np.ndarray | None = None  # where a press would begin
+        self._here: np.ndarray | None = None  # surface point under the cursor
         self._start: np.ndarray | None = None
         self._end = 0.0
         self._pressed = QPointF()
@@ -268,7 +268,7 @@ class SlabTool(SelectionTool):
                 self._apply(act, vertices)
 
     def wheel(self, event: QWheelEvent) -> bool:
-        """Choose another axis."""
+        """Switch to the next axis."""
         if not self._enabled or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
         if self._start is None and (event.angleDelta().y() or event.angleDelta().x()):

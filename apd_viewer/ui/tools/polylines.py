@@ -1,4 +1,4 @@
-"""Polylines and polygons drawn on the overlay."""
+"""Drawing of polylines and polygons on the tool layer."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from apd_viewer.ui.scene.camera import Camera
 
-_MARGIN = 0.06  # of a plane around the shape, in its extent
-_PLANE = 40 / 255  # opacity
+_MARGIN = 0.06  # margin of a plane around the shape, as a fraction of its extent
+_PLANE = 40 / 255  # opacity of a plane's fill of a plane's fill
 
 
 def draw_polyline(
@@ -26,14 +26,14 @@ def draw_polyline(
 
 
 def with_opacity(colour: str | QColor, alpha: float = 0.65) -> QColor:
-    """The colour with another opacity."""
+    """Colour with a changed opacity."""
     clear = QColor(colour)
     clear.setAlphaF(alpha)
     return clear
 
 
 def axis_rectangle(U: np.ndarray, axis: int, height: float) -> np.ndarray:
-    """Corners (4, 3) of a rectangle around the shape ``U`` (n, 3), across an axis."""
+    """Corners (4, 3) of a rectangle around ``U`` (n, 3), normal to an axis."""
     low, high = U.min(axis=0), U.max(axis=0)
     pad = _MARGIN * float((high - low).max())
     low, high = low - pad, high + pad
@@ -52,7 +52,7 @@ def draw_plane(
     halo: QColor,
     style: Qt.PenStyle = Qt.PenStyle.SolidLine,
 ) -> None:
-    """Draw a translucent polygon (k, 3), if all of it is before the camera."""
+    """Draw a translucent polygon (k, 3) if it lies in front of the camera."""
     if (camera.depth(corners) <= 0.0).any():
         return
     shape = to_polygon(camera.project(corners))
@@ -64,12 +64,12 @@ def draw_plane(
 
 
 def to_polygon(points: np.ndarray) -> QPolygonF:
-    """Points (k, 2) for Qt."""
+    """Qt polygon of points (k, 2)."""
     return QPolygonF([QPointF(x, y) for x, y in points])
 
 
-def chosen_stretches(points: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
-    """Stretches of chosen points of a closed polyline.
+def chosen_runs(points: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
+    """Runs of consecutive chosen points of a closed polyline.
 
     Parameters
     ----------
@@ -79,16 +79,16 @@ def chosen_stretches(points: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]
     """
     if chosen.all():
         return [points]
-    # Begin at a point that is not chosen, so that no stretch is cut by the seam.
+    # Start at an unchosen point, so that no run is split where the polyline closes.
     first = int(np.argmin(chosen[:-1]))
     order = (np.arange(len(points)) + first) % (len(points) - 1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen[order], [False]]).astype(np.int8)))
-    # One point more at both ends, so that near and far parts meet.
+    # Extend each run by one point at both ends, so that near and far parts join.
     return [points[order[max(a - 1, 0) : b + 1]] for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def convex_hull(points: np.ndarray) -> np.ndarray:
-    """Corners of the convex hull of (k, 2) points, in order."""
+    """Ordered corners of the convex hull of points (k, 2)."""
     ordered = points[np.lexsort(points.T[::-1])]
 
     def chain(sequence: np.ndarray) -> list[np.ndarray]:

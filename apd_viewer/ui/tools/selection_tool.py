@@ -1,4 +1,4 @@
-"""Base of the selection tools: strokes, effect and preview."""
+"""Base class of the selection tools, with strokes, effect and preview."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class StrokeEffect(Enum):
 
 
 def stroke_effect(event: QInputEvent) -> StrokeEffect:
-    """Effect by the modifiers: Alt removes, Ctrl replaces."""
+    """Stroke effect for the held modifier keys: Alt removes, Ctrl replaces."""
     modifiers = event.modifiers()
     if modifiers & Qt.KeyboardModifier.AltModifier:
         return StrokeEffect.REMOVE
@@ -37,13 +37,13 @@ def stroke_effect(event: QInputEvent) -> StrokeEffect:
 
 
 def may_begin_stroke(event: QMouseEvent) -> bool:
-    """True if a press may begin a stroke: Shift is the camera's."""
+    """True if a press may begin a stroke; Shift is reserved for the camera."""
     left = event.button() == Qt.MouseButton.LeftButton
     return left and not event.modifiers() & Qt.KeyboardModifier.ShiftModifier
 
 
 class SelectionTool(MouseTool, QObject):
-    """Tool to select vertices by strokes, for any listener.
+    """Base class of tools to select vertices by strokes.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class SelectionTool(MouseTool, QObject):
 
     @property
     def enabled(self) -> bool:
-        """True while in use; any change cancels a stroke."""
+        """True while the tool is active; any change cancels a stroke."""
         return self._enabled
 
     @enabled.setter
@@ -90,7 +90,7 @@ class SelectionTool(MouseTool, QObject):
 
     @property
     def color(self) -> QColor:
-        """Colour of the drawing, the same as of the paint."""
+        """Colour of the drawn outlines, matching the paint."""
         return self._color
 
     @color.setter
@@ -109,11 +109,11 @@ class SelectionTool(MouseTool, QObject):
 
     @property
     def _sight(self) -> tuple[object, ...]:
-        """Key of anything found under the cursor: the shape and the camera."""
+        """Key of shape and camera, to detect outdated hit tests."""
         return self._surface.revision, self._viewport.camera_controller.camera.key
 
     def _apply(self, act: StrokeEffect, vertices: np.ndarray) -> None:
-        """A whole stroke at once."""
+        """Emit a whole stroke with the given vertices."""
         self.previewed.emit(None)
         self.stroke_began.emit(act)
         if len(vertices):
@@ -122,7 +122,7 @@ class SelectionTool(MouseTool, QObject):
 
 
 class Strokes(QObject):
-    """Paints the selected vertices with the part of the current tool.
+    """Converts strokes of the selection tools to paint with the current tool.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class Strokes(QObject):
         self._document: Document | None = None
 
     def connect_tool(self, tool: SelectionTool) -> None:
-        """Paint with the strokes of a selection tool."""
+        """Convert the strokes of a selection tool to paint."""
         tool.stroke_began.connect(self._begin)
         tool.vertices_painted.connect(self._paint)
         tool.stroke_ended.connect(self._end)
@@ -164,7 +164,7 @@ class Strokes(QObject):
             self.part = PaintedPart(BASE if tool is Tool.BASE else HANDLE + handle)
 
     def changeable_vertices(self, ids: np.ndarray, erases: bool) -> np.ndarray:
-        """The vertices of ``ids`` that a stroke can change: locked parts keep theirs."""
+        """Vertices of ``ids`` changeable by a stroke, without those of locked parts."""
         if self._document is None:
             return ids
         locked = self._document.flags.locked
@@ -177,7 +177,7 @@ class Strokes(QObject):
         return ids[~closed[codes[ids]]]
 
     def paint_vertices(self, ids: np.ndarray, effect: StrokeEffect) -> None:
-        """Paint vertices at once, like a stroke of the current tool."""
+        """Paint vertices as a single stroke of the current tool."""
         self._begin(effect)
         self._paint(ids)
         self._end()

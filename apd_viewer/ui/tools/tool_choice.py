@@ -1,4 +1,4 @@
-"""Current tool and current mode of selection."""
+"""Choice of the active tool and the selection mode."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 
 class ToolChoice(QObject):
-    """Chooses tool and way on a canvas, and tells the other parts of the window.
+    """Sets the tool and the selection mode of a canvas, and announces changes.
 
     Parameters
     ----------
@@ -29,18 +29,18 @@ class ToolChoice(QObject):
         self._canvas = canvas
 
     def choose_tool(self, tool: Tool) -> None:
-        """Use another tool."""
+        """Make ``tool`` the active tool, and announce it."""
         self._canvas.choose_tool(tool)
         self.tool_chosen.emit(tool)
 
     def choose_mode(self, mode: SelectionMode) -> None:
-        """Select vertices in another way, with a painting tool if none is in use."""
+        """Set the selection mode, and activate a painting tool if none is active."""
         self.set_mode(mode)
         if not self._canvas.tool.words.is_brush:
             self.choose_tool(Tool.HANDLE)
 
     def set_mode(self, mode: SelectionMode) -> None:
-        """Have the painting tools select in another way, whichever is in use."""
+        """Set the selection mode of all painting tools, and announce it."""
         self._canvas.choose_mode(mode)
         self.mode_chosen.emit(mode)
         self.choose_tool(self._canvas.tool)

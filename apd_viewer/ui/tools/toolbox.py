@@ -22,7 +22,7 @@ _CAMERA = tr("drag orbits, middle button or Shift+drag pans, wheel zooms to the 
 
 
 class Tool(Enum):
-    """A tool; its value holds the words."""
+    """Mouse tool; its value holds its texts."""
 
     ORBIT = _ToolWords(tr("Orbit"), "O", "orbit", tr("Look around"), _CAMERA)
     BASE = _ToolWords(
@@ -60,12 +60,12 @@ class Tool(Enum):
 
     @property
     def words(self) -> _ToolWords:
-        """Title, key, icon, tip and hint, and whether it paints."""
+        """Title, shortcut, icon, tooltip and hint, and whether the tool paints."""
         words: _ToolWords = self.value
         return words
 
     def hint(self, mode: SelectionMode) -> str:
-        """Hint with the modifiers for painting in this way."""
+        """Status hint of the tool, with the modifier keys of the selection mode."""
         if not self.words.is_brush:
             return tr("{tool}: {deed}").format(tool=self.words.title, deed=self.words.hint)
         return tr("{tool}: {deed}; {modifiers}").format(
@@ -79,7 +79,7 @@ class Tool(Enum):
 
 
 class SelectionMode(Enum):
-    """Ways of selecting vertices; the value holds the words."""
+    """Selection mode of the painting tools; its value holds its texts."""
 
     BRUSH = _ToolWords(
         tr("Brush"),
@@ -140,7 +140,7 @@ class SelectionMode(Enum):
 
     @property
     def words(self) -> _ToolWords:
-        """Title, key, icon, tip and hint."""
+        """Title, shortcut, icon, tooltip and hint."""
         words: _ToolWords = self.value
         return words
 

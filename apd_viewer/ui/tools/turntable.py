@@ -1,4 +1,4 @@
-"""Turntable: the camera orbits the shape until a tool takes the mouse."""
+"""Turntable animation of the camera around the shape."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.viewport import Viewport
 
 SPEED = 24.0  # degrees a second
-_TICK = 16  # ms
-_LONGEST = 0.1  # s: after a pause it goes on, and does not leap
+_TICK = 16  # ms between frames between frames
+_LONGEST = 0.1  # s: longest time step, so that the camera does not jump after a pause
 
 
 class Turntable(MouseTool, QObject):
-    """Turntable animation, stopped by any other tool.
+    """Tool to orbit the camera until another tool is used.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Turntable(MouseTool, QObject):
 
     @property
     def running(self) -> bool:
-        """True while turning."""
+        """True while the camera orbits."""
         return self._timer.isActive()
 
     @running.setter
@@ -53,12 +53,12 @@ class Turntable(MouseTool, QObject):
             self._timer.stop()
 
     def press(self, _: QMouseEvent) -> bool:
-        """Stop, for another tool."""
+        """Stop the animation, without consuming the press."""
         self._stop()
         return False
 
     def cancel(self) -> bool:
-        """Stop; True if it turned."""
+        """Stop the animation; True if it was running."""
         return self._stop()
 
     def _stop(self) -> bool:

@@ -1,1 +1,1 @@
-"""General widgets and the theme."""
+"""General-purpose widgets and the colour theme."""

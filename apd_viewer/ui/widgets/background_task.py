@@ -1,4 +1,4 @@
-"""Background task on a thread of its own; the newest request counts."""
+"""Background task on a separate thread; only the latest request counts."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from contextlib import suppress
 
 from PySide6.QtCore import QObject, Qt, Signal
 
-# The work: it is passed a function returning True once the result is no longer wanted.
+# Task; its argument is a function returning True once the result is no longer wanted.
 Work = Callable[[Callable[[], bool]], object]
 
 
 class BackgroundTask(QObject):
-    """Does one thing at a time, and tells the result on the thread of the window.
+    """Runs one task at a time, and emits the result on the GUI thread.
 
     Attributes
     ----------
@@ -36,17 +36,17 @@ class BackgroundTask(QObject):
         return self._wanted is not None
 
     def begin(self, work: Work) -> None:
-        """Run ``work`` as soon as the previous task has been given up."""
+        """Run ``work`` as soon as the previous task has stopped."""
         self._wanted = work
         if self._thread is None:
             self._start(work)
 
     def cancel(self) -> None:
-        """Discard the pending work, and the result of a running one."""
+        """Discard the pending task, and the result of the running one."""
         self._wanted = None
 
     def close(self) -> None:
-        """Wait for the thread: computing at interpreter exit would crash it."""
+        """Wait for the thread: work during interpreter exit would crash it."""
         self.cancel()
         if self._thread is not None:
             self._thread.join()
@@ -64,7 +64,7 @@ class BackgroundTask(QObject):
 
     def _end(self, work: Work, result: object) -> None:
         if self._thread is None:
-            return  # closed in the meantime
+            return  # the task was closed in the meantime
         self._thread.join()
         self._thread = None
         if self._wanted is work:

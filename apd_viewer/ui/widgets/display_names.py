@@ -1,4 +1,4 @@
-"""Names with signs of Qt in them."""
+"""Names escaped for display by Qt."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from pathlib import Path
 
 
 def menu_text(name: str) -> str:
-    """Name for an action or button, with ``&`` escaped from being a mnemonic."""
+    """Name for an action or button, with ``&`` escaped."""
     return name.replace("&", "&&")
 
 
 def window_title_text(name: str) -> str:
-    """Name in the title of a window; ``[*]`` is a sign of Qt there."""
+    """Name for a window title, with Qt's placeholder ``[*]`` escaped."""
     return name.replace("[*]", "[*][*]")
 
 
 def distinct_names(paths: Sequence[Path]) -> list[str]:
-    """Names of files, with the end of the folder if a name is not alone."""
+    """File names, with their last folders added to equal names."""
     named = []
     for path in paths:
         others = [other for other in paths if other.name == path.name and other != path]
@@ -28,6 +28,6 @@ def distinct_names(paths: Sequence[Path]) -> list[str]:
 
 
 def _common(parts: Sequence[str], others: Sequence[str]) -> int:
-    """Number of last folders common to two paths."""
+    """Number of equal folders at the ends of two paths."""
     pairs = zip(reversed(parts), reversed(others), strict=False)
     return next((k for k, (part, other) in enumerate(pairs) if part != other), min(len(parts), len(others)))

@@ -9,11 +9,11 @@ from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QApplication, QLabel, QProgressBar
 
 _SCALE = 1000
-_PAUSE = 0.2  # s; between two draws of a bar of unknown length, where the processor draws
+_PAUSE = 0.2  # s between two frames of the busy animation, if slowed down
 
 
 class ElidedLabel(QLabel):
-    """Label elided to its width, with all of its text in the tip."""
+    """Label elided to its width, with the full text in its tooltip."""
 
     def show_text(self, text: str) -> None:
         """Show a text."""
@@ -21,11 +21,11 @@ class ElidedLabel(QLabel):
         self.setToolTip(text)
 
     def minimumSizeHint(self) -> QSize:
-        """Give way to all others."""
+        """Zero width, so that other widgets get the space first."""
         return QSize(0, super().minimumSizeHint().height())
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw as much as there is room for."""
+        """Draw the text, elided on the right."""
         room = self.rect().adjusted(8, 0, -8, 0)
         painter = QPainter(self)
         painter.setPen(self.palette().windowText().color())
@@ -45,12 +45,12 @@ class ThinBar(QProgressBar):
         self._drawn = 0.0
 
     def show_share(self, share: float | None) -> None:
-        """Show a share of the work; None is an unknown one."""
+        """Show the completed fraction of the work; None if unknown."""
         self.setMaximum(0 if share is None else _SCALE)
         self.setValue(round(_SCALE * (share or 0.0)))
 
     def event(self, event: QEvent) -> bool:
-        """Stop the busy animation once progress is known; slow it if cursors are steady."""
+        """Stop the busy animation once progress is known; slow it if cursors do not blink."""
         if event.type() == QEvent.Type.StyleAnimationUpdate:
             if self.maximum():
                 event.ignore()

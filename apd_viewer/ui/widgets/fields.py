@@ -1,4 +1,4 @@
-"""Controls for one value: a choice, a check box, a number, a text."""
+"""Input fields for one value: combo box, check box, number and text field."""
 
 from __future__ import annotations
 
@@ -41,30 +41,30 @@ from apd_viewer.presentation.number_format import format_short
 from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
-_UNBOUNDED = 1e9  # such a limit guards arithmetic, and is none for the user
+_UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to users
 _QUOTED = 20  # characters quoted from invalid input
 
 
 class ComboBox(QComboBox):
-    """Combo box ignoring the wheel, for a scrolled panel."""
+    """Combo box ignoring the wheel, so that a panel can scroll over it."""
 
     def __init__(self, **properties: Any) -> None:
         super().__init__(**properties)
         ignore_wheel(self)
 
     def sizeHint(self) -> QSize:
-        """As high as a field, with room for its longest entry."""
+        """Height of a field, and width of the longest entry."""
         texts = [self.itemText(k) for k in range(self.count())]
         longest = max((self.fontMetrics().horizontalAdvance(text) for text in texts), default=0)
         width = max(super().sizeHint().width(), longest + 40)
         return QSize(width, max(28, self.fontMetrics().height() + 12))
 
     def minimumSizeHint(self) -> QSize:
-        """No entry is cut off."""
+        """Preferred size, so that no entry is cut off."""
         return self.sizeHint()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the choice and a chevron."""
+        """Draw the current entry and a chevron."""
         room, ink = QRectF(self.rect()), self.palette().windowText().color()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -81,10 +81,10 @@ class ComboBox(QComboBox):
 
 
 class CheckBox(QCheckBox):
-    """Check box visible on a dark panel too."""
+    """Check box visible on dark panels too."""
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the box, its tick and the words."""
+        """Draw the box, its check mark and the text."""
         palette, on = self.palette(), self.isChecked()
         accent, line = palette.highlight().color(), palette.placeholderText().color()
         box = QRectF(0.75, self.height() / 2 - 7.25, 14.5, 14.5)
@@ -106,17 +106,17 @@ class CheckBox(QCheckBox):
             painter.fillRect(QRectF(24, under - 1, width, 2), accent)
 
     def sizeHint(self) -> QSize:
-        """Box and words."""
+        """Size of the box and the text."""
         width = 24 + self.fontMetrics().horizontalAdvance(self.text()) + 2
         return QSize(width, max(22, self.fontMetrics().height() + 4))
 
     def minimumSizeHint(self) -> QSize:
-        """The same."""
+        """Preferred size, so that the text is not cut off."""
         return self.sizeHint()
 
 
 class NumberField(QDoubleSpinBox):
-    """Number field; Enter and Esc return the keys, what is refused is explained.
+    """Number field; Enter and Esc return the focus, invalid input is explained.
 
     Parameters
     ----------
@@ -144,33 +144,33 @@ class NumberField(QDoubleSpinBox):
         ignore_wheel(self)
 
     def show_value(self, value: float) -> None:
-        """Show a value without emitting a choice."""
+        """Set the value without emitting a signal."""
         if value != self.value():
             self.blockSignals(True)
             self.setValue(value)
             self.blockSignals(False)
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the field; its letters are those of the line edit within."""
+        """Draw the background; the line edit inside draws the text."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         _draw_field(painter, self)
 
     def textFromValue(self, value: float) -> str:
-        """Number with all digits, ungrouped, as Enter reads it."""
+        """Ungrouped number with all digits, readable as input."""
         return editable_number(f"{value:.10g}" if self._brief else f"{value:.{self.decimals()}f}")
 
     def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
-        """Accept any text while typing; leaving the field restores invalid ones."""
+        """Accept any text while typing; loss of focus replaces invalid ones."""
         wrong = self._problem(text)
         return (QValidator.State.Intermediate if wrong else QValidator.State.Acceptable), text, position
 
     def fixup(self, _: str) -> str:
-        """Previous number."""
+        """Text of the last valid number."""
         return f"{self.prefix()}{self.textFromValue(self.value())}{self.suffix()}"
 
     def valueFromText(self, text: str) -> float:
-        """Number typed, such as 1e-3 or 0,5."""
+        """Typed number, such as 1e-3 or 0,5."""
         return self.value() if self._problem(text) else float(self._digits(text))
 
     def _digits(self, text: str) -> str:
@@ -182,9 +182,9 @@ class NumberField(QDoubleSpinBox):
         return number.strip(" %")
 
     def _problem(self, text: str) -> str:
-        """Sentence about an invalid text and what is allowed; empty for a number."""
+        """Error message for an invalid text, with the allowed range; empty if valid."""
         if text == self.fixup(""):
-            return ""  # what stands there can stay
+            return ""  # the text shown for the current value is always valid
         digits = self._digits(text)
         try:
             if self.minimum() <= float(digits) <= self.maximum():
@@ -197,7 +197,7 @@ class NumberField(QDoubleSpinBox):
         return sentence.format(text=digits[:_QUOTED], range=self._range)
 
     def _doubt(self, text: str, value: float) -> str:
-        """Question about an ambiguous text; empty if it is clear."""
+        """Question about an ambiguous number; empty if it is clear."""
         try:
             check_unambiguous(unambiguous_text(self._bare(text)), ",")
             if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(PERCENT_SIGN):
@@ -218,19 +218,19 @@ class NumberField(QDoubleSpinBox):
         return tr("of at least {least}").format(least=format_short(least) + unit)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Select the number for overwriting."""
+        """Select the number, ready to be overwritten."""
         super().focusInEvent(event)
         if event.reason() in (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason):
             self.selectAll()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Restore the number, and say why if the text was invalid."""
+        """Restore the number, and explain an invalid text."""
         self._refuse()
         super().focusOutEvent(event)
         self.error.hide_later()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Hide the error too."""
+        """Hide the error together with the field."""
         self.error.hide()
         super().hideEvent(event)
 
@@ -246,7 +246,7 @@ class NumberField(QDoubleSpinBox):
             super().keyPressEvent(event)
 
     def _refuse(self) -> bool:
-        """Explain an invalid text; True if it is."""
+        """Explain an invalid text; True if it is invalid."""
         problem = self._problem(self.lineEdit().text())
         if problem:
             self.error.show_message(problem)
@@ -254,7 +254,7 @@ class NumberField(QDoubleSpinBox):
 
 
 class TextField(QLineEdit):
-    """Line of text; Esc restores it and returns the keys.
+    """Line edit; Esc restores its text and returns the focus.
 
     Attributes
     ----------
@@ -270,18 +270,18 @@ class TextField(QLineEdit):
         self._before = self.text()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Remember the text."""
+        """Store the text for Esc to restore."""
         super().focusInEvent(event)
         self._before = self.text()
         self.focus_gained.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Leave it at that."""
+        """Keep the text, and emit the loss of focus."""
         super().focusOutEvent(event)
         self.focus_lost.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Restore the text on Esc."""
+        """Restore the text on Esc and return the focus."""
         if event.key() == Qt.Key.Key_Escape:
             self.restore()
             return_focus(self)
@@ -289,7 +289,7 @@ class TextField(QLineEdit):
             super().keyPressEvent(event)
 
     def restore(self) -> None:
-        """Show the text from before the keys were its own."""
+        """Restore the text from before the field got the focus."""
         self.setText(self._before)
 
 
@@ -308,17 +308,17 @@ def percent_field(name: str, tip: str) -> NumberField:
 
 
 def return_focus(field: QWidget) -> None:
-    """Give the keys back to the window, in which they are the document's."""
+    """Return the keyboard focus to the window, for the document's shortcuts."""
     field.window().setFocus()
 
 
 def small_button(name: str, tip: str) -> QToolButton:
-    """Quiet icon button."""
+    """Small icon button without a frame."""
     return QToolButton(objectName="small", accessibleName=name, toolTip=tip, iconSize=QSize(16, 16))
 
 
 def _draw_field(painter: QPainter, field: QWidget) -> None:
-    """Draw the field's background; the platform's is lost on a dark panel."""
+    """Draw the field's background; the style's own is invisible on a dark panel."""
     palette = field.palette()
     painter.setPen(palette.highlight().color() if field.hasFocus() else palette.mid().color())
     painter.setBrush(palette.base())
@@ -331,7 +331,7 @@ _AFTER_LEAVING = 6_000  # ms
 
 
 class ErrorBubble(QLabel):
-    """Error message floating beneath a field, without moving the layout.
+    """Error message below a field, floating over the layout.
 
     Parameters
     ----------
@@ -347,7 +347,7 @@ class ErrorBubble(QLabel):
         self.hide()
 
     def show_message(self, sentence: str) -> None:
-        """Show a sentence for as long as the field is used."""
+        """Show a message near the field, and announce it to screen readers."""
         self._leaving.stop()
         ground = _ground(self._field)
         self.setParent(ground)
@@ -361,11 +361,11 @@ class ErrorBubble(QLabel):
         QAccessible.updateAccessibility(QAccessibleEvent(self, QAccessible.Event.Alert))
 
     def hide_later(self) -> None:
-        """Hide after a while."""
+        """Hide the message after 6 s."""
         self._leaving.start()
 
     def _beneath(self, ground: QWidget) -> QPoint:
-        """Beneath the field, or above it, and within the ground."""
+        """Position below the field, or above it, inside ``ground``."""
         field = self._field
         corner = field.mapTo(ground, QPoint(field.width() - self.width(), field.height() + _GAP))
         if corner.y() + self.height() > ground.height():
@@ -375,7 +375,7 @@ class ErrorBubble(QLabel):
 
 
 def _ground(field: QWidget) -> QWidget:
-    """Content of the scroll area around a field, or its window."""
+    """Content widget of the scroll area around a field, or its window."""
     ground = field
     while (above := ground.parentWidget()) is not None and not ground.isWindow():
         if isinstance(above.parentWidget(), QAbstractScrollArea):

@@ -1,4 +1,4 @@
-"""Figures on white cards, as wide as there is room."""
+"""Figures on white cards, scaled to the available width."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from apd_viewer.files.storage.regular_files import read_bytes
 
-_EDGE = 12  # px
+_EDGE = 12  # px; margin around the picture
 _ROUND = 8
 
 
 class FigureView(QWidget):
-    """Picture scaled to its width.
+    """Picture on a white card, scaled to the card's width.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class FigureView(QWidget):
 
     @property
     def has_picture(self) -> bool:
-        """True if there is a picture."""
+        """True if the picture could be loaded."""
         return not self._picture.isNull()
 
     def shrink_by(self, pixels: int) -> None:
@@ -47,17 +47,17 @@ class FigureView(QWidget):
         self.updateGeometry()
 
     def hasHeightForWidth(self) -> bool:
-        """Keep the picture's aspect ratio."""
+        """True: the picture keeps its aspect ratio."""
         return True
 
     def heightForWidth(self, width: int) -> int:
-        """The picture, and the edge around it."""
+        """Height of the picture and its margins for a width."""
         size = self._picture.size()
         full = 2 * _EDGE + round((width - 2 * _EDGE) * size.height() / max(1, size.width()))
         return max(self.minimumHeight(), full - self._less)
 
     def sizeHint(self) -> QSize:
-        """As wide as a dialog likes to be."""
+        """Preferred size in a dialog, 860 pixels wide."""
         return QSize(860, self.heightForWidth(860))
 
     def paintEvent(self, _: QPaintEvent) -> None:

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QBoxLayout, QWidget
 
 
 def largest_on_screen(window: QWidget) -> QSize:
-    """Size of a window that fills the screen with its frame."""
+    """Largest size of a window to fit the screen with its frame."""
     return window.screen().availableGeometry().size() - (window.frameGeometry().size() - window.size())
 
 
@@ -19,18 +19,18 @@ def resize_on_screen(window: QWidget, size: QSize) -> None:
     frame.setSize(window.size() + border)
     x = max(min(frame.left(), room.right() + 1 - frame.width()), room.left())
     y = max(min(frame.top(), room.bottom() + 1 - frame.height()), room.top())
-    # The place of a window not yet shown is unknown; the window manager chooses it.
+    # A window not shown yet has no known position; the window manager chooses one.
     if window.isVisible() and QPoint(x, y) != frame.topLeft():
         window.move(x, y)
 
 
 def arrange_row(row: QBoxLayout, available_width: float) -> bool:
-    """Arrange ``row`` side by side within ``available_width`` pixels, else stacked.
+    """Lay out ``row`` horizontally if it fits in ``available_width`` px, else stacked.
 
     Returns whether it stands side by side.
     """
     row.setDirection(QBoxLayout.Direction.LeftToRight)
-    row.activate()  # changes inside nested rows are ignored otherwise
+    row.activate()  # without it, changes inside nested rows are ignored
     fits = row.sizeHint().width() <= available_width
     if not fits:
         row.setDirection(QBoxLayout.Direction.TopToBottom)

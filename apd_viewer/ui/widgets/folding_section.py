@@ -1,4 +1,4 @@
-"""Folding section of the panel."""
+"""Panel section folded by a click on its heading."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _CHEVRON = 16
 
 
 class Heading(QAbstractButton):
-    """Heading of a section: title, reading and chevron."""
+    """Clickable heading of a section: title, reading and chevron."""
 
     def __init__(self, title: str) -> None:
         super().__init__(checkable=True, checked=True, text=title, accessibleName=title)
@@ -26,13 +26,13 @@ class Heading(QAbstractButton):
         self.setFont(font)
 
     def sizeHint(self) -> QSize:
-        """One line."""
+        """Size of title, reading and chevron on one line."""
         metrics = self.fontMetrics()
         width = metrics.horizontalAdvance(f"{self.text()}  {self.reading}") + _CHEVRON + 8
         return QSize(width, max(24, metrics.height() + 8))
 
     def show_reading(self, reading: str, only_folded: bool = False) -> None:
-        """Show a reading at the right, always or only while the section is folded."""
+        """Show a reading on the right, always or only while folded."""
         self._only_folded = only_folded
         if reading != self.reading:
             self.reading = reading
@@ -40,12 +40,12 @@ class Heading(QAbstractButton):
             self.update()
 
     def set_theme(self, theme: Theme) -> None:
-        """Use other colours."""
+        """Apply the colours of the theme."""
         self._theme = theme
         self.update()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the line."""
+        """Draw title, chevron and reading."""
         theme, room = self._theme, self.rect()
         painter = QPainter(self)
         painter.setPen(theme.ink if self.underMouse() or self.hasFocus() else theme.quiet)
@@ -68,7 +68,7 @@ class Heading(QAbstractButton):
 
 
 class Section(QWidget):
-    """Rule, heading and folding column.
+    """Section of a panel: rule, heading and folding content.
 
     Parameters
     ----------
@@ -109,9 +109,9 @@ class Section(QWidget):
         self.heading.setChecked(not on)
 
     def reveal(self) -> None:
-        """Unfold, and scroll the panel to what was added."""
+        """Unfold the section and scroll the panel to it."""
         self.is_folded = False
-        QTimer.singleShot(0, self, self._scroll_into_view)  # once new rows have their places
+        QTimer.singleShot(0, self, self._scroll_into_view)  # once new rows are laid out
 
     def _scroll_into_view(self) -> None:
         area = self.parentWidget()
@@ -121,10 +121,10 @@ class Section(QWidget):
             area.ensureWidgetVisible(self)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the parts beyond the style sheet's reach."""
+        """Apply the theme to the parts not covered by the style sheet."""
         self.heading.set_theme(theme)
 
 
 def quiet_label(name: str) -> QLabel:
-    """Quiet label, as high as its text."""
+    """Wrapping label in a muted colour."""
     return QLabel("", objectName="quiet", accessibleName=name, wordWrap=True)

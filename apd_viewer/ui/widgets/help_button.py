@@ -1,4 +1,4 @@
-"""Button "?" of a dialog, and the key for help in it."""
+"""Help button "?" of a dialog, and its help shortcut."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 
 
 class HelpButton(QToolButton):
-    """Opens the manual at its window; F1 there opens it at the control in use.
+    """Opens the manual at its window; F1 opens it at the focused control.
 
     Attributes
     ----------
@@ -32,14 +32,14 @@ class HelpButton(QToolButton):
         self._key: QShortcut | None = None
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Take the key for help in the window around the button."""
+        """Add the help shortcut to the window around the button."""
         super().showEvent(event)
         if self._key is None:
             self._key = add_help_shortcut(self.window())
 
 
 def add_help_shortcut(window: QWidget) -> QShortcut:
-    """Shortcut in a window to explain the control in use there."""
+    """Shortcut opening the manual at the focused control of a window."""
     key = QShortcut(QKeySequence(QKeySequence.StandardKey.HelpContents), window)
     key.activated.connect(lambda: HelpButton.explain_widget(window.focusWidget() or window))
     return key

@@ -1,4 +1,4 @@
-"""Rows with a name that is edited in place, and lists of them; one row is active."""
+"""Lists of rows with names edited in place; one row may be active."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon, set_style_property
 
 
 class NameField(QLineEdit):
-    """Name edited in place: Enter accepts, Esc restores.
+    """Name edited in place: Enter accepts, Esc restores the previous one.
 
     Attributes
     ----------
@@ -32,14 +32,14 @@ class NameField(QLineEdit):
         self.end_editing()
 
     def show_name(self, text: str) -> None:
-        """Show another name."""
+        """Set the displayed name, unless it is being edited."""
         if text != self._kept:
             self._kept = text
             if self.isReadOnly():
                 self.end_editing()
 
     def begin_editing(self) -> None:
-        """Let the user type."""
+        """Make the field editable, give it the focus and select the name."""
         self.setReadOnly(False)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents, False)
         self.setFocus()
@@ -47,7 +47,7 @@ class NameField(QLineEdit):
         self.update_style()
 
     def end_editing(self) -> None:
-        """Show the name and leave the mouse to the row."""
+        """Make the field read-only; mouse events then reach the row."""
         self.setReadOnly(True)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
@@ -58,12 +58,12 @@ class NameField(QLineEdit):
         self.update_style()
 
     def update_style(self) -> None:
-        """Let the style sheet look at ``readOnly`` again."""
+        """Reapply the style sheet after a change of ``readOnly``."""
         self.style().unpolish(self)
         self.style().polish(self)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Accept on Enter, restore on Esc."""
+        """Accept the text on Enter; restore the name on Esc."""
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self._finish(self.text())
         elif event.key() == Qt.Key.Key_Escape:
@@ -72,7 +72,7 @@ class NameField(QLineEdit):
             super().keyPressEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Accept the text."""
+        """Accept the text on loss of focus."""
         super().focusOutEvent(event)
         self._finish(self.text())
 
@@ -89,7 +89,7 @@ class NameField(QLineEdit):
 
 
 class NamedRow(QFrame):
-    """Row with a name and a button to remove it.
+    """Row with an editable name and a button to remove it.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class NamedRow(QFrame):
         self.remove.clicked.connect(self.removed)
 
     def set_active(self, on: bool) -> None:
-        """Show whether this is the active row."""
+        """Mark the row as active or inactive."""
         self.setAccessibleName(tr("{name}, active").format(name=self.name.text()) if on else self.name.text())
         set_style_property(self, "active", on)
 
@@ -129,17 +129,17 @@ class NamedRow(QFrame):
         self.remove.setIcon(icon("remove", theme))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Request to become the active row."""
+        """Request to make the row active."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.chosen.emit()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Let the name be edited."""
+        """Start editing the name."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.name.begin_editing()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Choose, rename, remove, or go to a neighbour."""
+        """Select, rename or remove the row, or move to an adjacent one."""
         key = event.key()
         if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space):
             self.chosen.emit()
@@ -157,7 +157,7 @@ Row = TypeVar("Row", bound=NamedRow)
 
 
 class NamedList(QWidget, Generic[Row]):
-    """Rows of a list, as many as there are names.
+    """List with one row per name.
 
     Parameters
     ----------
@@ -184,11 +184,11 @@ class NamedList(QWidget, Generic[Row]):
         self._column.setContentsMargins(0, 0, 0, 0)
 
     def show_names(self, names: Sequence[str], active: int | None) -> None:
-        """Show a row for each name, and the active one, if there is one."""
+        """Show one row per name, and mark the active one, if any."""
         while len(self.rows) > len(names):
             row = self.rows.pop()
             row.hide()
-            row.deleteLater()  # the row may own the pressed button
+            row.deleteLater()  # deleted later, as the handler of its own button may be running
         for k, name in enumerate(names):
             if k == len(self.rows):
                 self._add(k, self._make(k, name))
@@ -218,7 +218,7 @@ class NamedList(QWidget, Generic[Row]):
 
     @property
     def _before(self) -> QWidget:
-        """Widget before the list in the tab order."""
+        """Last widget before the list in the tab order."""
         before: QWidget | None = self.previousInFocusChain()
         while before is not None and before is not self and not _takes_keys(before):
             before = before.previousInFocusChain()

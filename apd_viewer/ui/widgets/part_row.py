@@ -16,7 +16,7 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 
 class Swatch(QWidget):
-    """Square in a part's colour on the mesh."""
+    """Square in the colour of a part on the mesh."""
 
     def __init__(self, color: tuple[int, int, int]) -> None:
         super().__init__()
@@ -32,7 +32,7 @@ class Swatch(QWidget):
         painter.drawRoundedRect(QRectF(1, 1, 12, 12), 3, 3)
 
 
-# Tooltips by the kind of part: of its reading, and of the button to remove it.
+# Tooltips by kind of row: for its reading, and for its remove button.
 _SAID = {
     "handle": (tr("Measurement of the handle"), tr("Remove this handle")),
     "region": (tr("Measurement of the region"), tr("Remove this region")),
@@ -73,7 +73,7 @@ class PartRow(NamedRow):
         self.set_active(False)
 
     def set_active(self, on: bool) -> None:
-        """Show whether this is the active part."""
+        """Mark the part as active, and show or hide its details."""
         super().set_active(on)
         self.details.setVisible(on)
         self._active = on
@@ -84,13 +84,13 @@ class PartRow(NamedRow):
         self.buttons.set_theme(theme)
 
     def show_flags(self, flags: PartFlags, painted: bool) -> None:
-        """Show the buttons where there is something to do or to see."""
+        """Show the buttons of an active part, or of a hidden or locked one."""
         self.buttons.show_flags(flags, painted)
         self.buttons.setVisible(self._active or flags != NO_FLAGS)
 
 
 class PartButtons(QWidget):
-    """Three small buttons in the row of a part.
+    """Buttons to hide, lock and clear a part, in its row.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class PartButtons(QWidget):
         self._update()
 
     def show_flags(self, flags: PartFlags, painted: bool) -> None:
-        """Show the flags; clearing needs paint and no lock."""
+        """Show the flags; only painted and unlocked parts can be cleared."""
         self.clear_part.setEnabled(painted and not flags.locked)
         if flags != self._flags:
             self._flags = flags
@@ -149,7 +149,7 @@ _TIPS = {
 
 
 class PartList(NamedList[PartRow]):
-    """The rows, as many as there are parts.
+    """List with one row per part.
 
     Parameters
     ----------

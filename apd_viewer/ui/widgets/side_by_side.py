@@ -1,4 +1,4 @@
-"""Parts beside each other, or behind tabs in a narrow room."""
+"""Panes side by side, or on tabs if space is narrow."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import NamedTuple
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QHBoxLayout, QSplitter, QToolButton, QWidget
 
-_WIDE = 1000  # px, for all parts in a row
+_WIDE = 1000  # px; smallest width for all panes in a row
 
 
 class Pane(NamedTuple):
-    """A part: its title on a tab, its widget, its share of the width."""
+    """Widget with the title of its tab and its fraction of the width."""
 
     title: str
     widget: QWidget
@@ -21,7 +21,7 @@ class Pane(NamedTuple):
 
 
 class SideBySide(QSplitter):
-    """Parts in a row, in a column, or one at a time.
+    """Panes in a row, in a column, or one at a time on tabs.
 
     Parameters
     ----------
@@ -55,12 +55,12 @@ class SideBySide(QSplitter):
         self.setSizes([_WIDE * part.share for part in self._parts])
 
     def choose(self, number: int) -> None:
-        """Show a part, where only one is shown."""
+        """Select the pane shown while only one fits."""
         self._chosen = number
         self._follow()
 
     def arrange(self, size: QSize) -> None:
-        """Arrange the parts for a room of this size."""
+        """Arrange the panes for the available size."""
         tall = size.height() > size.width()
         way = Qt.Orientation.Vertical if tall else Qt.Orientation.Horizontal
         one = not tall and size.width() < _WIDE

@@ -1,4 +1,4 @@
-"""One value with a slider for the hand and a field for the keyboard."""
+"""Number field combined with a slider."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 
 class SliderField(QWidget):
-    """One value with a slider for the hand and a field for the keyboard.
+    """Number field combined with a slider, for the same value.
 
     Parameters
     ----------
@@ -97,13 +97,13 @@ class SliderField(QWidget):
 
     @property
     def value(self) -> float:
-        """Value of the field."""
+        """Current value of the number field."""
         return self.field.value()
 
     def show_value(self, value: float) -> None:
-        """Show a value without emitting a choice."""
+        """Set the value without emitting a signal."""
         self.field.show_value(value)
-        # A dragged knob stays under the cursor, also between steps.
+        # While dragged, the knob follows the cursor even between steps.
         step = min(max(round(self._scale.step_of(value)), 0), self._scale.steps)
         if not self.slider.isSliderDown() and step != self.slider.value():
             self.slider.blockSignals(True)
@@ -112,12 +112,12 @@ class SliderField(QWidget):
         self.reset_button.setVisible(value != self._neutral)
 
     def set_active(self, on: bool) -> None:
-        """Enable or disable the field, keeping its text."""
+        """Enable or disable field and slider, keeping the value."""
         for part in (self.field, self.slider, self.reset_button):
             part.setEnabled(on)
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the icon."""
+        """Redraw the icon of the reset button."""
         self.reset_button.setIcon(icon("reset", theme))
 
     def _choose(self, value: float) -> None:
@@ -144,7 +144,7 @@ _MAGNET = 3  # pixels around the neutral value within which the knob snaps to it
 
 
 class SliderScale(NamedTuple):
-    """Map between slider steps and values.
+    """Conversion between slider steps and values.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ class SliderScale(NamedTuple):
     neutral: int
 
 
-# Half a percent per step, from 0 or around 100 %; and 0 with three decades above.
+# Scales: half a percent per step from 0, the same around 100 %, and three decades with 0 below.
 SHARE = SliderScale(100, lambda step: step / 2.0, lambda percent: 2.0 * percent, 0)
 
 
@@ -179,7 +179,7 @@ DECADES = SliderScale(
 
 
 class Slider(QSlider):
-    """Slider with a marked neutral value; its knob jumps to the cursor.
+    """Slider with a marked neutral value; a press moves the knob to the cursor.
 
     Attributes
     ----------
@@ -202,7 +202,7 @@ class Slider(QSlider):
         ignore_wheel(self)
 
     def sizeHint(self) -> QSize:
-        """As high as its knob with the ring of the focus."""
+        """Height of the knob with its focus ring."""
         return QSize(120, _KNOB + 6)
 
     def minimumSizeHint(self) -> QSize:
@@ -210,7 +210,7 @@ class Slider(QSlider):
         return self.sizeHint()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the groove, the bar from the neutral value, its mark and the knob."""
+        """Draw the groove, the mark at the neutral value, the bar from it and the knob."""
         palette, on = self.palette(), self.isEnabled()
         line, ink = palette.mid().color(), palette.placeholderText().color()
         accent = palette.highlight().color() if on else line
@@ -233,7 +233,7 @@ class Slider(QSlider):
             painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 + 1.75, _KNOB / 2 + 1.75)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Grab the knob; unless hit, it jumps to the cursor."""
+        """Grab the knob, moving it to the cursor first if pressed elsewhere."""
         if event.button() != Qt.MouseButton.LeftButton:
             return
         x, knob = event.position().x(), self.x_of(self.value())
@@ -243,17 +243,17 @@ class Slider(QSlider):
             self.setValue(self._step_at(x))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Follow the cursor with the knob."""
+        """Move the knob with the cursor."""
         if self.isSliderDown():
             self.setValue(self._step_at(event.position().x() - self._grip))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let the knob go."""
+        """Release the knob."""
         if event.button() == Qt.MouseButton.LeftButton and self.isSliderDown():
             self.setSliderDown(False)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Ask for the neutral value."""
+        """Request the neutral value."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.neutral_requested.emit()
 
@@ -274,7 +274,7 @@ class Slider(QSlider):
         return True
 
     def x_of(self, step: int) -> float:
-        """Place of the knob at a step, in pixels from the left."""
+        """Horizontal position of the knob at a step, in pixels."""
         return _KNOB / 2 + (self.width() - _KNOB) * step / self.maximum()
 
     def _step_at(self, x: float) -> int:

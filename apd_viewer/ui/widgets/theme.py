@@ -16,7 +16,7 @@ from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_CO
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours as #rrggbb.
+    """Colours of the window as #rrggbb.
 
     ``warm`` calls for attention, ``accent`` marks what is chosen; ``less`` and ``more`` are those of what
     shrinks and grows.
@@ -79,22 +79,22 @@ DARK = Theme(
 
 
 def theme_for(scheme: Qt.ColorScheme) -> Theme:
-    """Light or dark theme as chosen, or as on the platform."""
+    """Theme for a chosen colour scheme, or the platform's if none is chosen."""
     hints = QGuiApplication.styleHints()
-    hints.setColorScheme(scheme)  # for the platform's own parts, such as the title bar
+    hints.setColorScheme(scheme)  # applies to the platform's own widgets, such as the title bar
     asked = hints.colorScheme() if scheme is Qt.ColorScheme.Unknown else scheme
     return DARK if asked is Qt.ColorScheme.Dark else LIGHT
 
 
 def apply_theme(theme: Theme) -> None:
-    """Dress the whole application in ``theme``."""
+    """Apply ``theme`` to the whole application."""
     application = QApplication.instance()
     assert isinstance(application, QApplication)
     sheet = resource_path("window.qss").read_text(encoding="utf-8")
-    # Longest names first: one may be a prefix of another.
+    # Longest names first: a name may be a prefix of another.
     for name, color in sorted(asdict(theme).items(), key=lambda item: -len(item[0])):
         sheet = sheet.replace(f"@{name}", color)
-    is_new = application.styleSheet() != sheet  # the same again would take 70 ms
+    is_new = application.styleSheet() != sheet  # setting an equal style sheet again would take 70 ms
     if is_new:
         application.setStyle("Fusion")
     application.setPalette(_palette(theme))
@@ -103,7 +103,7 @@ def apply_theme(theme: Theme) -> None:
 
 
 def set_style_property(widget: QWidget, name: str, value: object) -> None:
-    """Have the style sheet see a property of a widget by its new value."""
+    """Set a widget's property and reapply the style sheet depending on it."""
     if widget.property(name) != value:
         widget.setProperty(name, value)
         widget.style().unpolish(widget)
@@ -141,7 +141,7 @@ _PARTS = {"baseColor": BASE_COLOR, "handleColor": HANDLE_COLORS[0], "regionColor
 
 
 class _LineIcon(QIconEngine):
-    """SVG icon, sharp at every scale factor, of which pictures are kept."""
+    """Icon engine for SVG, sharp at every scale factor, with cached pixmaps."""
 
     def __init__(self, svg: str, theme: Theme) -> None:
         super().__init__()
@@ -166,7 +166,7 @@ class _LineIcon(QIconEngine):
 
     def _drawn(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
         pixmap = QPixmap(size)
-        if pixmap.isNull():  # a button not laid out yet
+        if pixmap.isNull():  # null before the button is laid out
             return pixmap
         pixmap.fill(Qt.GlobalColor.transparent)
         painter = QPainter(pixmap)
@@ -179,7 +179,7 @@ class _LineIcon(QIconEngine):
 
 
 def icon(name: str, theme: Theme) -> QIcon:
-    """The icon ``name`` of ``resources/icons`` in the colours of ``theme``."""
+    """Icon ``name`` of ``resources/icons`` in the colours of ``theme``."""
     return QIcon(_LineIcon(_drawing(name), theme))
 
 
@@ -189,5 +189,5 @@ def _drawing(name: str) -> str:
 
 
 def application_icon() -> QIcon:
-    """The icon of the program, in its own colours."""
+    """Icon of the program, in its own colours."""
     return QIcon(str(resource_path("icons/apd-viewer.svg")))

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QWidget
 
 class _Past(QObject):
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Ignore the wheel, so that it goes on to the parent."""
+        """Ignore the wheel, so that Qt passes it to the parent."""
         if event.type() is not QEvent.Type.Wheel:
             return False
         event.ignore()
@@ -16,7 +16,7 @@ class _Past(QObject):
 
 
 def ignore_wheel(control: QWidget) -> None:
-    """Let the wheel over a control change neither value nor focus, even in use.
+    """Stop the wheel from changing a control's value or focus.
 
     A filter of the whole application would be called in Python for every event of every widget.
     """
@@ -39,6 +39,6 @@ class _Shield(QObject):
         return event.type() in _KEPT
 
 
-def shield(widget: QWidget) -> None:
-    """Stop mouse events at ``widget``; its children still get theirs."""
+def block_mouse_events(widget: QWidget) -> None:
+    """Keep unhandled mouse events on ``widget`` from reaching its parent."""
     widget.installEventFilter(_Shield(widget))

@@ -43,7 +43,7 @@ def test_texture_says_that_an_image_is_missing_and_the_mesh_opens(tmp_path):
     assert open_mesh(tmp_path / "square.obj").texture[1] == said
 
 
-def test_texture_of_a_mesh_without_any_is_none(tmp_path):
+def test_make_texture_a_mesh_without_any_is_none(tmp_path):
     path = obj(tmp_path)
     (tmp_path / "square.mtl").unlink()
     assert open_mesh(path).texture == (None, None)

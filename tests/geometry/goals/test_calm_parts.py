@@ -6,7 +6,7 @@ from meshes import character, rotation, tube
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals import calm_parts
-from apd_viewer.geometry.goals.calm_parts import calm_levels, calm_share, calmness, gesture_flux
+from apd_viewer.geometry.goals.calm_parts import calm_levels, calmness, calmness_from_flux, gesture_flux
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
@@ -161,7 +161,7 @@ def test_calm_levels_share_the_calm_vertices_among_them():
     np.testing.assert_allclose(
         levels[:, free].sum(axis=0), np.clip((-0.5 - x[free]) / 0.5, 0.0, 1.0), rtol=0, atol=1e-12
     )
-    assert calm_share(np.array([0.0, -0.5, -4.0, -9.0])) == pytest.approx([0.0, 0.0, 1.0, 1.0])
+    assert calmness_from_flux(np.array([0.0, -0.5, -4.0, -9.0])) == pytest.approx([0.0, 0.0, 1.0, 1.0])
 
 
 def test_calm_levels_keep_the_area_of_their_largest_part_apart_from_the_others():
@@ -207,9 +207,9 @@ def test_gesture_flux_tells_that_what_a_handle_draws_softly_is_not_calm():
 
 def test_gesture_flux_of_a_thinned_mesh_tells_about_the_same(monkeypatch):
     ids, handle_of = held()
-    fine = calm_share(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
+    fine = calmness_from_flux(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
     monkeypatch.setattr(calm_parts, "LARGE", 100)
-    thin = calm_share(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
+    thin = calmness_from_flux(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
     free = np.setdiff1d(np.arange(len(fine)), ids)
     assert np.abs(thin - fine)[free].mean() <= 0.02
 
@@ -225,7 +225,7 @@ def test_calmness_is_shown_for_the_vertices_of_the_file():
     labels = np.full(len(V), FREE)
     labels[BASE], labels[HEAD] = 0, 2
     ids, handle_of = held()
-    expected = calm_share(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))[
+    expected = calmness_from_flux(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))[
         REST.weld.inverse
     ]
     shown = calmness(Mesh(V, F), labels, NO_SOFT_CONSTRAINTS)

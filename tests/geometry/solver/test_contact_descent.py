@@ -301,9 +301,9 @@ def test_contact_descent_stops_at_a_loose_piece_in_the_way_which_passes_through_
 def test_loose_components_choose_lets_no_other_pieces_stay_where_no_free_way_may_lead():
     V, F, fixed, upper = hairpin_with_ball(-0.11)
     solver = Deformation(V, F, fixed, handle=upper, contact=True, loose="go")
-    solver.loose.choose_loose("go")
+    solver.loose.set_loose_parts("go")
     with pytest.raises(InputError, match="make another Deformation"):
-        solver.loose.choose_loose("stay")
+        solver.loose.set_loose_parts("stay")
 
 
 def test_contact_descent_lets_a_loose_piece_cross_the_wall_that_carries_it():

@@ -143,7 +143,7 @@ def dense_directions(H0, pairs, gradient):
 
 def remember(memory, step, change):
     """A step, with the change of the slope over it."""
-    memory.note_step(np.zeros_like(step), step, np.arange(len(step)))
+    memory.record_step(np.zeros_like(step), step, np.arange(len(step)))
     memory.store_gradients(change, np.zeros_like(change))
 
 

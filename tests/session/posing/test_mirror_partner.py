@@ -34,7 +34,7 @@ def winged(session) -> Driven:
     session.stroke(np.flatnonzero(V[:, 0] < 5.7), HANDLE + 1)
     session.parts.add_handle()
     session.stroke(np.flatnonzero(V[:, 1] > 0.8), HANDLE + 2)
-    session.handles.mirror_along(X)
+    session.handles.set_mirror_axis(X)
     return session
 
 
@@ -57,7 +57,7 @@ def test_mirror_partner_finds_partners_by_their_paint(winged):
     assert [mirror_partner(document, k).share for k in range(3)] == [1.0, 1.0, 1.0]
     winged.stroke(np.flatnonzero(document.mesh.V[:, 0] < 5.5), FREE)
     assert mirror_partner(winged.store.state.document, 0) is None, "too little is left of it"
-    winged.handles.mirror_along(None)
+    winged.handles.set_mirror_axis(None)
     assert mirror_partner(winged.store.state.document, 2) is None
 
 
@@ -141,7 +141,7 @@ def test_paint_partner_paints_the_other_side_already_posed(winged):
 
 
 def test_mirror_partner_is_undone_saved_and_replayed(winged, tmp_path):
-    winged.handles.mirror_along(None)
+    winged.handles.set_mirror_axis(None)
     assert winged.gestures.history.next_undo == "Change symmetry"
     winged.gestures.undo()
     assert winged.store.state.document.mirror_axis == X
@@ -160,7 +160,7 @@ def test_mirror_partner_lets_a_handle_without_a_mirror_image_move_alone(session)
     V, F = box(2, 2, 6)
     session.show_now(Mesh(V, F))
     session.paint_ends()
-    session.handles.mirror_along(2)
+    session.handles.set_mirror_axis(2)
     assert mirror_partner(session.store.state.document, 0) is None, "the base is there"
     session.drag(translation([0.0, 0.0, 1.0]))
     np.testing.assert_array_equal(poses(session)[0], translation([0.0, 0.0, 1.0]))

@@ -68,7 +68,7 @@ def test_share_freed_memory_gives_all_threads_one_arena(way, is_shared, tmp_path
 
 GIVEN_BACK = """
 import numpy as np
-from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
+from apd_viewer.session.processes.freed_memory import release_freed_memory, keep_freed_memory
 def resident():
     with open("/proc/self/statm") as stream:
         return int(stream.read().split()[1]) * 4096
@@ -76,20 +76,20 @@ keep_freed_memory()
 arrays = [np.ones(1 << 19) for _ in range(16)]
 del arrays
 kept = resident()
-give_back_freed_memory()
+release_freed_memory()
 print(kept - resident())
 """
 
 
 @pytest.mark.skipif(not GLIBC, reason="needs glibc")
-def test_give_back_freed_memory_gives_kept_memory_back():
+def test_release_freed_memory_gives_kept_memory_back():
     done = subprocess.run([sys.executable, "-c", GIVEN_BACK], capture_output=True, text=True, check=True)
     assert int(done.stdout) >= 15 * (1 << 22), "the arrays have 64 MiB"
 
 
 def test_request_solver_gives_freed_memory_back_in_a_pause(session, monkeypatch):
     given = []
-    monkeypatch.setattr(request_solver, "give_back_freed_memory", lambda: given.append("all"))
+    monkeypatch.setattr(request_solver, "release_freed_memory", lambda: given.append("all"))
     session.drag(BENT)
     session.settle()
     assert not given, "the frames of the next gesture can use it"

@@ -221,7 +221,7 @@ def test_tour_does_not_move_on_with_a_turn_that_is_taken_back(qtbot, toured):
 # What it leaves alone
 
 
-def test_next_step_is_silent_during_the_tour(qtbot, toured):
+def test_next_step_hint_is_silent_during_the_tour(qtbot, toured):
     assert not toured.invitation.isVisible()
     toured.tools.choose_tool(Tool.BASE)
     toured.tools.choose_tool(Tool.MOVE)

@@ -424,7 +424,7 @@ def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(
         window.actions_.undo.trigger()
 
 
-def test_next_step_knows_that_obstacles_suffice(qtbot, kept_window):
+def test_next_step_hint_knows_that_obstacles_suffice(qtbot, kept_window):
     kept_window.files.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, kept_window)
     kept_window.tools.choose_tool(Tool.BASE)

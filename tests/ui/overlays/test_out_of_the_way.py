@@ -50,7 +50,7 @@ def test_notice_covers_nothing_else(qtbot, bottle, size):
     assert bottle.canvas.viewport.rect().contains(bottle.notice.geometry())
 
 
-def test_next_step_takes_the_first_hint_away_when_a_handle_was_moved_in_any_way(qtbot, bottle):
+def test_next_step_hint_takes_the_first_hint_away_when_a_handle_was_moved_in_any_way(qtbot, bottle):
     assert "ring" in bottle.invitation.text()
     typed(qtbot, bottle)
     assert bottle.invitation.isHidden()

@@ -88,7 +88,7 @@ def test_symmetry_row_says_by_the_axis_what_is_a_mirror_image(qtbot, winged):
 
 
 def test_motion_ghost_shows_both_handles_of_a_symmetric_motion(qtbot, winged):
-    winged.session.handles.mirror_along(0)
+    winged.session.handles.set_mirror_axis(0)
     winged.session.handles.paint_partner(0)
     winged.actions_.pose.enter_motion.trigger()
     field = winged.panel.handles.motion

@@ -68,7 +68,7 @@ def test_shortcut_hints_name_no_keys_that_an_action_had(ball):
     [((), Tool.BASE), ((BASE,), Tool.HANDLE), ((BASE, HANDLE), Tool.MOVE)],
     ids=["base", "handle", "move"],
 )
-def test_next_step_follows_the_keys_of_the_tool_that_it_names(ball, painted, tool):
+def test_next_step_hint_follows_the_keys_of_the_tool_that_it_names(ball, painted, tool):
     for label in painted:
         paint(ball, label, np.argsort(document(ball).mesh.V[:-1, 1])[slice(-9, None) if label else slice(9)])
     ball.tools.choose_tool(Tool.ORBIT)

@@ -40,7 +40,7 @@ def studied(qtbot, bar, home):
     return folder
 
 
-def test_end_preview_shows_an_end_and_leaves_no_trace(qtbot, bar, dialog):
+def test_range_end_preview_shows_an_end_and_leaves_no_trace(qtbot, bar, dialog):
     session = bar.session
     before, undo = session.store.state, session.gestures.history.next_undo
     row = dialog.varied.rows["to"]

@@ -18,7 +18,7 @@ def way_bar(window):
 
 
 @pytest.mark.parametrize("over", [number_card, way_bar])
-def test_shield_lets_a_press_beside_the_buttons_go_no_farther(qtbot, bottle, over):
+def test_block_mouse_events_lets_a_press_beside_the_buttons_go_no_farther(qtbot, bottle, over):
     bottle.tools.choose_tool(Tool.BASE)
     bottle.tools.choose_mode(SelectionMode.SLAB)
     widget, view = over(bottle), bottle.canvas.viewport
