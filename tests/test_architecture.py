@@ -187,10 +187,10 @@ def test_architecture_rules_are_kept_by_the_program():
 CORE = {"widgets", "preferences", "scene", "tools", "filing", "overlays", "plots"}
 FEATURES = {
     *("measuring", "posing", "target", "obstacles", "compare", "sharing"),
-    *("case_studies", "studies", "settings_page"),
+    *("studies", "settings_page"),
 }
-# Features that another one knows: the ends of a range are shown as ghosts, and a study runs a command.
-NEIGHBOURS = {"case_studies": {"posing", "studies"}}
+# Features that another one knows: the ends of a range are shown as ghosts.
+NEIGHBOURS = {"studies": {"posing"}}
 
 
 def test_architecture_lets_a_feature_of_the_window_know_only_the_core():

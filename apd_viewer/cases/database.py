@@ -170,7 +170,7 @@ def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
         raise read_error(folder, error) from error
 
 
-class CaseRow(NamedTuple):
+class DatabaseRow(NamedTuple):
     """Database record of a finished case.
 
     Attributes
@@ -207,11 +207,11 @@ def write_result(connection: sqlite3.Connection, result: CaseResult, size: int) 
         connection.execute("insert or replace into cases values (?, ?, ?, ?, ?, ?)", row)
 
 
-def case_rows(connection: sqlite3.Connection) -> dict[str, CaseRow]:
+def case_rows(connection: sqlite3.Connection) -> dict[str, DatabaseRow]:
     """Records of finished cases by key; raises sqlite3.DatabaseError if damaged."""
     rows = connection.execute("select key, size, status, sentence, readings from cases")
     return {
-        checked_value(key, str): CaseRow(
+        checked_value(key, str): DatabaseRow(
             checked_value(size, int),
             checked_value(status, str),
             checked_value(sentence, str),

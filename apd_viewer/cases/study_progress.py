@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from apd_viewer.cases.case_file import FAILED, case_sizes, read_case
-from apd_viewer.cases.database import CaseRow, case_rows, reading_database
+from apd_viewer.cases.database import DatabaseRow, case_rows, reading_database
 from apd_viewer.cases.plan import Plan
 from apd_viewer.cases.study_case import StudyCase
 from apd_viewer.errors import InputError
@@ -129,7 +129,7 @@ def study_forecast(plan: Plan, folder: Path, retry_failed: bool = False) -> Stud
     return StudyForecast(len(cases), len(done), len(failed), wrong, _seconds(left, timed))
 
 
-def _known(folder: Path) -> dict[str, CaseRow]:
+def _known(folder: Path) -> dict[str, DatabaseRow]:
     """Database records of finished cases by key; empty if unreadable."""
     try:
         with reading_database(folder) as base:
@@ -138,7 +138,7 @@ def _known(folder: Path) -> dict[str, CaseRow]:
         return {}
 
 
-def _sound(folder: Path, key: str, size: int, known: dict[str, CaseRow]) -> bool:
+def _sound(folder: Path, key: str, size: int, known: dict[str, DatabaseRow]) -> bool:
     """True if a file matches its database record or can be read in full."""
     if key in known and known[key].size == size:
         return True

@@ -12,7 +12,7 @@ from PIL import Image
 from apd_viewer.__main__ import main
 from apd_viewer.commands import paper_command
 from apd_viewer.commands.terminal.columns import column_count
-from apd_viewer.figures import paper_figures
+from apd_viewer.figures import paper_curves
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 
@@ -172,6 +172,6 @@ def test_paper_leaves_nothing_when_interrupted(tmp_path, monkeypatch):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(paper_figures, "handle_curve", stop)
+    monkeypatch.setattr(paper_curves, "handle_curve", stop)
     assert main(["paper", "-o", str(tmp_path / "out")]) == 130
     assert list(tmp_path.iterdir()) == []
