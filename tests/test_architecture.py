@@ -124,7 +124,7 @@ DRAWS = {
     "ui/obstacles/obstacle_scene.py",
     "ui/scene/ground.py",
     "ui/scene/rest_actor.py",
-    "ui/scene/shading.py",
+    "ui/scene/surface_shading.py",
     "ui/scene/offscreen_scene.py",
     "ui/scene/surface.py",
     "ui/scene/viewport.py",

@@ -17,7 +17,7 @@ FOR_PROGRAMS = {
     "commands/paper_tables.py",
     "presentation/color_maps.py",
     "presentation/legend_svg.py",
-    "ui/scene/shading.py",
+    "ui/scene/surface_shading.py",
     "ui/case_studies/varied_quantity.py",
     "ui/case_studies/engine_fields.py",
     "ui/overlays/display_options.py",

@@ -32,9 +32,9 @@ from apd_viewer.ui.case_studies.result_table import ResultsView
 from apd_viewer.ui.case_studies.study_status import StudyStatus
 from apd_viewer.ui.plots.chart_drawing import Chart, ColorBar, Dots
 from apd_viewer.ui.plots.scatter_view import ScatterView
-from apd_viewer.ui.widgets.elided_label import ElidedLabel, ThinBar
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar
 
 _SMALLEST, _NARROWEST = QSize(320, 160), 72  # px, of it and of the name of a study
 # Of the window, at first: the mesh is more important.

@@ -12,7 +12,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.presentation.color_maps import ColorMap
-from apd_viewer.ui.scene.shading import (
+from apd_viewer.ui.scene.surface_shading import (
     Shading,
     SurfaceArrays,
     headlight,

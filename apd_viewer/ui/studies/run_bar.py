@@ -24,8 +24,8 @@ from apd_viewer.language import tr
 from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.command_process import CommandProcess
-from apd_viewer.ui.widgets.elided_label import ThinBar
 from apd_viewer.ui.widgets.help_button import HelpButton
+from apd_viewer.ui.widgets.thin_bar import ThinBar
 
 
 class RunBar(QWidget):
