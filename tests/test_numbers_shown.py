@@ -16,7 +16,7 @@ FOR_PROGRAMS = {
     "commands/paper_command.py",
     "presentation/color_maps.py",
     "presentation/legend_svg.py",
-    "ui/scene/shading.py",
+    "ui/scene/surface_shading.py",
     "ui/studies/varied_fields.py",
     "ui/studies/engine_fields.py",
     "ui/overlays/display_options.py",

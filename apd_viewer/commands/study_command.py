@@ -232,7 +232,7 @@ def _first(lines: list[str]) -> list[str]:
 
 
 def design_parser() -> Parser:
-    """Parser of the command study."""
+    """Parser of the command ``study design``."""
     parser = Parser(
         prog="apd-viewer study design",
         description=tr(

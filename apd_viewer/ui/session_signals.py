@@ -20,7 +20,7 @@ from apd_viewer.ui.panel.status_bar import StatusBar
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.click_tool import ClickTool
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.widgets.part_row import PartList
 
 

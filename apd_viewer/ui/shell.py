@@ -25,7 +25,7 @@ from apd_viewer.ui.panel.status_bar import StatusBar
 from apd_viewer.ui.preferences.preferences import Preferences, UpAxes
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, SELECTION_MODE, UP_AXIS
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
+from apd_viewer.ui.tools.tool_modes import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.theme import Theme, application_icon, icon

@@ -55,7 +55,7 @@ from apd_viewer.ui.studies.run_controller import RunController
 from apd_viewer.ui.target.target_controller import TargetController
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_choice import ToolChoice
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.theme import Theme
 
 

@@ -41,7 +41,7 @@ from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.workbench import Workbench
 
 SIZE = (1120, 700)  # logical pixels; the pictures have twice as many

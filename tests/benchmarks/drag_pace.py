@@ -17,7 +17,7 @@ from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.session.file_jobs import sample_state
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.workbench import Workbench
 
 EVERY = 0.02  # s

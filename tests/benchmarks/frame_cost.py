@@ -30,7 +30,7 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes.solver_worker import Reply
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.workbench import Workbench
 
 ROUNDS, WARM_UP = 24, 4

@@ -128,7 +128,7 @@ class Hand:
     def _paint(self) -> Iterator[float]:
         import numpy as np
 
-        from apd_viewer.ui.tools.toolbox import Tool
+        from apd_viewer.ui.tools.tool_modes import Tool
 
         tools = Tool.BASE, Tool.HANDLE, Tool.REGION, Tool.ERASE
         self.window.actions_.tools[self.chance.choice(tools)].trigger()
@@ -144,7 +144,7 @@ class Hand:
     def _drag(self) -> Iterator[float]:
         from driving import ring_grip
 
-        from apd_viewer.ui.tools.toolbox import Tool
+        from apd_viewer.ui.tools.tool_modes import Tool
 
         self.window.actions_.tools[Tool.MOVE].trigger()
         if not self.window.canvas.gizmo.visible:

@@ -22,7 +22,7 @@ from apd_viewer.presentation.palette import (
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.workbench import Workbench
 
 NONE = Qt.KeyboardModifier.NoModifier

@@ -21,7 +21,7 @@ from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.brush_tool import DEFAULT_RADIUS
-from apd_viewer.ui.tools.toolbox import FIRST_MODE, FIRST_TOOL
+from apd_viewer.ui.tools.tool_modes import FIRST_MODE, FIRST_TOOL
 from apd_viewer.ui.workbench import Workbench
 
 # Smaller than that of the first start: pictures drawn by the processor cost tests a third of their time.

@@ -19,7 +19,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 ALLOWED = 0.02  # of a core
 HANDFUL = 6  # timers in a moment of rest: garbage, and a folder that is looked at

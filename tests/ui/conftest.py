@@ -29,7 +29,7 @@ from apd_viewer.session.processes import (
 from apd_viewer.ui.application import HARMLESS_MESSAGE
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
-from apd_viewer.ui.scene import shading
+from apd_viewer.ui.scene import surface_shading
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.shell import Shell
@@ -45,7 +45,7 @@ def pytest_configure(config):
 @pytest.fixture(autouse=True)
 def smooth_frames(monkeypatch):
     """A view at rest is not drawn once more, with smooth edges, unless the test is about that."""
-    monkeypatch.setattr(shading, "IDLE_DELAY", 10**6)
+    monkeypatch.setattr(surface_shading, "IDLE_DELAY", 10**6)
 
 
 @pytest.fixture(autouse=True)

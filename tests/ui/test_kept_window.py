@@ -20,7 +20,7 @@ from apd_viewer.session.model.view import UpAxis
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.settings_page import preference_table
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 
 
 def drags(qtbot, window, _):

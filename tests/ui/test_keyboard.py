@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QAbstractButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 SCHEMES = Qt.ColorScheme.Light, Qt.ColorScheme.Dark
 LEAST_CONTRAST = 2.9  # of what is drawn with the focus, against what is there without; 3 but for smoothing

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPointF, QRect, QSize
 from PySide6.QtWidgets import QDialog, QToolButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 

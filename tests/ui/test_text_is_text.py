@@ -39,7 +39,7 @@ from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_controller, file_dialogs
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.display_names import distinct_names
 from apd_viewer.ui.workbench import Workbench
 

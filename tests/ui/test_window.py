@@ -38,7 +38,7 @@ from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.fields import NumberField, TextField
 from apd_viewer.ui.workbench import Workbench
 

@@ -183,9 +183,7 @@ class Mesh:
     @cached_property
     def colors(self) -> np.ndarray | None:
         """Vertex colours of the file, (n, 3) uint8; None if missing or damaged."""
-        with contextlib.suppress(
-            ValueError
-        ):  # damaged colours: damaged normals: the mesh is usable without them
+        with contextlib.suppress(ValueError):  # damaged colours: the mesh is usable without them
             colors = None if self.origin is None else self.origin.colors
             if colors is not None and colors.shape == self.V.shape:
                 return frozen(colors)
@@ -196,9 +194,7 @@ class Mesh:
         """Normals of the file; None if missing or damaged."""
         if isinstance(self.origin, BakedOrigin):
             return self.origin.mesh.corner_normals
-        with contextlib.suppress(
-            ValueError
-        ):  # damaged colours: damaged normals: the mesh is usable without them
+        with contextlib.suppress(ValueError):  # damaged normals: the mesh is usable without them
             if self.origin is not None and (found := self.origin.normals(self)) is not None:
                 return CornerNormals.from_normals(*found, self.V, self.F)
         return None

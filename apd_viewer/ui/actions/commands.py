@@ -21,7 +21,7 @@ from apd_viewer.ui.studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.studies.run_controller import RunController
 from apd_viewer.ui.target.target_controller import TargetController
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import SelectionMode
+from apd_viewer.ui.tools.tool_modes import SelectionMode
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from apd_viewer.ui.overlays.text_entries import TextEntries
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 class EditController:

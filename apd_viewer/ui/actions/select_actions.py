@@ -13,7 +13,7 @@ from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_controller import PartController
 from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.preferences.action_maker import ActionMaker
-from apd_viewer.ui.tools.toolbox import SelectionMode
+from apd_viewer.ui.tools.tool_modes import SelectionMode
 
 _LARGER, _SMALLER = 1.25, 0.8
 # Title, icon, tooltip, keys and operation on the active part.

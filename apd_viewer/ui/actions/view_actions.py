@@ -17,7 +17,7 @@ from apd_viewer.ui.actions.window_menus import WindowMenus
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
-from apd_viewer.ui.scene.shading import Shading
+from apd_viewer.ui.scene.surface_shading import Shading
 from apd_viewer.ui.tools.canvas import Canvas
 
 _SCHEMES = (

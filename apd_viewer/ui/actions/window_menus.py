@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QMainWindow, QMenu, QToolBar
 from apd_viewer.language import tr
 from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.preferences.action_maker import ActionMaker
-from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
+from apd_viewer.ui.tools.tool_modes import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets.theme import ICON_SIZE
 
 _KEYS = QKeySequence.StandardKey

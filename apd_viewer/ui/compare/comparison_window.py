@@ -28,11 +28,11 @@ from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.display_names import window_title_text
-from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, application_icon, set_style_property
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 _FEWEST = 2
 _SIZE = QSize(1280, 800)

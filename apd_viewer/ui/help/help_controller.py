@@ -26,7 +26,7 @@ from apd_viewer.ui.preferences.action_maker import connect_action, without_mnemo
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.shortcuts import Shortcuts
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.theme import Theme
 
 

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QAbstractButton, QFrame, QGridLayout, QHBoxLayout,
 
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native_keys, split_keys
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 

@@ -16,7 +16,7 @@ from apd_viewer.ui.help.tour_card import TourCard
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo_drag import GizmoFrame
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 _LOOK = 33  # ms from a repaint to the update of the target's rectangle
 _READING_TIME = 1500  # ms to read the area after the shape has converged

@@ -28,7 +28,7 @@ from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 class MeasureController(QObject):

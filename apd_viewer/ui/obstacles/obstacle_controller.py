@@ -26,7 +26,7 @@ from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import ARROWS, SQUARES, GizmoOrientation, nice_step
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 _ALONG_NORMAL, _FREELY = frozenset({"z"}), frozenset({*ARROWS, *SQUARES, "centre"})
 _LATE = 2.0  # pixels by which an obstacle may lag before its requested position is outlined

@@ -20,7 +20,7 @@ from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
-from apd_viewer.ui.scene.shading import AMBER_GLASS_SHADER
+from apd_viewer.ui.scene.surface_shading import AMBER_GLASS_SHADER
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.turntable import Turntable
 from apd_viewer.ui.widgets.fields import small_button

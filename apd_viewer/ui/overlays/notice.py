@@ -29,7 +29,7 @@ from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, moved_above
 from apd_viewer.ui.preferences.shortcuts import with_keys
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon, set_style_property
 

@@ -13,7 +13,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.session.model.status_text import self_passing_warnings
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.posing.pose_section import MotionField, SymmetryRow
+from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
 from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartList, PartRow

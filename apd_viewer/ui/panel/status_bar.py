@@ -22,7 +22,7 @@ from apd_viewer.presentation.number_format import format_short
 from apd_viewer.presentation.time_left import TimeLeftEstimate, time_left_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.brush_tool import BrushSize
-from apd_viewer.ui.widgets.elided_label import ElidedLabel, ThinBar
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State

@@ -17,7 +17,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.motion import Motion
 from apd_viewer.session.session import Session
-from apd_viewer.ui.posing.pose_section import MotionField
+from apd_viewer.ui.posing.motion_field import MotionField
 from apd_viewer.ui.scene.ghost import PatchGhost
 from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.viewport import Viewport

@@ -9,7 +9,8 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.posing.mirror_partner import mirror_partner
 from apd_viewer.session.posing.named_poses import is_in_pose
 from apd_viewer.session.session import Session
-from apd_viewer.ui.posing.pose_section import PoseSection, SymmetryRow
+from apd_viewer.ui.posing.motion_field import SymmetryRow
+from apd_viewer.ui.posing.pose_section import PoseSection
 from apd_viewer.ui.tools.active_parts import ActiveParts
 
 

@@ -40,7 +40,7 @@ class Camera:
     angle : float
         Vertical opening angle, radians.
     width, height : float
-        Logical pixels.
+        Lengths in logical pixels, unless noted.
     up_axis : UpAxis
         Of the mesh: level when the camera orbits.
     """

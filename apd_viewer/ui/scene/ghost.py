@@ -10,7 +10,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.ui.scene.shading import GLASS_SHADER, TINTED_GLASS_SHADER
+from apd_viewer.ui.scene.surface_shading import GLASS_SHADER, TINTED_GLASS_SHADER
 from apd_viewer.ui.scene.viewport import Viewport
 
 
@@ -78,7 +78,7 @@ class Ghost(RestActor):
     ----------
     viewport : Viewport
     glass : str
-        Shader: one of those of :mod:`apd_viewer.ui.scene.shading`.
+        Shader: one of those of :mod:`apd_viewer.ui.scene.surface_shading`.
     """
 
     def __init__(self, viewport: Viewport, glass: str = GLASS_SHADER) -> None:

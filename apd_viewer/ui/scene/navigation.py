@@ -63,7 +63,7 @@ class MouseTool:
         return False
 
     def finish(self) -> bool:
-        """Finish a shape of several clicks; True if there was one."""
+        """Finish an outline of several clicks; True if there was one."""
         return False
 
     def paint(self, painter: QPainter) -> None:

@@ -21,8 +21,8 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
 from apd_viewer.ui.scene.coloring import colors_of
-from apd_viewer.ui.scene.shading import Shading
 from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.surface_shading import Shading
 from apd_viewer.ui.scene.viewport import Viewport
 
 # Largest number of supersampled pixels; a software renderer needs seconds for more.

@@ -24,7 +24,7 @@ from pyvistaqt import QtInteractor
 
 from apd_viewer.ui.scene.camera_controller import CameraController
 from apd_viewer.ui.scene.navigation import MouseTool, Navigation
-from apd_viewer.ui.scene.shading import Antialiasing
+from apd_viewer.ui.scene.surface_shading import Antialiasing
 
 _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
 

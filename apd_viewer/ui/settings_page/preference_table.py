@@ -13,7 +13,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.preference_values import NumberRange, OneOf, Option, Preference
 from apd_viewer.ui.preferences.unit_button import UNIT_NAMES
 from apd_viewer.ui.tools.brush_tool import DEFAULT_RADIUS, LARGEST_RADIUS, SMALLEST_RADIUS
-from apd_viewer.ui.tools.toolbox import FIRST_MODE, SelectionMode
+from apd_viewer.ui.tools.tool_modes import FIRST_MODE, SelectionMode
 
 _RESTART = tr("Takes effect after a restart")
 _SYSTEM = tr("System default")

@@ -28,8 +28,8 @@ from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool, PointPicker
 from apd_viewer.ui.tools.gizmo import Gizmo, HandlePivot, InactiveHandles, movable_pivots
 from apd_viewer.ui.tools.gizmo_drag import GIZMO_RADIUS, nice_step, translated
 from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool, SlabTool
-from apd_viewer.ui.tools.selection_tool import SelectionTool, StrokeEffect, Strokes
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.selection_tool import SelectionStrokes, SelectionTool, StrokeEffect
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class Canvas(QObject):
     ----------
     viewport : Viewport
         The widget.
-    strokes : Strokes
+    strokes : SelectionStrokes
     view : MeshView
     drag_began, gesture_cancelled, drag_ended : Signal()
     handle_moved : Signal(object)
@@ -79,7 +79,7 @@ class Canvas(QObject):
         self.viewport.setAccessibleName(tr("3D view"))
         self.surface = Surface(self.viewport)
         self.view = MeshView(self.viewport.camera_controller, self.surface)
-        self.strokes = Strokes(self)
+        self.strokes = SelectionStrokes(self)
         self.brush = BrushTool(self.viewport, self.surface)
         self.selectors = self._make_selectors()
         self.gizmo = Gizmo(self.viewport)

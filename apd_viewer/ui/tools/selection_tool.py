@@ -14,7 +14,7 @@ from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -121,7 +121,7 @@ class SelectionTool(MouseTool, QObject):
         self.stroke_ended.emit()
 
 
-class Strokes(QObject):
+class SelectionStrokes(QObject):
     """Converts strokes of the selection tools to paint with the current tool.
 
     Attributes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 
 
 class ToolChoice(QObject):

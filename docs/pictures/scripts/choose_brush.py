@@ -4,7 +4,7 @@ import numpy as np
 from PySide6.QtGui import QImage
 from stage import Stage
 
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 def draw(stage: Stage) -> QImage:

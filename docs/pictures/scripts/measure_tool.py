@@ -6,7 +6,7 @@ from stage import Stage
 
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 def draw(stage: Stage) -> QImage:

@@ -28,7 +28,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.ui.help import manual
 from apd_viewer.ui.help.context_help import menu_entry_place, section_name, widget_place
 from apd_viewer.ui.help.manual import ManualPlace, action_place, section_place, setting_place
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.folding_section import Heading
 from apd_viewer.ui.widgets.help_button import HelpButton
 

@@ -16,7 +16,7 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.ui.application import build_workbench
 from apd_viewer.ui.help.tour_card import card_placement
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 PLATE, SPHERE, CYLINDER = ObstacleKind
 

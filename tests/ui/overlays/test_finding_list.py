@@ -12,7 +12,7 @@ from apd_viewer.geometry.analysis.shape_check import SEAMS
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.presentation.palette import MARK_COLOR, label_colors
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 LEFT = Qt.MouseButton.LeftButton
 MARK = np.array([*MARK_COLOR, 255])

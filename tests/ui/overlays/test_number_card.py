@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.ui.scene.coloring import colors_of
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 ALT = Qt.KeyboardModifier.AltModifier
 CONTROL = Qt.KeyboardModifier.ControlModifier

@@ -19,7 +19,7 @@ from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.workbench import Workbench
 
 ALT = Qt.KeyboardModifier.AltModifier

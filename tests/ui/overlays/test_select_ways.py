@@ -5,7 +5,7 @@ import pytest
 from choosing import ALT, COLORS, CONTROL, MESHES, NONE, Gesture, painted
 
 from apd_viewer.presentation.palette import FREE_COLOR, tinted_colors
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 
 STROKES = [
     (Tool.HANDLE, NONE),

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 def entered(qtbot, card, text):

@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.palette import FREE_COLOR, HANDLE_COLORS
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def test_part_buttons_hide_the_color_of_a_handle_that_holds_all_the_same(qtbot, 
     assert (colors(bottle, HANDLE) == FREE_COLOR).all()
 
 
-def test_strokes_go_round_a_locked_part_and_so_does_their_preview(qtbot, bottle, row):
+def test_selection_strokes_go_round_a_locked_part_and_so_does_their_preview(qtbot, bottle, row):
     qtbot.mouseClick(row.lock_part, LEFT)
     held = document(bottle).labels == HANDLE
     edge = int(np.flatnonzero(held)[np.argmin(document(bottle).mesh.V[held, 1])])
@@ -46,7 +46,7 @@ def test_strokes_go_round_a_locked_part_and_so_does_their_preview(qtbot, bottle,
     np.testing.assert_array_equal(document(bottle).labels == HANDLE, held)
 
 
-def test_strokes_with_a_locked_part_change_nothing_and_say_why(qtbot, bottle, row):
+def test_selection_strokes_with_a_locked_part_change_nothing_and_say_why(qtbot, bottle, row):
     qtbot.mouseClick(row.lock_part, LEFT)
     before = document(bottle)
     bottle.tools.choose_tool(Tool.HANDLE)

@@ -5,7 +5,7 @@ from motions import EVERY
 from PySide6.QtCore import Qt
 
 from apd_viewer.session.posing.motion import LINE, MOTIONS
-from apd_viewer.ui.posing.pose_section import MotionField
+from apd_viewer.ui.posing.motion_field import MotionField
 
 
 @pytest.fixture

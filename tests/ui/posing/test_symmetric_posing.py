@@ -10,7 +10,7 @@ from PySide6.QtTest import QTest
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.posing.mirror_partner import mirror_plane
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 def stroke(session, ids, label):

@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.picking import surface_index as skins
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.processes.solver_worker import SolverWorker
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ from apd_viewer.ui.settings_page import preference_table as table
 from apd_viewer.ui.settings_page import settings_dialog
 from apd_viewer.ui.settings_page.settings_dialog import SettingsDialog
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.toolbox import SelectionMode
+from apd_viewer.ui.tools.tool_modes import SelectionMode
 from apd_viewer.ui.widgets.theme import DARK
 
 OTHER = {  # a value besides the default, as the page writes it

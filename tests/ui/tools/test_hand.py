@@ -16,7 +16,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.gizmo_drag import RING_RADIUS, RINGS, GizmoOrientation
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 CONTROL = Qt.KeyboardModifier.ControlModifier
 

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS, label_colors
-from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 def front(window, height):
@@ -82,7 +82,7 @@ def test_label_colors_show_a_region_on_the_mesh_and_hide_no_paint(qtbot, bottle)
     assert np.array_equal(mesh_colors, label_colors(document(bottle).labels, document(bottle).member))
 
 
-def test_strokes_erase_paint_first_and_then_the_region(qtbot, bottle):
+def test_selection_strokes_erase_paint_first_and_then_the_region(qtbot, bottle):
     region_at(qtbot, bottle, 8.0)
     bottle.tools.choose_tool(Tool.BASE)
     at = on_screen(bottle, front(bottle, 8.0))

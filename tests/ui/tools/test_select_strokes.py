@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 
 SHIFT = Qt.KeyboardModifier.ShiftModifier
 MIDDLE, RIGHT = Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton

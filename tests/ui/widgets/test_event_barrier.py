@@ -5,7 +5,7 @@ from driving import Mouse
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 
 
 def number_card(window):

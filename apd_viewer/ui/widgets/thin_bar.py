@@ -1,4 +1,4 @@
-"""Label elided to its width, and thin progress bar."""
+"""Thin progress bar, and label elided to its width."""
 
 from __future__ import annotations
 
