@@ -9,7 +9,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from immediate import Here
 from meshes import tube
 from painted_meshes import write_bar
@@ -21,6 +20,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection import Selection, selection_to_json
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.measuring.measurement import Measurement, Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -36,7 +36,8 @@ from apd_viewer.session.model.handles_and_regions import (
 )
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.model.view import CameraPose, UpAxis, View
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.session_file import save_session
 

@@ -99,7 +99,6 @@ def draw_sweep_curves(
     steps: Sequence[SweepStep],
     abscissa: str,
     folder: Path,
-    name: str = "sweep",
     obstacles: Sequence[str] = (),
 ) -> None:
     """Draw the curves of a sweep; without volume where nothing is enclosed.
@@ -110,8 +109,6 @@ def draw_sweep_curves(
     abscissa : str
         What tells the steps apart: see :attr:`apd_viewer.session.studies.sweep.Sweep.abscissa`.
     folder : Path
-    name : str
-        Of the files, without ending.
     obstacles : sequence of str
         Names of the obstacles; each has a curve of its load.
     """
@@ -145,7 +142,7 @@ def draw_sweep_curves(
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), handlelength=3.2)
 
-    draw_figure(fill, (_SWEEP_SIZE[0], rows * _SWEEP_SIZE[1]), folder, name)
+    draw_figure(fill, (_SWEEP_SIZE[0], rows * _SWEEP_SIZE[1]), folder, "sweep")
 
 
 def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.ndarray) -> None:

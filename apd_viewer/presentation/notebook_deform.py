@@ -19,13 +19,14 @@ from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.geometry.solver.deformation_result import deform as quietly_deform
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
+from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.presentation.number_format import (
     format_length,
     format_short,
     format_signed,
     format_significant,
 )
-from apd_viewer.presentation.palette import DIVERGING, FREE_COLOR
+from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.progress_line import ProgressLine
 from apd_viewer.presentation.shape_picture import shape_picture
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.adjacency import vertex_components
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.operators import edge_defect_counts, volume
 
 # Part of the diagonal's cube: a smaller volume is the rounding of a flat sheet.

@@ -9,7 +9,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr, trc
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.actions.action_maker import ActionMaker
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.display_actions import DisplayActions

@@ -9,7 +9,8 @@ import numpy as np
 import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkTexture
 
-from apd_viewer.presentation.palette import FREE_COLOR, ColorMap
+from apd_viewer.presentation.color_maps import ColorMap
+from apd_viewer.presentation.palette import FREE_COLOR
 
 
 class Shading(Enum):

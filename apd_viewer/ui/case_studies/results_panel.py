@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, magnitude_axis, rounded_axis
-from apd_viewer.presentation.palette import SEQUENTIAL
+from apd_viewer.presentation.color_maps import SEQUENTIAL
 from apd_viewer.studies.case_file import FAILED
 from apd_viewer.ui.case_studies.case_curves import CaseCurves
 from apd_viewer.ui.case_studies.column_choice import ColumnChoice

@@ -6,8 +6,7 @@ import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
-from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.analysis.deviation_kernels import write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
 from apd_viewer.session.model.state import State

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 from apd_viewer.files.storage.atomic_file import resolved_path
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.preferences.preferences import user_file
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.scene.camera import ORTHOGRAPHIC, PERSPECTIVE, Camera
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.geometry.mesh.mesh import Texture
     from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-    from apd_viewer.presentation.palette import ColorMap
+    from apd_viewer.presentation.color_maps import ColorMap
     from apd_viewer.ui.scene.viewport import Viewport
 
 

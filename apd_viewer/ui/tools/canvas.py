@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.view import UpAxis
+    from apd_viewer.session.model.up_axis import UpAxis
     from apd_viewer.ui.preferences.up_axes import UpAxes
     from apd_viewer.ui.scene.camera_controller import CameraController
     from apd_viewer.ui.scene.surface import Surface

@@ -1,4 +1,4 @@
-"""Result of a format reader: polygons as triangles, encoding, colours, normals."""
+"""Mesh as a format reader finds it: polygons, triangles, encoding, normals."""
 
 from __future__ import annotations
 
