@@ -28,10 +28,10 @@ from apd_viewer.geometry.measuring.sections import plane_section as plane_sectio
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint as SurfacePoint
 from apd_viewer.geometry.mesh.mesh import Mesh as Mesh
 from apd_viewer.geometry.pose.frame import Frame as Frame
-from apd_viewer.geometry.pressing.press_step import PressStep as PressStep
-from apd_viewer.geometry.pressing.pressed_mesh import Pressed as Pressed
-from apd_viewer.geometry.pressing.pressed_mesh import press as press
 from apd_viewer.geometry.solver.convergence import Convergence as Convergence
 from apd_viewer.geometry.solver.deformation import Deformation as Deformation
 from apd_viewer.geometry.solver.deformation_result import Result as Result
+from apd_viewer.geometry.solver.plate_press import PressStep as PressStep
+from apd_viewer.geometry.solver.pressed_mesh import Pressed as Pressed
+from apd_viewer.geometry.solver.pressed_mesh import press as press
 from apd_viewer.presentation.notebook_deform import deform as deform

@@ -7,8 +7,10 @@ Sizes of folders, files, functions and classes, imports and docstrings, measured
 from __future__ import annotations
 
 import ast
+import io
 import re
 import statistics
+import tokenize
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -25,6 +27,16 @@ PRIVATE = re.compile(r"_[a-zA-Z]\w*")
 NOT_PRIVATE = {"_replace", "_asdict", "_make", "_fields", "_exit", "_repr_html_"}
 REACHES = {"setattr", "delattr", "getattr", "hasattr", "patch", "object"}
 RELATIVE = re.compile(r"\b(that|which|who|whom|whose|where|what)\b", re.IGNORECASE)
+
+# What is no code of a line.
+BLANK = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -206,6 +218,58 @@ def _names_of_others(node: ast.AST) -> list[str]:
     return []
 
 
+def import_share(found: list[Module]) -> float:
+    """Lines of imports, of those with code."""
+    imports = code = 0
+    for module in found:
+        words = tokenize.generate_tokens(io.StringIO(module.text).readline)
+        rows = {
+            row for word in words if word.type not in BLANK for row in range(word.start[0], word.end[0] + 1)
+        }
+        for node in module.nodes:
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                imports += node.end_lineno - node.lineno + 1
+            elif isinstance(node, ast.Module | ast.ClassDef | Function) and ast.get_docstring(node):
+                rows -= set(range(node.body[0].lineno, node.body[0].end_lineno + 1))
+        code += len(rows)
+    return imports / code
+
+
+def single_importers(found: list[Module]) -> list[str]:
+    """Modules that exactly one other module imports."""
+    names = {_dotted(module): module for module in found}
+    importers: dict[str, set[str]] = {name: set() for name in names}
+    for name, module in names.items():
+        for node in module.nodes:
+            if isinstance(node, ast.ImportFrom) and node.module:
+                for each in (f"{node.module}.{alias.name}" for alias in node.names):
+                    target = each if each in names else node.module
+                    importers.get(target, set()).add(name)
+            elif isinstance(node, ast.Import):
+                for alias in node.names:
+                    importers.get(alias.name, set()).add(name)
+    return [name for name, by in importers.items() if len(by - {name}) == 1]
+
+
+def _dotted(module: Module) -> str:
+    path = Path(PACKAGE.name, module.where).with_suffix("")
+    return ".".join(path.parent.parts if path.name == "__init__" else path.parts)
+
+
+def misnamed_files(found: list[Module]) -> list[str]:
+    """Modules that share no word with their largest public class."""
+    said = []
+    for module in found:
+        public = [node for node in module.tree.body if isinstance(node, ast.ClassDef) and node.name[0] != "_"]
+        if not public or module.where.endswith("__init__.py"):
+            continue
+        largest = max(public, key=lambda node: node.end_lineno - node.lineno)
+        words = {word.rstrip("s") for word in _snake(largest.name).split("_")}
+        if not words & {word.rstrip("s") for word in Path(module.where).stem.split("_")}:
+            said.append(f"{module.where} {largest.name}")
+    return said
+
+
 def local_imports(found: list[Module]) -> Iterator[tuple[str, bool]]:
     """Imports inside functions, and whether the comment above gives a reason."""
     for module in found:
@@ -245,6 +309,9 @@ def table(found: list[Module]) -> list[tuple[str, str]]:
         ("modules", f"{len(found)}"),
         ("lines", f"{sum(lengths):,}"),
         ("most modules in a folder", f"{most} ({folder})"),
+        ("modules with a single importer", f"{len(single_importers(found))}"),
+        ("imports of the code", f"{100 * import_share(found):.1f} %"),
+        ("modules without a word of their largest class", f"{len(misnamed_files(found))}"),
         ("file length p50 / p90 / max", _spread(lengths)),
         ("function body p50 / p90 / max", _spread(bodies)),
         ("biggest class, methods with inherited", f"{methods} ({name})"),

@@ -317,7 +317,7 @@ KEYS = {
 
 @pytest.mark.parametrize("writer", KEYS)
 def test_file_keys_are_those_that_others_rely_on(writer, folder, monkeypatch, capsys):
-    monkeypatch.setattr("apd_viewer.commands.studies.study_command.LocalPool", lambda _: Here(computed))
+    monkeypatch.setattr("apd_viewer.commands.study_command.LocalPool", lambda _: Here(computed))
     monkeypatch.setattr("apd_viewer.figures.curves.draw_sweep_curves", lambda *_, **__: None)
     promised = re.sub(r"\n {12}", " ", KEYS[writer])
     assert writer(folder, capsys) == [line.strip() for line in promised.strip().splitlines()]

@@ -16,6 +16,7 @@ import pytest
 
 import apd_viewer
 from apd_viewer import installation
+from apd_viewer.cases import cluster
 from apd_viewer.commands.desktop import desktop_command
 from apd_viewer.errors import InputError
 from apd_viewer.figures import films
@@ -24,7 +25,6 @@ from apd_viewer.files.meshes import MESH_FORMATS
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.processes.child_process import START_SCRIPT
-from apd_viewer.studies import cluster
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "resources" / "installer"

@@ -14,12 +14,11 @@ WRITERS = {"localized_number", "editable_number", "_shown"}
 FOR_PROGRAMS = {
     "commands/info_command.py",
     "commands/paper_command.py",
-    "commands/paper_tables.py",
     "presentation/color_maps.py",
     "presentation/legend_svg.py",
-    "ui/appearance/shading.py",
-    "ui/case_studies/varied_quantity.py",
-    "ui/case_studies/engine_fields.py",
+    "ui/scene/shading.py",
+    "ui/studies/varied_fields.py",
+    "ui/studies/engine_fields.py",
     "ui/overlays/display_options.py",
     "ui/preferences/preference.py",
 }

@@ -12,14 +12,17 @@ from structure import (
     folder_sizes,
     forwarders,
     homonyms,
+    import_share,
     late_starts,
     local_imports,
     method_comparisons,
     method_counts,
+    misnamed_files,
     misnamed_tests,
     modules,
     percentile,
     private_names,
+    single_importers,
 )
 
 
@@ -36,6 +39,13 @@ def tests():
 
 def test_structure_has_small_files(found):
     assert percentile([len(module.lines) for module in found], 0.9) <= 300
+
+
+def test_structure_is_not_cut_into_pieces(found):
+    assert len([module for module in found if not module.where.endswith("__init__.py")]) <= 480
+    assert len(single_importers(found)) <= 120
+    assert import_share(found) <= 0.12
+    assert len(misnamed_files(found)) <= 5
 
 
 def test_structure_has_small_functions_and_classes(found):
@@ -138,4 +148,9 @@ def test_structure_has_figures_that_see_what_they_should():
     assert [bool(QUESTION.match(text)) for text in texts] == [True, False]
     assert len(RELATIVE.findall(texts[0])) == 2
     assert homonyms([BAD, BAD]) == ["Odd"]
+    assert import_share([BAD]) == pytest.approx(2 / 17)
+    user = Module("ui/user.py", "from apd_viewer.ui.odd import Odd\nfrom apd_viewer.ui import odd\n")
+    assert single_importers([BAD, user]) == ["apd_viewer.ui.odd"]
+    assert misnamed_files([BAD]) == []
+    assert misnamed_files([Module("ui/even.py", BAD.text)]) == ["ui/even.py Odd"]
     assert folder_sizes([BAD]) == {"ui": 1}

@@ -6,16 +6,16 @@ import argparse
 
 from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import naming_unit_option
 from apd_viewer.files.fe_deck import check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
+from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.model.status_text import about_deck
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, wall_material
-from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
 
 
 def deck_parser() -> Parser:
@@ -27,14 +27,14 @@ def deck_parser() -> Parser:
         ),
     )
     add_input_options(parser)
-    parser.add_argument(
-        "--steps",
-        metavar="N",
+    add_option(
+        parser,
+        "--steps N",
+        tr("of the way of the handles; default: one for each 30 degrees of a turn"),
         type=int,
-        help=tr("of the way of the handles; default: one for each 30 degrees of a turn"),
     )
     _add_wall_options(parser)
-    parser.add_argument("-o", "--output", metavar="OUT.inp", required=True, help=tr("deck to write"))
+    add_option(parser, "-o, --output OUT.inp", tr("deck to write"), required=True)
     parser.set_defaults(run=_deck)
     return parser
 
@@ -54,7 +54,7 @@ def _add_wall_options(parser: Parser) -> None:
 @naming_unit_option()
 def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
-    state, view, motion = read_input(options)
+    document, view, motion = read_input(options)
     unit = Unit(options.unit or view.unit)
     text = WallText(
         options.thickness or view.wall.thickness,
@@ -63,7 +63,7 @@ def _deck(options: argparse.Namespace) -> None:
         options.poisson,
         material=wall_material(options.material),
     )
-    wall = deck_wall(text, unit, diagonal(state.document.mesh.V))
-    deck = deck_of(state.document, wall, options.steps, motion)
+    wall = deck_wall(text, unit, diagonal(document.mesh.V))
+    deck = deck_of(document, wall, options.steps, motion)
     write_deck(output, deck)
-    print("\n".join([about_deck(str(output), deck), *mesh_remarks(state.document.mesh)]))
+    print("\n".join([about_deck(str(output), deck), *mesh_remarks(document.mesh)]))

@@ -11,16 +11,19 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.commands.motion_options import add_motion_options, motion_from, painted_state, waypoint_poses
-from apd_viewer.commands.result_output import result_lines, result_summary, show_progress_line, write_result
-from apd_viewer.commands.scalar_output import (
+from apd_viewer.commands.motion_options import add_motion_options, motion_from
+from apd_viewer.commands.result_output import (
     add_scalar_options,
     check_scalar_options,
+    result_lines,
+    result_summary,
     scalar_files,
+    show_progress_line,
+    write_result,
     write_scalar_files,
 )
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.setting_options import (
     add_contact_option,
     add_setting_options,
@@ -46,7 +49,11 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
+from apd_viewer.session.model.document_parts import with_selection
+from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.named_obstacle import geometric_obstacles
+from apd_viewer.session.model.state import initial_document
+from apd_viewer.session.posing.motion_path import document_along, motion_paths
 from apd_viewer.session.storage.part_json import read_obstacles
 
 # "local" keeps the total area where a target is given, and contact is by default on or off by the mesh.
@@ -57,42 +64,41 @@ _PICTURE = (1600, 1000)  # pixels
 def deform_parser() -> Parser:
     """Parser of the command deform."""
     parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
-    parser.add_argument("mesh", metavar="MESH")
-    parser.add_argument(
-        "--selection",
-        metavar="SEL",
-        help=tr(
+    add_option(parser, "MESH")
+    add_option(
+        parser,
+        "--selection SEL",
+        tr(
             "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
         ),
     )
-    parser.add_argument(
-        "--transform",
-        metavar="DEF",
+    add_option(
+        parser,
+        "--transform DEF",
+        tr("4x4 matrix that moves the handle; repeat for each handle"),
         default=[],
         action="append",
-        help=tr("4x4 matrix that moves the handle; repeat for each handle"),
     )
     add_motion_options(parser)
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
+    add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
     add_setting_options(parser, _SETTINGS)
     add_contact_option(parser)
-    parser.add_argument(
-        "--iterations", metavar="N", type=int, help=tr("run exactly N iterations; default: until converged")
-    )
-    parser.add_argument(
+    add_option(parser, "--iterations N", tr("run exactly N iterations; default: until converged"), type=int)
+    add_option(
+        parser,
         "--loose",
-        choices=(GO, STAY),
-        default=GO,
-        help=tr(
+        tr(
             "connected parts without base or handle go along with the nearest surface, or stay; "
             "default: %(default)s"
         ),
+        choices=(GO, STAY),
+        default=GO,
     )
-    parser.add_argument(
-        "--obstacles",
-        metavar="FILE.json",
+    add_option(
+        parser,
+        "--obstacles FILE.json",
+        tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
         type=Path,
-        help=tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
     )
     add_weld_option(parser)
     parser.add_argument(
@@ -106,14 +112,14 @@ def deform_parser() -> Parser:
             "area in percent"
         ),
     )
-    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
-    parser.add_argument(
-        "--compare",
-        metavar="OTHER",
-        help=tr("target shape: put the distance from the surface of another mesh into report and scalars"),
+    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
+    add_option(
+        parser,
+        "--compare OTHER",
+        tr("target shape: put the distance from the surface of another mesh into report and scalars"),
     )
     add_scalar_options(parser)
-    parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
+    add_option(parser, "--picture P.png", tr("draw the mesh before and after"), type=Path)
     parser.set_defaults(run=_deform)
     return parser
 
@@ -181,8 +187,10 @@ def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection)
         return [[read_transform(path) for path in options.transform]]
     if options.transform:
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
-    state = painted_state(mesh, selection)
-    ways = waypoint_poses(state.document, motion_from(options, state, mesh.unit))
+    document = with_selection(initial_document(mesh), selection)
+    paths = motion_paths(document, motion_from(options, document, mesh.unit))
+    ended = document_along(document, paths)
+    ways = [[handle.pose for handle in each.handles] for each in (*intermediate_documents(ended), ended)]
     if options.iterations is not None and len(ways) > 1:
         raise InputError(tr("With --iterations handles turn by half a turn at most; enter less, or omit it."))
     return ways

@@ -6,7 +6,7 @@ import argparse
 import json
 from dataclasses import fields
 
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import shape_check_fields, target_distance_fields
@@ -25,11 +25,9 @@ _KEYS = {"components": "pieces", "missing_volume_reason": "why_no_volume"}
 def info_parser() -> Parser:
     """Parser of the command info."""
     parser = Parser(prog="apd-viewer info", description=tr("Check a mesh file and describe its contents."))
-    parser.add_argument("mesh", metavar="MESH")
-    parser.add_argument("--json", action="store_true", help=tr("print JSON, for scripts"))
-    parser.add_argument(
-        "--compare", metavar="OTHER", help=tr("measure the distance from the surface of another mesh")
-    )
+    add_option(parser, "MESH")
+    add_option(parser, "--json", tr("print JSON, for scripts"))
+    add_option(parser, "--compare OTHER", tr("measure the distance from the surface of another mesh"))
     add_weld_option(parser)
     parser.set_defaults(run=_info)
     return parser

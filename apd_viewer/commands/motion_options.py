@@ -6,22 +6,18 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
+from apd_viewer.commands.terminal.parser import add_option
 from apd_viewer.commands.terminal.weld_option import naming_unit_option, open_input_mesh
 from apd_viewer.errors import InputError
-from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
-from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_selection
-from apd_viewer.session.model.handle_paths import intermediate_documents
-from apd_viewer.session.model.state import State, initial_state, welded_state
+from apd_viewer.session.model.state import initial_document, welded_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.posing.motion import MOTION_KINDS
-from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
+from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.storage.session_file import open_session
@@ -34,13 +30,13 @@ def add_input_options(parser: argparse.ArgumentParser) -> None:
         metavar="SESSION",
         help=tr("session (.apd); or a mesh, painted and moved by:"),
     )
-    parser.add_argument("--selection", metavar="SEL", help=tr("of a mesh: base, handles and regions"))
-    parser.add_argument(
-        "--transform",
-        metavar="DEF",
+    add_option(parser, "--selection SEL", tr("of a mesh: base, handles and regions"))
+    add_option(
+        parser,
+        "--transform DEF",
+        tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle"),
         action="append",
         default=[],
-        help=tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle"),
     )
     add_motion_options(parser)
 
@@ -61,17 +57,13 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
         add(f"--{word}", f"{word} {{}}", metavar, kind.help)
     add("--handle", "handle {}:", "N", tr("that the next ones move; at first the first one"))
     add("--motion", "{}", "WORDS", tr("all in words, as in a plan: “twist 120deg; push 30%%”"))
-    group.add_argument("--unit", choices=SYMBOLS, default="", help=tr("of the mesh, for lengths such as 2cm"))
+    add_option(group, "--unit", tr("of the mesh, for lengths such as 2cm"), choices=SYMBOLS, default="")
 
 
-def painted_state(mesh: Mesh, selection: Selection) -> State:
-    """State of a mesh at rest with its paint."""
-    state = initial_state(mesh)
-    return state.updated(with_selection(state.document, selection))
-
-
-def read_input(options: argparse.Namespace, weld: bool = False) -> tuple[State, View, tuple[MotionStep, ...]]:
-    """Painted state, view and motion given by the options; the motion may be empty.
+def read_input(
+    options: argparse.Namespace, weld: bool = False
+) -> tuple[Document, View, tuple[MotionStep, ...]]:
+    """Painted document, view and motion given by the options; the motion may be empty.
 
     With ``weld`` the seams of the mesh are welded.
 
@@ -85,8 +77,8 @@ def read_input(options: argparse.Namespace, weld: bool = False) -> tuple[State, 
         if options.selection or options.transform:
             raise InputError(tr("A session has its own paint and motion; omit --selection and --transform."))
         state, view = open_session(path)
-        state = welded_state(state) if weld else state
-        return state, view, motion_from(options, state, view.unit)
+        document = (welded_state(state) if weld else state).document
+        return document, view, motion_from(options, document, view.unit)
     if not options.selection or not (options.transform or options.motion):
         raise InputError(
             tr(
@@ -97,14 +89,13 @@ def read_input(options: argparse.Namespace, weld: bool = False) -> tuple[State, 
     if options.transform and options.motion:
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
     mesh = open_input_mesh(path, weld)
-    state = _posed(painted_state(mesh, read_selection_file(options.selection, mesh)), options.transform)
-    view = View(unit=mesh.unit)
-    return state, view, motion_from(options, state, view.unit)
+    document = with_selection(initial_document(mesh), read_selection_file(options.selection, mesh))
+    document = _posed(document, options.transform)
+    return document, View(unit=mesh.unit), motion_from(options, document, mesh.unit)
 
 
-def _posed(state: State, transforms: Sequence[str]) -> State:
-    """The state with its handles at the matrices of files."""
-    document = state.document
+def _posed(document: Document, transforms: Sequence[str]) -> Document:
+    """The document with its handles at the matrices of files."""
     if transforms and len(transforms) != len(document.handles):
         raise InputError(
             tr("There are {handles} handles but {motions} motions; give one for each handle.").format(
@@ -113,17 +104,19 @@ def _posed(state: State, transforms: Sequence[str]) -> State:
         )
     for k, path in enumerate(transforms):
         document = document.with_pose(k, read_transform(path))
-    return state.updated(document)
+    return document
 
 
 @naming_unit_option()
-def motion_from(options: argparse.Namespace, state: State, unit_symbol: str = "") -> tuple[MotionStep, ...]:
+def motion_from(
+    options: argparse.Namespace, document: Document, unit_symbol: str = ""
+) -> tuple[MotionStep, ...]:
     """Motion of the options on a mesh; none without any.
 
     Parameters
     ----------
     options : argparse.Namespace
-    state : State
+    document : Document
         With its paint.
     unit_symbol : str
         Of the mesh, where no option says it.
@@ -135,13 +128,4 @@ def motion_from(options: argparse.Namespace, state: State, unit_symbol: str = ""
     """
     if not options.motion:
         return ()
-    return motion_steps(state, "; ".join(options.motion), Unit(options.unit or unit_symbol))
-
-
-def waypoint_poses(document: Document, motion: Sequence[MotionStep]) -> list[list[np.ndarray]]:
-    """Poses (4, 4) of all handles at the way points of a motion.
-
-    The last is its end. There are others only where something turns by more than half a turn.
-    """
-    ended = document_along(document, motion_paths(document, motion))
-    return [[handle.pose for handle in each.handles] for each in (*intermediate_documents(ended), ended)]
+    return motion_steps(document, "; ".join(options.motion), Unit(options.unit or unit_symbol))

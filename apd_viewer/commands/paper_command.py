@@ -3,39 +3,54 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import NamedTuple
 
-from apd_viewer.commands import paper_tables
-from apd_viewer.commands.paper_tables import PaperTableRow
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.columns import column_count, padded_text
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason
-from apd_viewer.files.samples import open_sample
+from apd_viewer.files.samples import open_sample, resource_path
+from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.storage.atomic_file import staging_folder
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.solver.deformation_result import Result
+from apd_viewer.geometry.pose.constraints import constraints
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deformation_result import Result, deform
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.language import tr
+from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation.palette import label_colors
-from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.studies.paper_curves import HandleCurvePoint, LossCurvePoint, handle_curve, loss_curve
+from apd_viewer.session.model.state import initial_document
 
 # Size in pixels, and direction of view.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
 _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated shares of the work; the rest is drawing
+TOLERANCE = 1e-3
+_METHODS = "arap", "paper"  # in the order of the columns
+TABLE_TITLES = {
+    "bottle": tr("Table 1: twisting a bottle"),
+    "duck": tr("Table 2: bending a duck"),
+}
+_HEADINGS = (
+    tr("motion"),
+    "",
+    tr("area at rest"),
+    tr("ARAP"),
+    tr("change"),
+    tr("APD"),
+    tr("change"),
+    tr("handle drift"),
+    tr("within 0.1 %"),
+)
 
 
 def paper_parser() -> Parser:
     """Parser of the command."""
     parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help=tr("folder for tables, curves and figures")
-    )
-    parser.add_argument(
-        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
-    )
+    add_option(parser, "-o, --output DIR", tr("folder for tables, curves and figures"), type=Path)
+    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
     parser.set_defaults(run=_paper)
     return parser
 
@@ -46,40 +61,39 @@ def _paper(options: argparse.Namespace) -> None:
     with ExitStack() as stack:
         folder = stack.enter_context(staging_folder(options.output)) if options.output else None
         share = _TABLES if folder else 1.0
-        table = list(paper_tables.table_rows(lambda done, doing: progress.show(share * done, doing)))
+        table = list(table_rows(lambda done, doing: progress.show(share * done, doing)))
         if folder is not None:
-            paper_tables.write_csv(table, folder / "tables.csv")
-            (folder / "tables.md").write_text(paper_tables.format_tables(table) + "\n", encoding="utf-8")
+            write_csv(table, folder / "tables.csv")
+            (folder / "tables.md").write_text(format_tables(table) + "\n", encoding="utf-8")
             _write_curves(folder, progress)
             drawn = _draw_shapes(table, folder, progress)
         progress.end()
-    print(paper_tables.format_tables(table))
+    print(format_tables(table))
     print()
-    print(paper_tables.tolerance_verdict(table))
+    print(tolerance_verdict(table))
     if not drawn:
         print(no_pictures_reason())
 
 
 def _write_curves(folder: Path, progress: Progress) -> None:
     # Imported here: matplotlib is slow to import, and this function alone needs it.
-    from apd_viewer.figures.curves import draw_handle_curves, draw_loss_curves
+    from apd_viewer.figures.paper_figures import (
+        draw_handle_curves,
+        draw_loss_curves,
+        handle_curve,
+        loss_curve,
+    )
 
-    document = initial_state(*open_sample("bottle")).document
-    doing = tr("area loss by angle")
-    lost = loss_curve(document, tick=lambda done, _: progress.show(_TABLES + _LOSSES * done, doing))
+    document = initial_document(*open_sample("bottle"))
+    doing, where, before = tr("area loss by angle"), tr("handle drift with Eq. 8"), _TABLES + _LOSSES
+    lost = loss_curve(document, tick=lambda done: progress.show(_TABLES + _LOSSES * done, doing))
     said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]
-    cases = [
-        (degrees, paper_tables.PAPER_CASES[name])
-        for degrees, name in said
-        if name in paper_tables.PAPER_CASES
-    ]
+    cases = [(degrees, PAPER_CASES[name]) for degrees, name in said if name in PAPER_CASES]
     draw_loss_curves(lost, [(degrees, case.arap / case.rest - 1) for degrees, case in cases], folder)
-    write_table(folder / "loss-against-angle.csv", LossCurvePoint._fields, lost)
-    where = tr("handle drift with Eq. 8")
-    before = _TABLES + _LOSSES
-    held = handle_curve(document, tick=lambda done, _: progress.show(before + _HOLDS * done, where))
+    write_table(folder / "loss-against-angle.csv", lost[0]._fields, lost)
+    held = handle_curve(document, tick=lambda done: progress.show(before + _HOLDS * done, where))
     draw_handle_curves(held, folder)
-    write_table(folder / "handle.csv", HandleCurvePoint._fields, held)
+    write_table(folder / "handle.csv", held[0]._fields, held)
 
 
 def _draw_shapes(table: Sequence[PaperTableRow], folder: Path, progress: Progress) -> bool:
@@ -112,3 +126,151 @@ def _readings(result: Result) -> list[str]:
     if METHODS[result.method].moves_handles:
         lines.append(tr("handle drift {drift} cm").format(drift=f"{result.handle_drift:.2f}"))
     return lines
+
+
+class PaperCase(NamedTuple):
+    """Motion of a table, and the areas given by the paper.
+
+    Attributes
+    ----------
+    sample : str
+    title : str
+        Of the move.
+    rest, arap, paper : float
+        The paper's areas: original, by ARAP, by its own method.
+    """
+
+    sample: str
+    title: str
+    rest: float
+    arap: float
+    paper: float
+
+
+PAPER_CASES = {
+    "bottle-twist-60": PaperCase("bottle", tr("bottle twisted by 60°"), 79.305, 77.781, 79.231),
+    "bottle-twist-120": PaperCase("bottle", tr("bottle twisted by 120°"), 79.305, 78.957, 79.267),
+    "duck-bend-015": PaperCase("duck", tr("duck's tail moved by 0.15 L"), 3725.0, 3699.5, 3721.6),
+    "duck-bend-030": PaperCase("duck", tr("duck's tail moved by 0.3 L"), 3725.0, 3674.8, 3722.8),
+}
+
+
+class PaperTableRow(NamedTuple):
+    """Results of one motion by ARAP alone and by the paper's method."""
+
+    name: str
+    case: PaperCase
+    arap: Result
+    paper: Result
+
+    @property
+    def is_within_tolerance(self) -> bool:
+        """True if the area is within the tolerance."""
+        return abs(self.paper.area_error) <= TOLERANCE
+
+    def lines(self) -> list[tuple[str, ...]]:
+        """Cells of the row: our results, and the paper's below."""
+        arap, paper, case = self.arap, self.paper, self.case
+        return [
+            (
+                case.title,
+                tr("this program"),
+                f"{paper.area_rest:.3f}",
+                f"{arap.area:.3f}",
+                f"{100 * arap.area_error:+.2f} %",
+                f"{paper.area:.3f}",
+                f"{100 * paper.area_error:+.3f} %",
+                f"{paper.handle_drift:.3f}",
+                tr("pass") if self.is_within_tolerance else tr("fail"),
+            ),
+            (
+                "",
+                "Li & Hui",
+                f"{case.rest:g}",
+                f"{case.arap:g}",
+                f"{100 * (case.arap / case.rest - 1):+.2f} %",
+                f"{case.paper:g}",
+                f"{100 * (case.paper / case.rest - 1):+.3f} %",
+                tr("not given"),
+                tr("pass") if abs(case.paper / case.rest - 1) <= TOLERANCE else tr("fail"),
+            ),
+        ]
+
+
+def table_rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[PaperTableRow]:
+    """Run the motions in turn; ``tick`` gets the progress after every iteration."""
+    for number, (name, case) in enumerate(PAPER_CASES.items()):
+        mesh, labels = open_sample(case.sample)
+        held = constraints(labels, mesh.V, [read_transform(resource_path(f"{name}.def"))])
+
+        def hear(frame: Frame, number: int = number, case: PaperCase = case) -> None:
+            tick((number + frame.iteration / (frame.iteration + 100)) / len(PAPER_CASES), case.title)
+
+        results = [
+            deform(
+                mesh.V,
+                mesh.F,
+                held.fixed,
+                held.targets,
+                method,
+                handle=held.handles,
+                contact=False,  # of which the paper knows nothing
+                progress=hear,
+            )
+            for method in _METHODS
+        ]
+        yield PaperTableRow(name, case, *results)
+
+
+def format_tables(rows: Sequence[PaperTableRow]) -> str:
+    """Format both tables, each below its title."""
+    samples = dict.fromkeys(row.case.sample for row in rows)
+    return "\n\n".join(
+        f"{TABLE_TITLES[sample]}\n\n{format_markdown([row for row in rows if row.case.sample == sample])}"
+        for sample in samples
+    )
+
+
+def format_markdown(rows: Sequence[PaperTableRow]) -> str:
+    """Format a table as Markdown, in aligned columns."""
+    lines = [_HEADINGS, *(line for row in rows for line in row.lines())]
+    widths = [max(column_count(line[column]) for line in lines) for column in range(len(_HEADINGS))]
+    text = [
+        "| " + " | ".join(padded_text(cell, width) for cell, width in zip(line, widths, strict=True)) + " |"
+        for line in lines
+    ]
+    text.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
+    return "\n".join(text)
+
+
+def tolerance_verdict(rows: Sequence[PaperTableRow]) -> str:
+    """Sentence on the motions within the tolerance."""
+    failed = [row.case.title for row in rows if not row.is_within_tolerance]
+    if not failed:
+        return tr("Pass: APD keeps the area within 0.1 % in all {count} motions.").format(count=len(rows))
+    return tr("Fail: the area change exceeds 0.1 % in {moves}.").format(moves=comma_separated(failed))
+
+
+def write_csv(rows: Iterable[PaperTableRow], path: Path) -> None:
+    """Write all digits; raises InputError if the file cannot be written."""
+    columns = "case", "method", "area_rest", "area", "area_error", "handle_drift", "iterations"
+    said = "move", "said_area_rest", "said_area", "said_area_error", "within_tolerance"
+    lines = [
+        (
+            row.name,
+            result.method,
+            result.area_rest,
+            result.area,
+            result.area_error,
+            result.handle_drift,
+            result.iterations,
+            row.case.title,
+            row.case.rest,
+            area,
+            area / row.case.rest - 1,
+            abs(result.area_error) <= TOLERANCE,
+        )
+        for row in rows
+        for result, area in ((row.arap, row.case.arap), (row.paper, row.case.paper))
+    ]
+    write_table(path, columns + said, lines)

@@ -10,8 +10,7 @@ from apd_viewer.commands.info_command import info_parser
 from apd_viewer.commands.paper_command import paper_parser
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.commands.replay_command import replay_parser
-from apd_viewer.commands.studies.design_command import design_parser
-from apd_viewer.commands.studies.study_command import study_parser
+from apd_viewer.commands.study_command import design_parser, study_parser
 from apd_viewer.commands.sweep_command import sweep_parser
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.volumes_command import volumes_parser

@@ -24,10 +24,9 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
-from apd_viewer.geometry.pressing.press_options import PressOptions
-from apd_viewer.geometry.pressing.pressed_mesh import press_between
 from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
+from apd_viewer.geometry.solver.pressed_mesh import press_between
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import welded_state
@@ -168,10 +167,13 @@ def _press(options: argparse.Namespace) -> None:
     material = Settings(options.method, *moduli).material
     newtons = newton_conversion(wall, material, rest)
     gas = _gas(options.gas, newtons, rest)
-    goals = options.area, options.volume, wall.thickness if options.thickness else None
-    asked = PressOptions((), options.method, *moduli, *goals, wall.yield_radius, start, gas)
+    settings = {name: getattr(options, name) for name in _SETTINGS} | {
+        "thickness": wall.thickness if options.thickness else None,
+        "yield_radius": wall.yield_radius,
+        "gas": gas,
+    }
     to = parse_distance(options.to, extent)
-    plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
+    plates = PlatePress(rest, axis, to, options.steps, options.iterations, start=start, **settings)
     found = press_between(plates, options.release, lambda done: progress.show(done, tr("pressing")))
     progress.end()
     with ExitStack() as beside:
@@ -191,7 +193,7 @@ def _press(options: argparse.Namespace) -> None:
             )
             draw_press_curves(found, folder / options.figure.name, force)
         if options.report:
-            said = json.dumps(press_report(mesh, rest, found, asked, wall, newtons), indent=2)
+            said = json.dumps(press_report(mesh, rest, found, settings, wall, newtons), indent=2)
             beside.enter_context(replacing_file(options.report)).write_text(said + "\n", encoding="utf-8")
         save_mesh(mesh, found.U, output, wall.unit.symbol)
     print("\n".join([press_summary(found, rest, output, wall, newtons, extent), *mesh_remarks(mesh)]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from apd_viewer.commands.terminal.columns import format_signed
@@ -10,9 +11,8 @@ from apd_viewer.files.tables import Cell
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pressing.press_options import PressOptions
-from apd_viewer.geometry.pressing.press_step import PressStep
-from apd_viewer.geometry.pressing.pressed_mesh import Pressed
+from apd_viewer.geometry.solver.plate_press import PressStep
+from apd_viewer.geometry.solver.pressed_mesh import Pressed
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation import obstacle_readings
 from apd_viewer.presentation.number_format import format_exact, format_short
@@ -57,7 +57,7 @@ def press_report(
     mesh: Mesh,
     rest: RestMesh,
     pressed: Pressed,
-    options: PressOptions,
+    settings: Mapping[str, object],
     wall: Wall,
     newtons: NewtonConversion | None,
 ) -> dict[str, object]:
@@ -70,10 +70,7 @@ def press_report(
         "mesh": mesh.name,
         "vertices": len(mesh.V),
         "faces": len(mesh.F),
-        "method": options.method,
-        "stiffness": options.stiffness,
-        "yield_radius": options.yield_radius,
-        "gas": options.gas,
+        **{name: settings[name] for name in ("method", "stiffness", "yield_radius", "gas")},
         "area_rest": rest.area,
         "volume_rest": rest.volume,
         "volume_capped_rest": rest.volume_capped,

@@ -6,18 +6,24 @@ import argparse
 import math
 import sys
 import tempfile
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from apd_viewer.commands.result_output import result_summary, show_progress_line, write_result
-from apd_viewer.commands.scalar_output import (
+from apd_viewer.cases.case import document_turns
+from apd_viewer.commands.result_output import (
     add_scalar_options,
     check_scalar_options,
+    result_summary,
     scalar_files,
+    show_progress_line,
+    write_result,
     write_scalar_files,
 )
 from apd_viewer.commands.terminal.animation_options import (
@@ -26,7 +32,7 @@ from apd_viewer.commands.terminal.animation_options import (
     scratch_path_beside,
 )
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import (
     ANIMATION_FORMATS,
@@ -40,27 +46,35 @@ from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.measurement import Measurement, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import CarriedPath
+from apd_viewer.geometry.pose.constraints import Constraints
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.deformation_result import Result, deformation_result, iterate_to_result
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import obstacle_shifts
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import about_missing_target
 from apd_viewer.session.model.view import SESSION_SUFFIX
-from apd_viewer.session.studies.session_replay import replay_session
+from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
+from apd_viewer.session.storage.session_file import open_session
 
 # Shapes of an animation: ten seconds of them.
 _MOST = 240
+_FIELDS = {0: "angle", 1: "length", 2: "area"}
 
 
 def replay_parser() -> Parser:
     """Parser of the command replay."""
     parser = Parser(prog="apd-viewer replay", description=tr("Re-run a saved session without a window."))
-    parser.add_argument("session", metavar="SESSION", help=tr("session file (.apd) saved by the window"))
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
-    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    add_option(parser, "SESSION", tr("session file (.apd) saved by the window"))
+    add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
+    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
     add_scalar_options(parser)
-    parser.add_argument(
+    add_option(
+        parser,
         "--from-rest",
-        action="store_true",
-        help=tr("start from the rest shape; default: a saved shape that has converged is kept"),
+        tr("start from the rest shape; default: a saved shape that has converged is kept"),
     )
     add_animation_option(parser, films=False)
     parser.set_defaults(run=_replay)
@@ -123,9 +137,6 @@ def _write_animations(
         write_animation(animation, scratch_path_beside(path, stack))
 
 
-_FIELDS = {0: "angle", 1: "length", 2: "area"}
-
-
 def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     """Field of a report with the measurements at rest and at ``U`` (n, 3), if any.
 
@@ -161,3 +172,92 @@ def _number(value: float | None, power: int) -> float | None:
     if value is None or math.isnan(value):
         return None
     return math.degrees(value) if power == 0 else value
+
+
+def replay_session(
+    path: str | Path,
+    from_rest: bool = False,
+    progress: Callable[[Frame], None] | None = None,
+    on_shape: Callable[[np.ndarray], None] | None = None,
+) -> tuple[Document, Result]:
+    """Bring the shape of a saved session to rest.
+
+    A saved shape that has settled is the answer already: it is measured anew, and stays as it is.
+
+    Parameters
+    ----------
+    path : path
+    from_rest : bool
+        Begin with the rest shape, and go to where the handles are.
+    progress : callable, optional
+        Called with every Frame.
+    on_shape : callable, optional
+        Called with the shape (n, 3) that is gone on from, and with that of every frame; not called where the
+        shape has settled.
+
+    Raises
+    ------
+    InputError
+        If the session cannot be opened, or nothing can be deformed in it; the message says why.
+    """
+    state, _ = open_session(path)
+    document, started = state.document, time.perf_counter()
+    if document.paint_problem:
+        raise InputError(f"{Path(path).name}: {document.paint_problem}")
+    held = document.constraints()
+    solver = deformation_of(document, held)
+    if not from_rest and _has_settled(state, held, solver):
+        solver.aim(
+            held.targets, state.frame.U, held.soft_targets, obstacle_shifts(document), _obstacle_shifts(state)
+        )
+        frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
+        turns = document_turns(document, frame.U)
+        return document, deformation_result(solver, frame, time.perf_counter() - started, 0.0, turns)
+    way = document.relative_to_rest if from_rest else document
+    walk = document_iteration(
+        solver, way, None if from_rest else state.frame.U, start_shifts=_obstacle_shifts(state)
+    )
+    if on_shape:
+        on_shape(way.grip if from_rest else state.frame.U)
+    turned = partial(document_turns, document)
+    return document, iterate_to_result(solver, walk, started, None, _both(progress, on_shape), turned)
+
+
+def _both(
+    progress: Callable[[Frame], None] | None, on_shape: Callable[[np.ndarray], None] | None
+) -> Callable[[Frame], None] | None:
+    """A call for both, with a frame and with its shape."""
+    if on_shape is None:
+        return progress
+
+    def told(frame: Frame) -> None:
+        on_shape(frame.U)
+        if progress:
+            progress(frame)
+
+    return told
+
+
+def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
+    """True if the shape is settled: held vertices in place, targets met."""
+    frame, document = state.frame, state.document
+    if not frame.settled or (frame.converged and state.has_unmet_target):
+        return False
+    kept = held.fixed
+    if document.settings.traits.moves_handles:
+        kept = np.setdiff1d(kept, np.concatenate(held.handles))
+    away = frame.U[kept] - held.targets[np.searchsorted(held.fixed, kept)]
+    return bool(np.abs(away).max(initial=0.0) <= solver.rest.in_place_tolerance)
+
+
+def _obstacle_shifts(state: State) -> np.ndarray | None:
+    """Motion of the obstacles so far; None where that is not known."""
+    come = state.frame.shifts
+    return come if len(come) == len(obstacle_shifts(state.document)) else None
+
+
+def _drift(held: Constraints, U: np.ndarray) -> float:
+    """Distance of a handle's centre from its target; the largest of all handles."""
+    places = [np.searchsorted(held.fixed, ids) for ids in held.handles]
+    away = U[held.fixed] - held.targets
+    return max((float(np.linalg.norm(away[rows].mean(axis=0))) for rows in places), default=0.0)

@@ -1,17 +1,24 @@
-"""Output of a deformation: files, progress and summary."""
+"""Output of a deformation: files, scalars, progress and summary."""
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+
+from apd_viewer.commands.terminal.parser import add_option
+from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import WrittenMesh, save_mesh
 from apd_viewer.files.report import write_report
+from apd_viewer.files.scalar_files import ScalarRows, check_scalar_file, write_scalars
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.mesh_findings import file_findings
+from apd_viewer.geometry.analysis.scalars import shape_scalars
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.analysis.shape_check import seam_findings
 from apd_viewer.geometry.analysis.target_shape import TargetShape
@@ -107,3 +114,52 @@ def result_lines(result: Result) -> list[str]:
 def _reading(value: float, rest: float) -> str:
     change = round(100 * (value / rest - 1), 3) + 0.0 if rest else 0.0  # without a minus before zero
     return tr("{value:.6g} of {rest:.6g} ({change:+.3f} %)").format(value=value, rest=rest, change=change)
+
+
+def add_scalar_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options for scalars."""
+    add_option(
+        parser,
+        "--scalars S.ply",
+        tr("write area change, strain, displacement and labels: .ply, or .csv with a row per vertex"),
+        type=Path,
+    )
+    add_option(
+        parser,
+        "--triangle-scalars T.csv",
+        tr("write those of the triangles, with a row per triangle"),
+        type=Path,
+    )
+
+
+def scalar_files(options: argparse.Namespace) -> tuple[Path | None, Path | None]:
+    """Files of the values of vertices and of triangles; None if not asked for."""
+    return options.scalars, options.triangle_scalars
+
+
+def check_scalar_options(options: argparse.Namespace) -> None:
+    """Raise InputError if a file cannot hold scalars."""
+    if options.scalars:
+        check_scalar_file(options.scalars)
+    if options.triangle_scalars and options.triangle_scalars.suffix.lower() != ".csv":
+        name = options.triangle_scalars.name
+        raise InputError(tr("{name} is not a table; use the ending .csv.").format(name=name))
+
+
+def write_scalar_files(
+    stack: ExitStack,
+    options: argparse.Namespace,
+    mesh: Mesh,
+    U: np.ndarray,
+    labels: np.ndarray,
+    member: np.ndarray,
+    target: TargetShape | None = None,
+) -> None:
+    """Write the files asked for; they replace old ones when ``stack`` is closed."""
+    asked = (options.scalars, ScalarRows.VERTICES), (options.triangle_scalars, ScalarRows.TRIANGLES)
+    if not any(path for path, _ in asked):
+        return
+    scalars = shape_scalars(mesh, U, labels, member, target)
+    for path, rows in asked:
+        if path:
+            write_scalars(stack.enter_context(replacing_file(path)), mesh, U, scalars, rows)

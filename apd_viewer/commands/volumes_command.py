@@ -11,7 +11,7 @@ from typing import Any
 
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import naming_unit_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
@@ -44,18 +44,16 @@ def volumes_parser() -> Parser:
             "and material; beside published figures of the same quantity."
         ),
     )
-    parser.add_argument("mesh", metavar="MESH")
-    parser.add_argument("--rest", metavar="REST", help=tr("mesh of the shape at rest, for the change"))
-    parser.add_argument("--unit", choices=SYMBOLS, default="", help=tr("unit of length of both meshes"))
-    parser.add_argument(
-        "--bag", metavar="LITRES", help=tr("count the objects in a bag of this size; default: 45")
-    )
+    add_option(parser, "MESH")
+    add_option(parser, "--rest REST", tr("mesh of the shape at rest, for the change"))
+    add_option(parser, "--unit", tr("unit of length of both meshes"), choices=SYMBOLS, default="")
+    add_option(parser, "--bag LITRES", tr("count the objects in a bag of this size; default: 45"))
     for option, metavar, what in (
         ("--thickness", "LENGTH", tr("of the wall, such as 0.3mm, for the material volume")),
         ("--density", "D", tr("of the material, such as 1.38 (g/cm³), for the bulk density")),
     ):
         parser.add_argument(option, metavar=metavar, default="", help=what)
-    parser.add_argument("--json", metavar="V.json", type=Path, help=tr("write the readings as JSON"))
+    add_option(parser, "--json V.json", tr("write the readings as JSON"), type=Path)
     parser.set_defaults(run=_volumes)
     return parser
 

@@ -10,23 +10,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from apd_viewer.cases.case import CaseStep
 from apd_viewer.figures.style import (
-    BLUE,
-    INK,
     METHOD_STYLES,
-    ORANGE,
-    QUIET,
-    VERMILION,
     draw_figure,
     zero_line,
 )
-from apd_viewer.geometry.pressing.press_step import PressStep
-from apd_viewer.geometry.pressing.pressed_mesh import Pressed
 from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.plate_press import PressStep
+from apd_viewer.geometry.solver.pressed_mesh import Pressed
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings
-from apd_viewer.session.studies.paper_curves import HandleCurvePoint, LossCurvePoint
-from apd_viewer.session.studies.sweep_step import SweepStep
 
 _PRESS_SIZE = (9.0, 3.9)
 
@@ -96,7 +90,7 @@ _FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rou
 
 
 def draw_sweep_curves(
-    steps: Sequence[SweepStep],
+    steps: Sequence[CaseStep],
     abscissa: str,
     folder: Path,
     obstacles: Sequence[str] = (),
@@ -105,9 +99,9 @@ def draw_sweep_curves(
 
     Parameters
     ----------
-    steps : sequence of SweepStep
+    steps : sequence of CaseStep
     abscissa : str
-        What tells the steps apart: see :attr:`apd_viewer.session.studies.sweep.Sweep.abscissa`.
+        What tells the steps apart: see :attr:`apd_viewer.cases.case.Case.abscissa`.
     folder : Path
     obstacles : sequence of str
         Names of the obstacles; each has a curve of its load.
@@ -145,9 +139,9 @@ def draw_sweep_curves(
     draw_figure(fill, (_SWEEP_SIZE[0], rows * _SWEEP_SIZE[1]), folder, "sweep")
 
 
-def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.ndarray) -> None:
+def _curves(axes: Axes, steps: Sequence[CaseStep], abscissa: str, values: np.ndarray) -> None:
     methods = np.array([step.method for step in steps])
-    x = _places(steps, abscissa)
+    x = np.array([step.readings[abscissa] for step in steps]) * (100 if abscissa == "part" else 1)
     axes.set_xlabel(_axis(abscissa))
     axes.margins(x=0.02)
     for method in dict.fromkeys(methods.tolist()):
@@ -163,121 +157,9 @@ def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.nd
         axes.xaxis.set_major_locator(MultipleLocator(next((d for d in _TICKS if span <= 7 * d), span / 4)))
 
 
-def _places(steps: Sequence[SweepStep], abscissa: str) -> np.ndarray:
-    if abscissa == "degrees":
-        return np.array([step.degrees for step in steps])
-    if abscissa == "way":
-        return np.array([step.displacement for step in steps])
-    return np.array([100 * step.share for step in steps])
-
-
 def _axis(abscissa: str) -> str:
     return {
         "degrees": tr("rotation of the handle, degrees"),
         "way": tr("displacement of the handle, in the unit of the mesh"),
         "part": tr("part of the motion, %"),
     }[abscissa]
-
-
-_LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
-# From few iterations to many: one hue, increasingly dark.
-_SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
-
-
-def draw_loss_curves(
-    points: Sequence[LossCurvePoint], published: Sequence[tuple[float, float]], folder: Path
-) -> None:
-    """Draw ARAP's area change against the angle, beside the paper's values.
-
-    Parameters
-    ----------
-    points : sequence of LossCurvePoint
-    published : sequence of (float, float)
-        Degrees, and change of the area as a share.
-    folder : Path
-    """
-
-    def fill(figure: Figure) -> None:
-        axes = figure.subplots()
-        axes.set_title(tr("Area change by ARAP, %"))
-        axes.set_xlabel(tr("twist of the bottle, degrees"))
-        axes.xaxis.set_major_locator(MultipleLocator(30))
-        axes.set_xlim(0, 180)
-        zero_line(axes)
-        stops = sorted({loss.iterations for loss in points if loss.iterations})
-        for stop, shade in zip(stops, _SHADES, strict=False):
-            words = tr("stopped after 1 iteration") if stop == 1 else tr("after {n}").format(n=stop)
-            _loss(axes, points, stop, words, shade, 1.4)
-        _loss(axes, points, 0, tr("converged, step by step"), BLUE, 2.2)
-        axes.plot(
-            [degrees for degrees, _ in published],
-            [100 * error for _, error in published],
-            linestyle="none",
-            marker="D",
-            markersize=6.5,
-            color=INK,
-            label=tr("the paper's Table 1"),
-            zorder=5,
-        )
-        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
-
-    draw_figure(fill, _LOSS_SIZE, folder, "loss-against-angle")
-
-
-def _loss(
-    axes: Axes, losses: Sequence[LossCurvePoint], stop: int, words: str, color: str, width: float
-) -> None:
-    own = [loss for loss in losses if loss.iterations == stop]
-    axes.plot(
-        [loss.degrees for loss in own],
-        [100 * loss.area_error for loss in own],
-        color=color,
-        linewidth=width,
-        marker="o" if not stop else "",
-        label=words,
-    )
-
-
-def draw_handle_curves(points: Sequence[HandleCurvePoint], folder: Path) -> None:
-    """Draw the paper method's handle positions against the targets."""
-
-    def fill(figure: Figure) -> None:
-        left, right = figure.subplots(1, 2)
-        twists = [held for held in points if held.motion == "twist"]
-        left.set_title(tr("Twist: drift of the handle"))
-        left.set_xlabel(tr("twist, degrees"))
-        left.set_ylabel(tr("drift, % of the height"))
-        left.xaxis.set_major_locator(MultipleLocator(30))
-        left.plot(*_curve(twists, 1.0), color=ORANGE, marker="^")
-        left.set_ylim(bottom=0.0)
-        pulls = [held for held in points if held.motion == "pull"]
-        right.set_title(tr("Pull and push: displacement reached"))
-        right.set_xlabel(tr("requested, % of the height"))
-        right.set_ylabel(tr("reached, % of the height"))
-        asked, _ = _curve(pulls, 100.0)
-        right.plot(asked, asked, color=QUIET, linewidth=1.0, linestyle=(0, (4, 3)))
-        right.annotate(
-            tr("requested"),
-            (asked[-1], asked[-1]),
-            (-6, 0),
-            textcoords="offset points",
-            ha="right",
-            va="center",
-            color=QUIET,
-        )
-        right.plot(*_curve(pulls, 100.0), color=ORANGE, marker="^")
-        right.annotate(
-            tr("reached with Eq. 8"),
-            (asked[-1], _curve(pulls, 100.0)[1][-1]),
-            (-6, 8),
-            textcoords="offset points",
-            ha="right",
-            va="bottom",
-            color=INK,
-        )
-
-    draw_figure(fill, _HANDLE_SIZE, folder, "handle")
-
-
-def _curve(points: Sequence[HandleCurvePoint], unit: float) -> tuple[list[float], list[float]]:
-    return [unit * held.asked for held in points], [100 * held.got for held in points]

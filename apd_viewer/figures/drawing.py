@@ -18,7 +18,7 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.presentation.color_maps import DIVERGING
-from apd_viewer.ui.appearance.shading import headlight, shade
+from apd_viewer.ui.scene.shading import headlight, shade
 
 _LIMIT = 10.0  # percent; the colours end here
 _INK, _QUIET = "#1d2129", "#5a6270"

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from apd_viewer.cases.comparison import MethodOutcome
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import (
@@ -20,7 +21,6 @@ from apd_viewer.presentation.number_format import (
 from apd_viewer.presentation.readings import volumes
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.studies.comparison import MethodOutcome
 
 _FINEST = 1e-6  # relative; smaller errors are written with a power of ten
 _ROUNDING = 1e-15

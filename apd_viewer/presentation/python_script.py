@@ -202,15 +202,14 @@ def obstacle_lines(document: Document) -> Iterator[str]:
 def settings_arguments(document: Document) -> str:
     """Arguments for method, settings and targets."""
     settings, targets = document.settings, targets_of(document)
-    # Contact keeps a distance only while it is on, and "local" keeps the total area only if told to.
-    idle = {"hold_area", *(() if settings.uses_contact else ("thickness",))}
+    idle = {"hold_area"}  # "local" keeps the total area only if told to, by a target
     if settings.convergence == DEFAULT_SETTINGS.convergence:
         idle.add("convergence")
     given = {**vars(settings), **targets._asdict()}
     words = [
         f"{name}={given[name]!r}"
         for name, setting in SETTINGS.items()
-        if given[name] is not None and setting.applies(settings.traits) and name not in idle
+        if given[name] is not None and setting.applies(settings) and name not in idle
     ]
     if document.staying_components:
         words.append(f"loose={list(document.staying_components)!r}")

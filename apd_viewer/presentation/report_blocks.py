@@ -139,7 +139,7 @@ def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
     rows = [
         row
         for name, setting in SETTINGS.items()
-        if setting.applies(settings.traits)
+        if setting.applies(settings)
         for row in _setting_rows(setting, values[name], settings, unit)
     ]
     if document.loose_components:
@@ -164,8 +164,11 @@ def _setting_rows(
             yield setting.title, tr("free") if value is None else f"{format_exact(value)} %", ""
         case SettingKind.SWITCH:
             yield setting.title, tr("yes") if value else tr("no"), ""
+        case SettingKind.AMOUNT:
+            if value is not None:
+                yield setting.title, format_exact(value), ""
         case SettingKind.LENGTH:
-            if value is not None and settings.uses_contact:
+            if value is not None:
                 yield setting.title, unit.format_length(format_significant(value, 4)), ""
         case SettingKind.CONVERGENCE:
             yield tr("Most iterations"), format_grouped(value.most_iterations, 0), ""

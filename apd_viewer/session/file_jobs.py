@@ -21,6 +21,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
 from apd_viewer.session.background_job import Jobs
+from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import selection_of, with_selection
@@ -39,7 +40,6 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
 from apd_viewer.session.state_store import Listener, StateStore
 from apd_viewer.session.storage.session_file import ChangedFileError, open_session, save_if_unchanged
-from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
 
 
 class FileJobs:

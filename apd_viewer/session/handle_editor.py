@@ -76,9 +76,11 @@ class HandleEditor(DocumentEditor):
 
         ``line`` (2, 3) is the axis of a bend about a line. Raises InputError if the text is none.
         """
-        state, kind = self._store.required_state(), motion.kind.amount
-        now = MotionReference(state.document.relative_to_rest, k, line)
-        amount = kind.parse(unambiguous_text(text), self._store.unit, state.named_lengths, now.at_rest)
+        document, kind = self._store.required_state().document, motion.kind.amount
+        now = MotionReference(document.relative_to_rest, k, line)
+        amount = kind.parse(
+            unambiguous_text(text), self._store.unit, document.mesh.named_lengths, now.at_rest
+        )
         amount = kind.remaining(amount, motion, now) if is_total else amount
         return MotionStep(k, motion, (amount,), line)
 

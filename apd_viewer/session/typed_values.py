@@ -31,7 +31,7 @@ class TypedValues:
 
     def parse_length(self, text: str) -> float:
         """A length, mesh units."""
-        names = self._store.required_state().named_lengths
+        names = self._store.required_state().document.mesh.named_lengths
         return parse_length(unambiguous_text(text), self._store.unit, names)
 
     def parse_point(self, text: str) -> np.ndarray:
@@ -58,7 +58,7 @@ def parse_vertices(text: str, state: State, unit: Unit) -> np.ndarray:
 
     Either ids and ranges of ids, parted by commas or spaces, or conditions on the coordinates x, y, z of the
     shape on screen, joined by "and" and "or". A coordinate is compared with another one, with a length, which
-    may be an expression with the names of :attr:`State.named_lengths`, or with a percentage: that share of
+    may be an expression with the names of :attr:`Mesh.named_lengths`, or with a percentage: that share of
     the way from its least to its greatest value.
 
     Raises
@@ -117,7 +117,7 @@ def _side(text: str, other: str, state: State, unit: Unit) -> np.ndarray | float
     if text in _AXES:
         return _coordinates(text, state)
     if not _SHARE.fullmatch(text):
-        return parse_length(text, unit, state.named_lengths)
+        return parse_length(text, unit, state.document.mesh.named_lengths)
     if other not in _AXES:
         raise InputError(
             tr("{text} is a share of the mesh along an axis; compare it with x, y or z.").format(text=text)
@@ -134,14 +134,14 @@ def _coordinates(axis: str, state: State) -> np.ndarray:
 def parse_point(text: str, state: State, unit: Unit) -> np.ndarray:
     """Point (3,) from three expressions separated by semicolons or commas."""
     problem = tr("“{text}” is not a point; enter three coordinates such as 0, 0.5Y, 12mm.")
-    names = state.named_lengths
+    names = state.document.mesh.named_lengths
     return np.array([parse_length(part, unit, names) for part in _three(text, problem)])
 
 
 def parse_vector(text: str, state: State) -> np.ndarray:
     """Vector (3,) from three numbers separated by semicolons or commas."""
     problem = tr("“{text}” is not a direction; enter three numbers such as 0, 1, 0.")
-    names = state.named_lengths
+    names = state.document.mesh.named_lengths
     return np.array([parse_number(part, names) for part in _three(text, problem)])
 
 

@@ -142,9 +142,9 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
     with display_connection():
         application = make_application(sys.argv[:1])
     # Imported only now: pyvistaqt must find the application as it was prepared above.
-    from apd_viewer.ui.filing.file_open_events import FileOpenEvents
-    from apd_viewer.ui.settings_page.preference_effects import limit_threads
+    from apd_viewer.ui.filing.file_requests import FileOpenEvents
     from apd_viewer.ui.settings_page.preference_table import THREADS
+    from apd_viewer.ui.settings_page.settings_dialog import limit_threads
     from apd_viewer.ui.shell import Shell
 
     settings = user_settings()

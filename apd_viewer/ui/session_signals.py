@@ -1,11 +1,27 @@
-"""The listener of a session as Qt signals."""
+"""The listener of a session as Qt signals, and the panel connected to it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 from PySide6.QtCore import QObject, Signal
 
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.language import tr
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.state import State
+from apd_viewer.session.model.status_text import about_lock
+from apd_viewer.session.part_operations import PartOperation
+from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Listener
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.panel.status_bar import StatusBar
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.click_tool import ClickTool
+from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
+from apd_viewer.ui.widgets.part_row import PartList
 
 
 class SessionSignals(QObject):
@@ -46,3 +62,107 @@ class SessionSignals(QObject):
     def _change(self, old: State | None, new: State) -> None:
         self.changed.emit(old, new)
         self.status_changed.emit()
+
+
+def connect_settings(panel: Panel, session: Session) -> None:
+    """Connect the settings; a slider's drag is one gesture."""
+    for chosen, name in (
+        (panel.area.target.chosen, "area"),
+        (panel.area.keep_toggled, "hold_area"),
+        (panel.volume.target_changed, "volume"),
+        (panel.volume.target.chosen, "volume"),
+        (panel.method.stiffness.chosen, "stiffness"),
+        (panel.method.convergence.chosen, "convergence"),
+    ):
+        chosen.connect(partial(_change, session, name))
+    panel.method.changed.connect(partial(_change, session))
+    gestures = tr("Change area"), tr("Change volume"), tr("Change stiffness"), tr("Change falloff")
+    for dial, gesture in zip(panel.slider_fields, gestures, strict=True):
+        dial.drag_began.connect(session.gestures.begin)
+        dial.drag_ended.connect(partial(session.gestures.end, gesture))
+        dial.drag_cancelled.connect(session.gestures.cancel)
+
+
+def _change(session: Session, name: str, value: object) -> None:
+    session.settings.change(**{name: value})
+
+
+def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
+    """Connect the lists of handles and regions."""
+    panel.handles.list.chosen.connect(parts.choose_handle)
+    panel.handles.list.renamed.connect(session.parts.rename_handle)
+    panel.handles.list.removed.connect(parts.remove_handle)
+    panel.handles.falloff.chosen.connect(partial(_set_falloff, session, parts))
+    panel.regions.list.chosen.connect(parts.choose_region)
+    panel.regions.list.renamed.connect(session.parts.rename_region)
+    panel.regions.list.removed.connect(parts.remove_region)
+    panel.regions.target_changed.connect(session.settings.set_region_area)
+    panel.paint.base.hide_requested.connect(partial(session.parts.hide, PaintedPart(BASE)))
+    panel.paint.base.lock_requested.connect(partial(session.parts.lock, PaintedPart(BASE)))
+    panel.paint.base.clear_requested.connect(
+        partial(session.painting.apply_operation, PaintedPart(BASE), PartOperation.CLEAR)
+    )
+    panel.paint.clear_all.clicked.connect(lambda: session.painting.clear_all())
+    _connect_flags(panel.handles.list, session, lambda k: PaintedPart(HANDLE + k))
+    _connect_flags(panel.regions.list, session, lambda k: PaintedPart(k + 1, is_region=True))
+
+
+def _connect_flags(rows: PartList, session: Session, part: Callable[[int], PaintedPart]) -> None:
+    rows.hidden.connect(lambda k, on: session.parts.hide(part(k), on))
+    rows.locked.connect(lambda k, on: session.parts.lock(part(k), on))
+    rows.cleared.connect(lambda k: session.painting.apply_operation(part(k), PartOperation.CLEAR))
+
+
+def _set_falloff(session: Session, parts: ActiveParts, percent: float) -> None:
+    state = session.store.state
+    if state is not None:
+        session.settings.set_falloff(parts.handle, percent / 100.0 * float(max(state.inspection.size)))
+
+
+def connect_canvas(
+    canvas: Canvas,
+    session: Session,
+    parts: ActiveParts,
+    show_message: Callable[[str], None],
+    prompt: Callable[[str], None],
+) -> None:
+    """Connect painting and dragging on the canvas; a drag is one gesture.
+
+    ``show_message`` says a sentence to the user, ``prompt`` what is to be done next, or nothing any more.
+    """
+    loop = canvas.selectors[SelectionMode.LOOP]
+    assert isinstance(loop, ClickTool)
+    loop.nothing_found.connect(
+        lambda: show_message(tr("This surface is closed: it has no boundary to select."))
+    )
+    canvas.picker.prompt_changed.connect(prompt)
+    canvas.strokes.began.connect(lambda: _begin_stroke(session, canvas, show_message))
+    canvas.strokes.ended.connect(session.painting.end_stroke)
+    canvas.strokes.painted.connect(session.painting.paint)
+    canvas.strokes.region_painted.connect(session.painting.paint_region)
+    canvas.drag_began.connect(session.gestures.begin)
+    canvas.handle_moved.connect(lambda pose: session.handles.drag(pose, parts.handle))
+    canvas.drag_ended.connect(lambda: session.handles.end_drag(parts.handle))
+    canvas.gesture_cancelled.connect(session.gestures.cancel)
+    canvas.handle_chosen.connect(parts.choose_handle)
+
+
+def connect_wheel(canvas: Canvas, session: Session, status: StatusBar) -> None:
+    """Tell what the wheel changes while a tool paints."""
+    fill, brush = canvas.selectors[SelectionMode.FILL], canvas.brush
+    assert isinstance(fill, ClickTool)
+    fill.crease_angle_changed.connect(status.show_edge_angle)
+    brush.size.changed.connect(lambda: status.show_brush_size(brush.size, session.store.unit))
+
+
+def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None]) -> None:
+    if session.store.state is None:  # a box can be dragged in an empty view too
+        return
+    document, part = session.store.state.document, canvas.strokes.part
+    session.gestures.begin()
+    if canvas.tool is not Tool.ERASE and part.is_in(document):
+        flags, name = part.flags(document), part.name(document)
+        if flags.locked:
+            tell(about_lock(name))
+        elif flags.hidden:
+            tell(tr("{name} is hidden: what is painted is not shown.").format(name=name))

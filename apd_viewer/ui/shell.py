@@ -2,33 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from PySide6.QtCore import QChildEvent, QEvent, QSettings, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QTabBar, QWidget
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QFont, QKeyEvent
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QDockWidget,
+    QListWidget,
+    QListWidgetItem,
+    QMainWindow,
+    QTabBar,
+    QWidget,
+)
 
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.inert_chrome import InertChrome
 from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.overlays.findings_badge import Badge
-from apd_viewer.ui.panel.history_list import HistoryList
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.status_bar import StatusBar
-from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.preferences.up_axes import UpAxes
+from apd_viewer.ui.preferences.preferences import Preferences, UpAxes
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, SELECTION_MODE, UP_AXIS
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
-from apd_viewer.ui.widgets.icons import application_icon, icon
+from apd_viewer.ui.widgets.theme import Theme, application_icon, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
-
-if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-
-    from apd_viewer.ui.widgets.theme import Theme
 
 
 class Shell(QMainWindow):
@@ -214,3 +215,41 @@ class Docks:
     def toggles(self) -> list[QAction]:
         """Actions to show and hide the docks."""
         return [dock.toggleViewAction() for dock in self._docks.values()]
+
+
+class HistoryList(QListWidget):
+    """One row a step, oldest first; undone steps are paler.
+
+    Attributes
+    ----------
+    chosen : Signal(int)
+        How many steps are to be done from now on, from 0.
+    """
+
+    chosen = Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__(objectName="history", accessibleName=tr("History"))
+        self.setToolTip(tr("Click a step to go back or forward to it"))
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._shown: tuple[str, list[str], list[str]] = "", [], []
+        self.itemClicked.connect(lambda item: self.chosen.emit(self.row(item)))
+        self.itemActivated.connect(lambda item: self.chosen.emit(self.row(item)))
+
+    def show_steps(self, name: str, done: list[str], undone: list[str]) -> None:
+        """Show the mesh of the first step, the steps done and those to redo, in order."""
+        if (name, done, undone) == self._shown:
+            return
+        self._shown = name, list(done), list(undone)
+        self.clear()
+        start = tr("Open {name}").format(name=name)
+        for k, step in enumerate([start, *done, *undone]):
+            item = QListWidgetItem(step)
+            font = QFont(self.font())
+            font.setBold(k == len(done))
+            item.setFont(font)
+            if k > len(done):
+                item.setForeground(self.palette().placeholderText())
+            self.addItem(item)
+        self.setCurrentRow(len(done))
+        self.scrollToItem(self.item(len(done)))

@@ -16,41 +16,43 @@ from apd_viewer.session.session import Session
 from apd_viewer.session.storage.session_file import PICTURE_SIDE
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.actions.edit_controller import EditController
-from apd_viewer.ui.actions.part_controller import PartController
-from apd_viewer.ui.case_studies.case_study_controller import CaseStudyController
+from apd_viewer.ui.actions.edit_controller import EditController, PartController
 from apd_viewer.ui.compare.compare_controller import CompareController
-from apd_viewer.ui.connections import connect_canvas, connect_parts, connect_settings, connect_wheel
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.filing.recovery_bar import RecoveryBar
 from apd_viewer.ui.help.help_controller import HelpController
 from apd_viewer.ui.measuring.measure_controller import MeasureController
 from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
+from apd_viewer.ui.overlays.card_stack import ModeBar
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
-from apd_viewer.ui.overlays.mode_bar import ModeBar
-from apd_viewer.ui.overlays.next_step import NextStep, may_change_next_step
-from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, Notice
-from apd_viewer.ui.panel.target_controller import TargetController
+from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, NextStep, Notice, may_change_next_step
 from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots.plots import Plots
-from apd_viewer.ui.posing.motion_preview import MotionPreview
-from apd_viewer.ui.posing.pose_controller import PoseController
-from apd_viewer.ui.posing.symmetry_controller import SymmetryController
+from apd_viewer.ui.posing.motion_ghost import MotionPreview
+from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.scene.scene_picture import small_picture
-from apd_viewer.ui.session_signals import SessionSignals
-from apd_viewer.ui.settings_page.preference_effects import (
+from apd_viewer.ui.session_signals import (
+    SessionSignals,
+    connect_canvas,
+    connect_parts,
+    connect_settings,
+    connect_wheel,
+)
+from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
+from apd_viewer.ui.settings_page.settings_dialog import (
+    SettingsPage,
     connect_language,
     connect_menu,
     connect_preferences,
 )
-from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
-from apd_viewer.ui.settings_page.settings_dialog import SettingsPage
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.studies.run_controller import RunController
+from apd_viewer.ui.target.target_controller import TargetController
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_choice import ToolChoice
 from apd_viewer.ui.tools.toolbox import Tool
@@ -144,7 +146,7 @@ class Workbench(QObject):
         )
         self.comparison = CompareController(canvas, self.display_options, memory, notice, session.store)
         self.reports = ReportController(
-            shell, canvas, self.display_options, self.volume, memory, notice, session
+            shell, canvas, self.display_options, self.view, memory, notice, session
         )
 
     def _make_actions(self) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from plain_markdown import escaped, marked, table
 from window_facts import Entry, entries
 
-from apd_viewer.ui.help.manual_places import action_place
+from apd_viewer.ui.help.manual import action_place
 
 _PAGES = sorted((Path(__file__).parents[1] / "howto").glob("*.md"))
 # The offscreen platform has the keys of Windows; these are those of Linux, as the pages name them.

@@ -6,8 +6,8 @@ from typing import Any
 
 from plain_markdown import escaped, marked, table
 
-from apd_viewer.ui.help.manual_places import setting_place
-from apd_viewer.ui.preferences.preference import NumberRange, Option, Preference
+from apd_viewer.ui.help.manual import setting_place
+from apd_viewer.ui.preferences.preference_values import NumberRange, Option, Preference
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from PySide6.QtWidgets import QToolButton
 from window_tour import widgets
 
-from apd_viewer.ui.help.manual_places import control_path, is_named
-from apd_viewer.ui.help.searchable import menu_entries, texts_of
+from apd_viewer.ui.help.context_help import section_name
+from apd_viewer.ui.help.searchable import is_control, is_section_heading, menu_entries, texts_of
+from apd_viewer.ui.settings_page.settings_dialog import SETTING_PROPERTY
 from apd_viewer.ui.workbench import Workbench
 
 
@@ -20,15 +22,11 @@ def listed(window: Workbench) -> list[tuple[str, ...]]:
 
 
 def described() -> list[tuple[str, str, str]]:
-    """Path, title and tip of each control; those of a list or mapping have the same path."""
-    rows = {}
-    for widget in filter(is_named, widgets()):
-        path = control_path(widget)
-        title, tip = texts_of(widget)
-        if path and path[0] not in _ELSEWHERE:
-            rows.setdefault(("/".join(path), title), tip)
-    return [(path, title, tip) for (path, title), tip in rows.items()]
-
-
-# Its controls are the preferences, which have a page of their own.
-_ELSEWHERE = "choice-control", "number-control"
+    """Section, title and tip of each control; entries and preferences have pages of their own."""
+    rows = {
+        (section_name(widget), *texts_of(widget)): None
+        for widget in filter(is_control, widgets())
+        if not is_section_heading(widget) and not widget.property(SETTING_PROPERTY)
+        if not isinstance(widget, QToolButton) or widget.defaultAction() is None
+    }
+    return [row for row in rows if row[0]]

@@ -25,9 +25,9 @@ class Entry(NamedTuple):
 
 
 class Control(NamedTuple):
-    """A control: its path, and its own words."""
+    """A control: its section of the panel, card or dialog, and its own words."""
 
-    path: tuple[str, ...]
+    section: str
     title: str
     tip: str
 
@@ -39,7 +39,7 @@ def entries() -> list[Entry]:
 
 def controls() -> list[Control]:
     """All controls of the window and its dialogs."""
-    return [Control(tuple(path.split("/")), title, tip) for path, title, tip in facts()["controls"]]
+    return [Control(*row) for row in facts()["controls"]]
 
 
 @cache

@@ -13,8 +13,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, initial_state
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
 from apd_viewer.ui.workbench import Workbench
 
 # What adds a row, shows a card or opens a dialog. The handle is moved first, so that methods differ.

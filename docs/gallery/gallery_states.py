@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.commands.deform_command import deform_parser
-from apd_viewer.commands.motion_options import motion_from, painted_state
+from apd_viewer.commands.motion_options import motion_from
 from apd_viewer.commands.terminal.setting_options import has_contact, setting_arguments
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -19,6 +19,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.handles_and_regions import NamedRegion
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.posing.motion_path import document_along, motion_paths
@@ -34,7 +35,8 @@ def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:
     mesh = open_mesh(options.mesh)
     state = initial_state(mesh)
     if options.selection:
-        state = painted_state(mesh, read_selection_file(options.selection, mesh))
+        selection = read_selection_file(options.selection, mesh)
+        state = state.updated(with_selection(state.document, selection))
     settings = setting_arguments(options) | {
         "area": options.area or 100.0,
         "hold_area": options.method == "local" and options.area is not None,
@@ -47,7 +49,8 @@ def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:
         document = document.with_pose(number, read_transform(path))
     state = state.updated(document)
     if options.motion:
-        state = state.updated(document_along(document, motion_paths(document, motion_from(options, state))))
+        paths = motion_paths(document, motion_from(options, document))
+        state = state.updated(document_along(document, paths))
     return shaped(state, open_mesh(options.output).V if U is None else U)
 
 

@@ -11,16 +11,17 @@ import numpy as np
 import sample_files
 from gallery_states import shaped, state_after
 
-from apd_viewer.commands.motion_options import painted_state
+from apd_viewer.cases.plan import read_plan
+from apd_viewer.cases.run_case import case_session
+from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.shape_editor import baked_state
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.studies.case_session import case_session
-from apd_viewer.studies.plans.input_files import InputFiles
-from apd_viewer.studies.plans.plan import read_plan
 
 Names = dict[str, Any]
 _BOTTLE = "bottle.obj --selection bottle.sel"
@@ -44,18 +45,24 @@ def creased_can(folder: Path, _: Names) -> State:
 def baked_bottle(folder: Path, names: Names) -> State:
     """The bent bottle, whose rest shape is the twisted one."""
     mesh = open_mesh(folder / "bottle.obj")
-    first = painted_state(mesh, read_selection_file(folder / "bottle.sel", mesh))
+    first = _painted(mesh, folder / "bottle.sel")
     state = baked_state(shaped(first, names["first"].U))
     pose = np.eye(4)
     pose[:3, 3] = 5.0, -1.0, 0.0
     return shaped(state.updated(state.document.with_pose(0, pose)), names["result"].U)
 
 
+def _painted(mesh: Mesh, selection: Path) -> State:
+    """State of a mesh at rest with the paint of a file."""
+    state = initial_state(mesh)
+    return state.updated(with_selection(state.document, read_selection_file(selection, mesh)))
+
+
 def falloff_session(folder: Path, count: int) -> None:
     """A session in which a single vertex is to be raised, with a falloff."""
     sample_files.sheet(folder, count)
     mesh = open_mesh(folder / "sheet.obj")
-    state = painted_state(mesh, read_selection_file(folder / "sheet.sel", mesh))
+    state = _painted(mesh, folder / "sheet.sel")
     pose = np.eye(4)
     pose[1, 3] = 4.0
     document = state.document

@@ -37,8 +37,8 @@ from apd_viewer.session.file_jobs import sample_state
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
@@ -106,7 +106,7 @@ class DrivenWindow:
     def close(self) -> None:
         """Close the window, unless there is none."""
         if "window" in self.__dict__:
-            with patch.object(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD):
+            with patch.object(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD):
                 self.window.shell.close()
             self.window.shell.deleteLater()
             self.pause(10)

@@ -14,8 +14,8 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QImage
 
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.ui.appearance.shading import Shading
-from apd_viewer.ui.scene.offscreen_scene import OffscreenScene
+from apd_viewer.ui.scene.scene_picture import OffscreenScene
+from apd_viewer.ui.scene.shading import Shading
 
 if TYPE_CHECKING:
     from stage import Stage

@@ -62,8 +62,34 @@ CASES = {
     "info": "info torn.obj --json",
     "info, compare": "info tube.obj --compare torn.obj",
     "report, compare": f"{TWIST} --iterations 3 --compare tube.obj --triangle-scalars out.csv",
+    "drag": "python drag.py",
     **{f"help, {name}": f"{name} --help" for name in COMMANDS},
 }
+# The frames of a drag there and half of the way back, a line each, and of the shape that it comes to rest in.
+DRAG = """import hashlib
+import numpy as np
+import apd_viewer
+mesh = apd_viewer.open_mesh("tube.obj")
+label = np.loadtxt("tube.sel")
+held, handle = np.flatnonzero(label != 1), np.flatnonzero(label == 2)
+for settings in ({}, {"contact": True}, {"method": "local"}, {"method": "arap", "stiffness": 0.001},
+                 {"method": "exact", "volume": 90}, {"method": "paper"}):
+    solver = apd_viewer.Deformation(mesh.V, mesh.F, held, handle=handle, **settings)
+    for turn in np.radians([*range(0, 61, 3), *range(60, 30, -3)]):
+        targets = mesh.V.copy()
+        x, z = targets[handle, 0].copy(), targets[handle, 2].copy()
+        targets[handle, 0] = np.cos(turn) * x + np.sin(turn) * z
+        targets[handle, 2] = np.cos(turn) * z - np.sin(turn) * x
+        solver.aim(targets[held])
+        for _ in range(2):
+            frame = solver.step()
+            print(settings, hashlib.sha256(frame.U.tobytes()).hexdigest(), frame.area_error, frame.energy)
+    for _ in range(400):
+        if frame.settled:
+            break
+        frame = solver.step()
+    print("at rest", frame.iteration, hashlib.sha256(frame.U.tobytes()).hexdigest())
+"""
 PLAN = """mesh,selection,motion,steps,method,stiffness,contact,volume
 tube.obj,tube.sel,twist 60deg,3,exact,0,no,
 tube.obj,tube.sel,twist 60deg,3,local,0,yes,
@@ -98,6 +124,7 @@ def write_inputs(folder):
     (folder / "label.sel").write_text("\n".join(map(str, label)), encoding="utf-8")
     (folder / "finger.json").write_text(json.dumps(FINGER), encoding="utf-8")
     (folder / "plan.csv").write_text(PLAN, encoding="utf-8")
+    (folder / "drag.py").write_text(DRAG, encoding="utf-8")
     session = ROOT / "docs" / "gallery" / "sessions" / "cloth_wrung.apd"
     (folder / "session.apd").write_bytes(session.read_bytes())
 
@@ -118,7 +145,8 @@ def run(tree, words):
         write_inputs(folder)
         before = {path.name for path in folder.iterdir()}
         began = time.perf_counter()
-        command = [sys.executable, "-m", "apd_viewer", *shlex.split(words)]
+        words = words.removeprefix("python ") if words.startswith("python ") else f"-m apd_viewer {words}"
+        command = [sys.executable, *shlex.split(words)]
         environment = {"PYTHONPATH": str(tree), "APD_VIEWER_LANGUAGE": "en", "OPENBLAS_NUM_THREADS": "1"}
         done = subprocess.run(
             command, cwd=folder, env=_inherited() | environment, capture_output=True, check=False

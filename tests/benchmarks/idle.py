@@ -20,8 +20,8 @@ import resting
 from process_tree import tree_of
 
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.workbench import Workbench
 
@@ -46,7 +46,7 @@ def spent(pid):
 def main():
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
     wanted = sys.argv[2] if len(sys.argv) > 2 else ""
-    unsaved_question.ask_before_leaving = lambda *_: UnsavedAnswer.DISCARD
+    file_controller.ask_before_leaving = lambda *_: UnsavedAnswer.DISCARD
     folder = Path(tempfile.mkdtemp())
     application = make_application([""])
     window = Workbench(

@@ -28,8 +28,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.freed_memory import give_back_freed_memory
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.workbench import Workbench
 
@@ -130,7 +130,7 @@ def main():
     openings, gestures, presses, undo = ([*map(int, sys.argv[1:]), *(500, 3000, 30, 0)[len(sys.argv) - 1 :]])[
         :4
     ]
-    unsaved_question.ask_before_leaving = lambda *_: UnsavedAnswer.DISCARD
+    file_controller.ask_before_leaving = lambda *_: UnsavedAnswer.DISCARD
     folder = Path(tempfile.mkdtemp())
     application = make_application([""])
     settings = QSettings(str(folder / "none.ini"), QSettings.Format.IniFormat)

@@ -33,10 +33,9 @@ from meshes import sample_bottle
 
 from apd_viewer.geometry.contact.contact_obstacles import capsule
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.pressing.plate_press import PlatePress
-from apd_viewer.geometry.pressing.press_options import PressOptions
-from apd_viewer.geometry.pressing.press_solver import PressSolver
-from apd_viewer.geometry.pressing.pressed_mesh import pressed_mesh
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.plate_press import PlatePress
+from apd_viewer.geometry.solver.pressed_mesh import pressed_mesh
 
 # Shares of a step between the two shapes whose energies are compared: the next one where a fold has snapped
 # between them, that is, where something has moved so many times as far as the plates.
@@ -65,7 +64,7 @@ def tube(around: int, length: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
 
 def steps_with_slopes(plates: PlatePress, count: int, look: Callable[[float], None]) -> None:
     """Press in ``count`` steps, with a row for each."""
-    pressing, F, began = plates.solver, plates.solver.rest.F, time.process_time()
+    solver, F, began = plates.solver, plates.solver.rest.F, time.process_time()
     columns = (
         "share",
         "load below",
@@ -93,8 +92,8 @@ def steps_with_slopes(plates: PlatePress, count: int, look: Callable[[float], No
         ) / plates.travel.first_distance
         spent = f"{end.iterations} + {near.iterations} | {time.process_time() - began:.0f}"
         rest = f"{end.rests} {near.rests}"
-        print(f"| {distance:.3f} | {loads} | {flipped(pressing.U, F)} | {spent} | {rest} |", flush=True)
-        assert abs(pressing.rest.measure(pressing.U).area / pressing.rest.area - 1.0) <= 1e-9
+        print(f"| {distance:.3f} | {loads} | {flipped(solver.frame().U, F)} | {spent} | {rest} |", flush=True)
+        assert abs(solver.frame().area_error) <= 1e-9
 
 
 class Rest(NamedTuple):
@@ -111,12 +110,12 @@ class Rest(NamedTuple):
 
 def come_to_rest(plates: PlatePress, share: float, look: Callable[[float], None]) -> Rest:
     """Readings at a share of the way."""
-    pressing = plates.solver
     plates.settle_at(share, look)
-    low, high = pressing.loads @ plates.travel.axis
-    return Rest(
-        pressing.U, pressing.share, -low, -high, pressing.energy, pressing.iterations, pressing.settled
-    )
+    frame, contact = plates.solver.frame(), plates.solver.contact
+    assert contact is not None
+    low, high = frame.loads @ plates.travel.axis
+    energy = contact.energy_in_contact
+    return Rest(frame.U, plates.share, -low, -high, energy, frame.iteration, frame.settled)
 
 
 def flipped(U: np.ndarray, F: np.ndarray) -> int:
@@ -131,7 +130,7 @@ def flipped(U: np.ndarray, F: np.ndarray) -> int:
     return int((cosine < np.cos(np.radians(150.0))).sum())
 
 
-def fist(V: np.ndarray, F: np.ndarray, options: PressOptions, most: int) -> None:
+def fist(V: np.ndarray, F: np.ndarray, settings: dict[str, float], most: int) -> None:
     """Close four fingers and a thumb on the bottle, each by a fifth of its width; a row for each step."""
     rest, check, crossed, began = RestMesh(V, F), CrossingCheck(V, F), [0, 0], time.process_time()
     width, middle = float(np.ptp(V[:, 2])), float(np.median(V[:, 1]))
@@ -145,7 +144,9 @@ def fist(V: np.ndarray, F: np.ndarray, options: PressOptions, most: int) -> None
         z = side * float((side * V[near, 2] + np.sqrt(away**2 - off[near] ** 2)).max())
         fingers.append(capsule([-width, height, z], [width, height, z], _FINGER * width))
         shifts.append([0.0, 0.0, -side * width / 5.0])
-    pressing, ways = PressSolver(rest, fingers, np.array(shifts), options), np.array(shifts)
+    solver = Deformation(V, F, [], obstacles=fingers, contact=True, calm=False, **settings)
+    contact, ways = solver.contact, np.array(shifts)
+    assert contact is not None
     columns = (
         "gone in | loads | load / slope | together | energy | volume | area error | iterations | s | rest"
     )
@@ -153,19 +154,19 @@ def fist(V: np.ndarray, F: np.ndarray, options: PressOptions, most: int) -> None
     for k in range(1, _CLOSINGS + 1):
         ends = []
         for share in (k / _CLOSINGS, (k - _NEAR) / _CLOSINGS):
-            pressing.aim(share)
-            while not pressing.settled and pressing.iterations < most and not pressing.is_stopped:
-                pressing.iterate()
+            solver.aim(np.zeros((0, 3)), shifts=share * ways)
+            frame = solver.step()
+            while not frame.settled and frame.iteration < most and not contact.is_stopped:
+                frame = solver.step()
                 crossed[0] += 1
-                crossed[1] += check.crosses(pressing.U)
-            load = -float((pressing.loads * ways).sum())
-            ends.append((pressing.share, pressing.energy, load, pressing.loads, pressing.settled))
+                crossed[1] += check.crosses(frame.U)
+            load, gone = -float((frame.loads * ways).sum()), float(np.abs(frame.shifts / ways)[:, 2].mean())
+            ends.append((gone, contact.energy_in_contact, load, frame.loads, frame.settled))
         (now, end, last, loads, rests), (before, energy, load, _, _) = ends
-        slope, found = (end - energy) / (now - before), rest.measure(pressing.U)
-        error = found.area / rest.area - 1.0
+        slope, error = (end - energy) / (now - before), frame.area_error
         said = ", ".join(f"{np.linalg.norm(load):.3f}" for load in loads)
-        spent = f"{pressing.iterations} | {time.process_time() - began:.0f} | {rests}"
-        together = f"{pressing.load_imbalance:.0e} | {end:.5g} | {found.volume:.1f} | {error:.0e}"
+        spent = f"{frame.iteration} | {time.process_time() - began:.0f} | {rests}"
+        together = f"{contact.load_imbalance:.0e} | {end:.5g} | {frame.volume:.1f} | {error:.0e}"
         ratio = f"{0.5 * (load + last) / slope:.4f}"
         print(f"| {now * 0.2:.3f} | {said} | {ratio} | {together} | {spent} |", flush=True)
         assert abs(error) <= 1e-9
@@ -186,20 +187,17 @@ def main() -> None:
     V, F = tube(asked.tube) if asked.tube else sample_bottle(asked.edge)[:2]
     V = V + asked.jitter * np.linalg.norm(np.ptp(V, axis=0)) * np.random.default_rng(0).normal(size=V.shape)
     rest, extent = RestMesh(V, F), float(np.ptp(V[:, asked.axis]))
-    axis, options = (
-        np.eye(3)[asked.axis],
-        PressOptions(stiffness=asked.stiffness, yield_radius=asked.yield_radius),
-    )
+    axis, settings = np.eye(3)[asked.axis], {"stiffness": asked.stiffness, "yield_radius": asked.yield_radius}
     if asked.fist:
-        fist(V, F, options, asked.iterations)
+        fist(V, F, settings, asked.iterations)
         return
-    plates = PlatePress(rest, axis, asked.to * extent, asked.steps, asked.iterations, options)
+    plates = PlatePress(rest, axis, asked.to * extent, asked.steps, asked.iterations, **settings)
     check, crossed, steps, begun = CrossingCheck(V, F), [0, 0], [], time.process_time()
 
     def look(_: float) -> None:
         if asked.check:
             crossed[0] += 1
-            crossed[1] += check.crosses(plates.solver.U)
+            crossed[1] += check.crosses(plates.solver.frame().U)
 
     if asked.slope:
         print(f"{len(V):,} vertices\n")
@@ -216,7 +214,7 @@ def main() -> None:
         spent = f"{step.iterations} | {time.process_time() - begun:.0f} | {step.settled}"
         print(f"| {step.distance / extent:.3f} | {loads} | {volume} | {spent} |", flush=True)
         assert abs(step.area_error) <= 1e-9
-    print(f"\n{pressed_mesh(steps[: asked.steps + 1], (), plates.solver.is_stopped, None).curve}")
+    print(f"\n{pressed_mesh(steps[: asked.steps + 1], (), plates.is_stopped, None).curve}")
     if asked.check:
         print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
 

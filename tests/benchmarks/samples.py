@@ -26,8 +26,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.pressing.plate_press import PlatePress
-from apd_viewer.geometry.pressing.press_options import PressOptions
+from apd_viewer.geometry.solver.plate_press import PlatePress
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.file_jobs import sample_state
 from apd_viewer.session.model.document import Document
@@ -141,16 +140,18 @@ def plates() -> None:
     """Press the cushion between plates."""
     document = sample_state("cushion").document
     V, F = document.mesh.V, document.mesh.F
-    weights = document.settings.stiffness, document.settings.area_stiffness, document.settings.shear_stiffness
-    options = PressOptions((), document.settings.method, *weights, area=document.settings.area)
-    press = PlatePress(RestMesh(V, F), np.eye(3)[1], 0.4 * np.ptp(V[:, 1]), 24, options=options).solver
+    names = "method", "stiffness", "area_stiffness", "shear_stiffness", "area"
+    settings = {name: getattr(document.settings, name) for name in names}
+    press = PlatePress(RestMesh(V, F), np.eye(3)[1], 0.4 * np.ptp(V[:, 1]), 24, **settings)
     watch = Watch(V, F)
     for share in np.linspace(0.0, 1.0, 25)[1:]:
         press.aim(share)
-        while not press.settled and not press.is_stopped and press.iterations < MOST:
-            watch.time(press.iterate)
-            watch.look(press.U)
-    watch.print_row(f"between plates, {100.0 * press.share:.0f} % of the way", press.settled)
+        count = 0
+        while not press.solver.settled and not press.is_stopped and count < MOST:
+            watch.time(press.solver.iterate)
+            watch.look(press.solver.frame().U)
+            count += 1
+    watch.print_row(f"between plates, {100.0 * press.share:.0f} % of the way", press.solver.settled)
 
 
 def main() -> None:

@@ -30,12 +30,12 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.studies.case_file import CaseResult, case_path, case_to_bytes, read_case
-from apd_viewer.studies.case_worker import CaseAnswer, CaseTask, compile_kernels_once
-from apd_viewer.studies.cluster import connected_cluster
-from apd_viewer.studies.local_pool import LocalPool
-from apd_viewer.studies.results import read_results
-from apd_viewer.studies.study import Study
+from apd_viewer.cases.case_file import CaseResult, case_path, case_to_bytes, read_case
+from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, compile_kernels_once
+from apd_viewer.cases.cluster import connected_cluster
+from apd_viewer.cases.local_pool import LocalPool
+from apd_viewer.cases.results import read_results
+from apd_viewer.cases.study import Study
 
 RESOURCES = Path(__file__).parents[2] / "resources"
 VERTICES = 13_068
@@ -151,8 +151,8 @@ def simulated(options):
         sizes, work = [], Simulated(options.seconds)
 
         def told(now):
-            if not sizes or now.done >= sizes[-1][0] + options.cases // 10:
-                sizes.append((now.done, memory_of(os.getpid())))
+            if not sizes or now.finished >= sizes[-1][0] + options.cases // 10:
+                sizes.append((now.finished, memory_of(os.getpid())))
 
         workers = options.workers[-1]
         with engine(options.pool, workers, work) as pool:
@@ -209,7 +209,7 @@ class Memory:
 
     def tell(self, now):
         """Note how many cases are done."""
-        self.done = now.done
+        self.done = now.finished
 
 
 def bottles(options):

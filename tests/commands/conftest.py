@@ -21,7 +21,7 @@ def without_opengl(monkeypatch):
 @pytest.fixture
 def cases_run_here(monkeypatch):
     """The cases of a study need no process, which takes longer to start than they take."""
-    monkeypatch.setattr("apd_viewer.commands.studies.study_command.LocalPool", lambda _: Here(computed))
+    monkeypatch.setattr("apd_viewer.commands.study_command.LocalPool", lambda _: Here(computed))
 
 
 @pytest.fixture

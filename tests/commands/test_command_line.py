@@ -16,6 +16,7 @@ from meshes import box, ends, grid, rotation, sphere, tube
 import apd_viewer
 from apd_viewer.__main__ import main
 from apd_viewer.commands import deform_command
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
@@ -27,7 +28,6 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.session_replay import replay_session
 
 PNG = b"\x89PNG\r\n\x1a\n"
 ENTRY = Path(sys.executable).parent / "apd-viewer"

@@ -12,13 +12,13 @@ from meshes import ends, rotation, tube
 
 import apd_viewer
 from apd_viewer.__main__ import main
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.geometry.solver import methods
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.session_replay import replay_session
 
 pytestmark = pytest.mark.usefixtures("undrawn_sweeps", "cases_run_here")
 

@@ -7,10 +7,11 @@ from decks import ReadDeck, computed, needs_ccx
 from meshes import box, ends, rotation, tube
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands.motion_options import painted_state
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import resource_path
 from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.session.model.document_parts import with_selection
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.session_file import open_session, save_session
@@ -91,8 +92,9 @@ def test_deck_command_writes_a_session_with_its_wall_and_its_pose(deck, tmp_path
     assert deck(*mesh, "--transform", tmp_path / "turn.def", "--thickness", "0.3")[0] == 0
     of_mesh = ReadDeck((tmp_path / "out.inp").read_text())
     read = open_mesh(mesh[0])
-    state = painted_state(read, read_selection_file(mesh[2], read))
-    state = state.updated(state.document.with_pose(0, matrix))
+    state = initial_state(read)
+    document = with_selection(state.document, read_selection_file(mesh[2], read))
+    state = state.updated(document.with_pose(0, matrix))
     session = tmp_path / "bar.apd"
     save_session(session, state, View(unit="mm", wall=WallText("0.3", "1.2")))
     status, said, out = deck(session)

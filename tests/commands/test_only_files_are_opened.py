@@ -13,13 +13,13 @@ from meshes import ends, sphere
 from watched_pipe import WatchedPipe
 
 from apd_viewer.__main__ import main
+from apd_viewer.cases.database import DATABASE_NAME
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.studies.database import DATABASE_NAME
 
 PAINTED = ("deform", "part.off", "--selection", "part.sel")
 COMMANDS = {

@@ -10,8 +10,9 @@ from meshes import box, ends
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands import paper_command, paper_tables
+from apd_viewer.commands import paper_command
 from apd_viewer.commands.terminal.columns import column_count
+from apd_viewer.figures import paper_figures
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 
@@ -30,12 +31,12 @@ def table(request):
     """The rows of all motions: of a bar, and by night of the samples that the paper has."""
     with pytest.MonkeyPatch.context() as patch:
         if request.param == "bar":
-            patch.setattr(paper_tables, "open_sample", standing_bar)
-        yield list(paper_tables.table_rows())
+            patch.setattr(paper_command, "open_sample", standing_bar)
+        yield list(paper_command.table_rows())
 
 
 def test_paper_tables_keep_the_area_where_arap_changes_it(table):
-    assert [row.name for row in table] == list(paper_tables.PAPER_CASES)
+    assert [row.name for row in table] == list(paper_command.PAPER_CASES)
     for row in table:
         assert row.paper.converged
         assert row.arap.converged
@@ -45,7 +46,7 @@ def test_paper_tables_keep_the_area_where_arap_changes_it(table):
 
 def test_paper_tables_have_the_areas_of_the_shapes(table):
     for row in table:
-        mesh, _ = paper_tables.open_sample(row.case.sample)
+        mesh, _ = paper_command.open_sample(row.case.sample)
         for result in (row.arap, row.paper):
             shape = trimesh.Trimesh(result.U, mesh.F, process=False)
             assert shape.area == pytest.approx(result.area, rel=1e-12)
@@ -53,9 +54,9 @@ def test_paper_tables_have_the_areas_of_the_shapes(table):
 
 
 def test_paper_tables_say_what_was_measured_beside_what_the_paper_says(table):
-    text = paper_tables.format_tables(table)
+    text = paper_command.format_tables(table)
     assert [line for line in text.splitlines() if line.startswith("Table")] == list(
-        paper_tables.TABLE_TITLES.values()
+        paper_command.TABLE_TITLES.values()
     )
     cells = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if "%" in line
@@ -74,14 +75,14 @@ def test_paper_tables_say_what_was_measured_beside_what_the_paper_says(table):
 
 
 def test_format_markdown_has_columns_of_equal_width(table):
-    for sample in paper_tables.TABLE_TITLES:
+    for sample in paper_command.TABLE_TITLES:
         rows = [row for row in table if row.case.sample == sample]
-        assert len({len(line) for line in paper_tables.format_markdown(rows).splitlines()}) == 1
+        assert len({len(line) for line in paper_command.format_markdown(rows).splitlines()}) == 1
 
 
 def test_format_markdown_has_columns_of_equal_width_in_chinese(table):
     row = table[0]._replace(case=table[0].case._replace(title="瓶子扭转 60°"))
-    lines = paper_tables.format_markdown([row, *table[:2]]).splitlines()
+    lines = paper_command.format_markdown([row, *table[:2]]).splitlines()
     assert len(set(map(column_count, lines))) == 1
 
 
@@ -89,13 +90,13 @@ def test_row_outside_the_tolerance_does_not_pass(table):
     failed = table[0]._replace(paper=table[0].arap)
     assert not failed.is_within_tolerance
     assert failed.lines()[0][-1] == "fail"
-    assert paper_tables.tolerance_verdict(table).startswith("Pass")
-    assert "twisted by 60°" in paper_tables.tolerance_verdict([failed, *table[1:]])
-    assert paper_tables.tolerance_verdict([failed, *table[1:]]).startswith("Fail")
+    assert paper_command.tolerance_verdict(table).startswith("Pass")
+    assert "twisted by 60°" in paper_command.tolerance_verdict([failed, *table[1:]])
+    assert paper_command.tolerance_verdict([failed, *table[1:]]).startswith("Fail")
 
 
 def test_write_csv_keeps_all_digits(table, tmp_path):
-    paper_tables.write_csv(table, tmp_path / "tables.csv")
+    paper_command.write_csv(table, tmp_path / "tables.csv")
     with (tmp_path / "tables.csv").open(encoding="utf-8") as stream:
         read = list(csv.DictReader(stream))
     results = [result for row in table for result in (row.arap, row.paper)]
@@ -116,9 +117,8 @@ FILES = {
 def coarse(monkeypatch):
     """Re-run only one move, on a bar that stands like the bottle."""
     name = "bottle-twist-60"
-    for module in (paper_tables, paper_command):
-        monkeypatch.setattr(module, "open_sample", standing_bar)
-    monkeypatch.setattr(paper_tables, "PAPER_CASES", {name: paper_tables.PAPER_CASES[name]})
+    monkeypatch.setattr(paper_command, "open_sample", standing_bar)
+    monkeypatch.setattr(paper_command, "PAPER_CASES", {name: paper_command.PAPER_CASES[name]})
 
 
 def read(path):
@@ -172,6 +172,6 @@ def test_paper_leaves_nothing_when_interrupted(tmp_path, monkeypatch):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(paper_command, "handle_curve", stop)
+    monkeypatch.setattr(paper_figures, "handle_curve", stop)
     assert main(["paper", "-o", str(tmp_path / "out")]) == 130
     assert list(tmp_path.iterdir()) == []

@@ -18,7 +18,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.pressing import plate_press
+from apd_viewer.geometry.solver import plate_press
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session

@@ -11,12 +11,12 @@ from painted_meshes import write_bar
 
 from apd_viewer.__main__ import main
 from apd_viewer.commands import replay_command
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.session_replay import replay_session
 
 BENT = rotation_about([1, 1, 0], [1, 0, 0], 0.6)
 

@@ -164,9 +164,7 @@ def test_study_command_finishes_the_running_case_at_an_interrupt_and_ends_at_onc
             signal.raise_signal(signal.SIGINT)
         return quick(task)
 
-    monkeypatch.setattr(
-        "apd_viewer.commands.studies.study_command.LocalPool", lambda _: OneByOne(interrupted)
-    )
+    monkeypatch.setattr("apd_viewer.commands.study_command.LocalPool", lambda _: OneByOne(interrupted))
     before = signal.getsignal(signal.SIGINT)
     with pytest.raises(SystemExit, match="130"):
         main(["study", plan_of(bar, ["twist 1", "twist 2", "twist 3"]), "-o", str(bar / "out")])

@@ -23,7 +23,6 @@ from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.sweep import Sweep
 
 BENT = rotation_about([1, 1, 0], [1, 0, 0], 0.6)
 
@@ -286,7 +285,7 @@ def test_sweep_command_says_what_is_wrong_in_a_line_and_writes_nothing(case, bar
 def test_sweep_command_says_before_work_what_is_in_the_way_in_the_output(
     name, said, session, sweep, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(Sweep, "steps", lambda *_: pytest.fail("it has begun"))
+    monkeypatch.setattr(sweep_command, "run", lambda *_: pytest.fail("it has begun"))
     (tmp_path / "out" / "b.gif").mkdir(parents=True)
     (tmp_path / "out" / "a").write_text("mine")
     status, _, err, _ = sweep(session, "--methods", "exact", "--animation", tmp_path / "out" / name)

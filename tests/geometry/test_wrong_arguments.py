@@ -59,7 +59,9 @@ SOUND = {
     **dict.fromkeys(("calm", "plain", "weld", "contact", "release"), FLAGS),
     **dict.fromkeys(("stiffness", "area_stiffness", "shear_stiffness", "container"), NUMBERS),
     **dict.fromkeys(("tolerance", "radius", "size"), LENGTHS - {"None"}),
-    **dict.fromkeys(("thickness", "gas", "yield_radius"), LENGTHS),
+    **dict.fromkeys(("thickness", "gas"), LENGTHS),
+    "yield_radius": NONE,  # needs a stiffness
+    **dict.fromkeys(("Deformation gas", "deform gas"), NONE),  # needs contact
     **dict.fromkeys(("iterations", "steps", "most_iterations"), COUNTS),
     **dict.fromkeys(("shifts", "begin", "soft_targets", "rest", "area", "volume"), NONE),
     **dict.fromkeys(("start", "end", "vertex", "face"), VERTICES),
@@ -81,7 +83,6 @@ SOUND = {
     "press start": {"None"},
     "press to": {"np.float32", "np.int8"},
     "press stiffness": NUMBERS,
-    "press yield_radius": {"None"},  # needs a stiffness
     "Mesh unit": {"no", "empty", "length"},
     "Mesh path": {"None", "no", "empty", "length"},
     "aim U": NONE,

@@ -7,6 +7,7 @@ import pytest
 from driven_session import Driven, bar, pose
 from meshes import ends
 
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
@@ -17,7 +18,6 @@ from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.model.view import View
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.session_replay import replay_session
 
 SETTINGS: dict[str, Callable[[SettingsEditor], object]] = {
     "exact": lambda _: None,

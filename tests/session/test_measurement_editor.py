@@ -5,7 +5,6 @@ import zipfile
 
 import numpy as np
 import pytest
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from driven_session import BENT, VIEW
 
 from apd_viewer.__main__ import main
@@ -13,6 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.tables import cell_text
 from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
 from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.measurement_readings import complete_readings

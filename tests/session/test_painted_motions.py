@@ -9,21 +9,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshes import tube
 
+from apd_viewer.cases.case import case_of, run
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.report_blocks import handle_rows
+from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.deck_setup import deck_of, deck_wall
-from apd_viewer.session.studies.session_replay import replay_session
-from apd_viewer.session.studies.sweep_setup import sweep_of
 
 
 @pytest.fixture
@@ -191,9 +191,9 @@ def test_open_session_refuses_a_damaged_way(twisted, tmp_path, said):
 def test_relative_to_rest_takes_studies_of_a_painted_shape_along_the_whole_motion(twisted, tmp_path):
     a_base_stroke(twisted)
     twist(twisted, 10)
-    sweep = sweep_of(document(twisted), 3, methods=["arap"])
-    steps = list(sweep.steps())
-    assert sweep.abscissa == "degrees"
+    case = case_of(document(twisted).with_settings(method="arap"), 3)
+    steps = list(run(case))
+    assert case.abscissa == "degrees"
     assert [step.degrees for step in steps] == pytest.approx([0, 10, 20, 30])
     top = document(twisted).labels == HANDLE
     np.testing.assert_allclose(steps[0].frame.U[top], V(twisted)[top], atol=1e-12)

@@ -5,6 +5,8 @@ import pytest
 from driven_session import Driven
 from meshes import tube
 
+from apd_viewer.cases.case import case_of, run
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import twist
@@ -13,8 +15,6 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.session_replay import replay_session
-from apd_viewer.session.studies.sweep_setup import sweep_of
 
 
 @pytest.fixture(params=["tube", pytest.param("bottle", marks=pytest.mark.night)])
@@ -118,16 +118,16 @@ def test_walk_arrives_as_well_when_something_else_is_asked_in_its_middle(session
     assert state.frame.converged
 
 
-def test_sweep_goes_around_twice(session):
+def test_run_goes_around_twice(session):
     session.settings.set_contact(False)
     session.handles.move_by(MOTIONS["TWIST"], "720", 0)
-    sweep = sweep_of(session.store.state.document, 16, methods=["exact"], iterations=20)
-    assert sweep.abscissa == "degrees"
-    steps = list(sweep.steps())
+    case = case_of(session.store.state.document.with_settings(method="exact"), 16, iterations=20)
+    assert case.abscissa == "degrees"
+    steps = list(run(case))
     assert [step.degrees for step in steps] == pytest.approx(np.linspace(0, 720, 17))
-    held = sweep.document.mesh.V[sweep.document.labels == HANDLE]
+    held = case.document.mesh.V[case.document.labels == HANDLE]
     for step in (steps[8], steps[16]):
-        np.testing.assert_allclose(step.frame.U[sweep.document.labels == HANDLE], held, atol=1e-9)
+        np.testing.assert_allclose(step.frame.U[case.document.labels == HANDLE], held, atol=1e-9)
 
 
 @pytest.mark.parametrize("contact", [True, False])
@@ -138,10 +138,11 @@ def test_move_by_tells_of_walls_that_pass_unless_kept_apart(wall, contact):
     assert any("unwind" in text for text in wall.told) is not contact
 
 
-def test_sweep_of_half_a_turn_has_its_way(session):
+def test_run_of_half_a_turn_has_its_way(session):
     session.handles.move_by(MOTIONS["TWIST"], "-180", 0)
     assert reading(session) == "−180.0°"
-    steps = list(sweep_of(session.store.state.document, 2, methods=["arap"], iterations=5).steps())
+    document = session.store.state.document.with_settings(method="arap")
+    steps = list(run(case_of(document, 2, iterations=5)))
     assert steps[1].degrees == pytest.approx(90.0)
 
 

@@ -38,7 +38,7 @@ class Person:
             if isinstance(answer, Qt.Key):
                 QTest.keyClick(box, answer)
             else:
-                words = getattr(answer, "value", answer)
+                words = getattr(answer, "text", answer)
                 button = next(
                     each for each in box.buttons() if each.text().replace("&", "") == words.replace("&", "")
                 )

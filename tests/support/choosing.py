@@ -19,8 +19,8 @@ from apd_viewer.presentation.palette import (
     REGION_COLORS,
     label_colors,
 )
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 from apd_viewer.ui.workbench import Workbench
@@ -476,7 +476,7 @@ class Theatre:
     def opened(cls, folder):
         """Itself, for a fixture, and its end."""
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+            patch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
             theatre = cls(folder)
             yield theatre
             theatre.window.shell.close()

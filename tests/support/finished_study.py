@@ -5,9 +5,9 @@ import json
 
 import numpy as np
 
-from apd_viewer.studies.case_file import CaseResult, case_path, case_to_bytes
-from apd_viewer.studies.database import opened_database
-from apd_viewer.studies.results import READINGS
+from apd_viewer.cases.case_file import CaseResult, case_path, case_to_bytes
+from apd_viewer.cases.database import opened_database
+from apd_viewer.cases.results import READINGS
 
 COLUMNS = ["session", "steps", "motion", "stiffness"]
 _STEPS = 10

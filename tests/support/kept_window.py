@@ -3,7 +3,6 @@
 from contextlib import contextmanager
 
 import pytest
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from driving import Mouse, idle, settle, show
 from meshes import box
 from PySide6.QtCore import QSettings
@@ -12,15 +11,16 @@ from PySide6.QtWidgets import QAbstractButton, QApplication
 from shiboken6 import isValid
 
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.history import History
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.state_store import Activity
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.shell import Shell
-from apd_viewer.ui.tools.brush_size import DEFAULT_RADIUS
+from apd_viewer.ui.tools.brush_tool import DEFAULT_RADIUS
 from apd_viewer.ui.tools.toolbox import FIRST_MODE, FIRST_TOOL
 from apd_viewer.ui.workbench import Workbench
 
@@ -197,9 +197,9 @@ def settings_in(folder):
 
 @contextmanager
 def lasting_window(settings):
-    """Context with a window to be kept, which is closed without a question."""
+    """Context with a window to be kept, which is closed without a file_controller."""
     kept = KeptWindow(settings)
     with pytest.MonkeyPatch.context() as patch:
         yield kept
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+        patch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
         kept.close()

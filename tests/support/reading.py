@@ -42,9 +42,8 @@ from apd_viewer.session.processes import solver_process
 from apd_viewer.session.state_store import Activity
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.filing import file_controller, file_dialogs, unsaved_question
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.filing import file_controller, file_dialogs
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 
 PROPERTIES = (
@@ -428,9 +427,9 @@ def questions(driver):
     window, session, folder = driver.window, driver.window.session, driver.folder
     file_dialogs.show_about_box(window.shell)
     for closes in (True, False):
-        unsaved_question.ask_before_leaving(window.shell, "mesh.obj", closes)
+        file_controller.ask_before_leaving(window.shell, "mesh.obj", closes)
     for found in FileState:
-        unsaved_question.ask_before_leaving(window.shell, "mesh.apd", True, found)
+        file_controller.ask_before_leaving(window.shell, "mesh.apd", True, found)
     file_controller.ask_about_changed_file(window.shell, "mesh.apd", {})
     driver.wait()
     file_dialogs.ask_for_mesh(window, folder)

@@ -10,13 +10,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from PySide6.QtGui import QKeySequence
 from reading import Driver
 from walked_dialogs import dialogs
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.studies.case_document import CaseDocuments
-from apd_viewer.studies.case_file import CaseResult, case_to_bytes
-from apd_viewer.studies.case_worker import CaseAnswer
-from apd_viewer.studies.run_case import run_case
+from apd_viewer.cases.case_file import CaseResult, case_to_bytes
+from apd_viewer.cases.case_worker import CaseAnswer
+from apd_viewer.cases.run_case import CaseDocuments, run_case
 
 
 def answer(task, **readings):

@@ -26,10 +26,10 @@ from apd_viewer.session.processes import (
     shape_checker,
     solver_main,
 )
-from apd_viewer.ui.appearance import antialiasing
 from apd_viewer.ui.application import HARMLESS_MESSAGE
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
+from apd_viewer.ui.scene import shading
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.shell import Shell
@@ -45,7 +45,7 @@ def pytest_configure(config):
 @pytest.fixture(autouse=True)
 def smooth_frames(monkeypatch):
     """A view at rest is not drawn once more, with smooth edges, unless the test is about that."""
-    monkeypatch.setattr(antialiasing, "IDLE_DELAY", 10**6)
+    monkeypatch.setattr(shading, "IDLE_DELAY", 10**6)
 
 
 @pytest.fixture(autouse=True)
@@ -117,7 +117,7 @@ def settings(stored):
 @pytest.fixture
 def unasked(monkeypatch):
     """Windows do not ask before they are closed."""
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+    monkeypatch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
 
 
 @pytest.fixture(scope="session")

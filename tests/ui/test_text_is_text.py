@@ -36,14 +36,14 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.recovery_file import claim_path
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller, file_dialogs
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.display_names import distinct_names
 from apd_viewer.ui.workbench import Workbench
 
-ASK = unsaved_question.ask_before_leaving  # before the fixture of the window answers by itself
+ASK = file_controller.ask_before_leaving  # before the fixture of the window answers by itself
 PIPE = "picture"
 # Qt reads this as HTML, with a picture from the working folder; it has both signs of Qt's own for texts, too.
 NAME = f"<b>x<img src={PIPE}>&y[*]"
@@ -278,7 +278,7 @@ def test_notice_waits_for_nothing_in_a_window_that_is_not_on_the_screen_yet(
     qtbot, settings, looker, pipe, monkeypatch
 ):
     """A failure may be said before the window is shown, when no style has been asked for yet."""
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+    monkeypatch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     window = Workbench(Shell(settings))
     for say in (
         window.notice.show_failure,

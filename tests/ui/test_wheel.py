@@ -16,8 +16,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
 from apd_viewer.ui.tools.toolbox import Tool
 
 CONTROLS = QAbstractSpinBox, QComboBox, QAbstractSlider, QTabBar, QLineEdit

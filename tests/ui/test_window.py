@@ -35,8 +35,8 @@ from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.session import session as session_module
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.state_store import Activity
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.fields import NumberField, TextField
@@ -556,7 +556,7 @@ def shells():
 
 @pytest.mark.parametrize("count", [2, pytest.param(20, marks=pytest.mark.night)])
 def test_workbench_leaves_nothing_behind(qtbot, settings, monkeypatch, count):
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+    monkeypatch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     others = shells()
     alive, workers = [], []
 

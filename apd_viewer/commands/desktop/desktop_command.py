@@ -13,7 +13,7 @@ import sysconfig
 from collections.abc import Sequence
 from pathlib import Path
 
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.samples import resource_path
 from apd_viewer.files.storage.atomic_file import replacing_file
@@ -30,10 +30,8 @@ def desktop_parser() -> Parser:
         description=tr("Put the program into the menu, and let files be opened with it (Linux)."),
     )
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument(
-        "--install", action="store_true", help=tr("add menu entry, icon, file types and thumbnails")
-    )
-    what.add_argument("--remove", action="store_true", help=tr("remove them again"))
+    add_option(what, "--install", tr("add menu entry, icon, file types and thumbnails"))
+    add_option(what, "--remove", tr("remove them again"))
     parser.set_defaults(run=_desktop)
     return parser
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable, open_mesh
 from apd_viewer.files.picture_files import png_content, read_png
@@ -30,14 +30,10 @@ def thumbnail_parser() -> Parser:
         prog="apd-viewer thumbnail",
         description=tr("Draw a small picture of a session or a mesh, without OpenGL; file managers call it."),
     )
-    parser.add_argument("file", metavar="FILE", type=Path)
+    add_option(parser, "FILE", type=Path)
     parser.add_argument("output", metavar="OUT.png", type=Path)
-    parser.add_argument(
-        "--size",
-        metavar="N",
-        type=int,
-        default=_USUAL,
-        help=tr("pixels of the longer side; default: %(default)s"),
+    add_option(
+        parser, "--size N", tr("pixels of the longer side; default: %(default)s"), type=int, default=_USUAL
     )
     parser.set_defaults(run=_thumbnail)
     return parser

@@ -79,3 +79,19 @@ class Parser(argparse.ArgumentParser):
         """Print the error in one line, without argparse's usage."""
         said = tr("error: {message}; see {program} --help").format(message=message, program=self.prog)
         self.exit(2, f"{said}\n")
+
+
+def add_option(parser: argparse._ActionsContainer, words: str, about: str = "", **how: Any) -> None:
+    """Add what the help shows as ``words``, such as "-o, --output DIR" or "MESH".
+
+    Without a value and without choices an option is a flag. ``how`` is for argparse.
+    """
+    *names, last = words.split()
+    if not last.startswith("-"):
+        how["metavar"] = last
+        names = names or [last.partition(".")[0].lower()]
+    else:
+        names.append(last)
+        if not how.keys() & {"action", "choices"}:
+            how["action"] = "store_true"
+    parser.add_argument(*(name.rstrip(",") for name in names), help=about or None, **how)

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 from typing import Any
 
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.methods import METHODS, MOST_VERTICES_IN_CONTACT, contact_by_default
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind
@@ -37,6 +37,8 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
                 default = None  # as the method has it
             case SettingKind.LENGTH:
                 more |= {"metavar": "LENGTH", "type": float, "help": words}
+            case SettingKind.AMOUNT:
+                more |= {"metavar": "A", "type": float, "help": words}
             case SettingKind.SWITCH:
                 more |= {"action": argparse.BooleanOptionalAction, "help": words}
             case SettingKind.CONVERGENCE:
@@ -59,13 +61,14 @@ def _add_criteria(parser: Parser) -> None:
 
 def add_contact_option(parser: Parser) -> None:
     """Add ``--contact`` and ``--no-contact``; None without either."""
-    parser.add_argument(
+    add_option(
+        parser,
         "--contact",
-        action=argparse.BooleanOptionalAction,
-        help=tr(
+        tr(
             "keep walls from passing through each other, or not; default: up to {most:,} vertices, by "
             "methods that can"
         ).format(most=MOST_VERTICES_IN_CONTACT),
+        action=argparse.BooleanOptionalAction,
     )
 
 

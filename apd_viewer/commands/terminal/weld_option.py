@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from apd_viewer.commands.terminal.parser import add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -17,10 +18,10 @@ from apd_viewer.session.quantities.units import NoUnitError
 
 def add_weld_option(parser: argparse.ArgumentParser) -> None:
     """Add the option."""
-    parser.add_argument(
+    add_option(
+        parser,
         "--weld",
-        action="store_true",
-        help=tr(
+        tr(
             "weld seams: boundary vertices within 1/10,000 of the size of the mesh move together; the file "
             "written has all its vertices"
         ),

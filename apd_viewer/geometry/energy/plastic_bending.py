@@ -58,11 +58,15 @@ class PlasticBending:
         self._rest, self._rigidity = rest, rigidity
         self.bending, self.K = rest.bending, rest.bending.K
         self._bound = yield_curvature * self.bending.per_curvature
+        self.forget_flow()
+        self._U, self._D = rest.V, gradients(rest.V, self.bending.patch.F, self.bending.hat_gradients)
+
+    def forget_flow(self) -> None:
+        """Make the surface free of creases."""
         self.committed_flow, self.dissipated_energy = _NONE, 0.0
         self._cells: CreasedCells | None = None
         self._creased = np.zeros(len(self._bound), bool)
         self._elastic = np.ones(len(self._bound))
-        self._U, self._D = rest.V, gradients(rest.V, self.bending.patch.F, self.bending.hat_gradients)
         self._forget()
 
     def _forget(self) -> None:

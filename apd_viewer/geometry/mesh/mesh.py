@@ -17,6 +17,7 @@ from apd_viewer.geometry.mesh.arrays import (
     check_mesh,
     checked_floats,
     checked_integers,
+    diagonal,
     frozen,
     mesh_size,
 )
@@ -214,6 +215,12 @@ class Mesh:
     def joined_F(self) -> np.ndarray:
         """Triangles with each vertex replaced by the first at its position."""
         return self.weld.representative[self.F]
+
+    @property
+    def named_lengths(self) -> dict[str, float]:
+        """Lengths by name, mesh units: sides X, Y, Z of its box, longest L, diagonal D."""
+        sides = dict(zip("XYZ", np.ptp(self.V, axis=0).tolist(), strict=True))
+        return {**sides, "L": max(sides.values()), "D": diagonal(self.V)}
 
     @cached_property
     def digest(self) -> str:

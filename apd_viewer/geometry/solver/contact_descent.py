@@ -19,6 +19,7 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.mesh_contact import mesh_contact
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.frame import Frame
@@ -37,8 +38,10 @@ _PART, _STEPS = 0.05, 10
 _PATIENCE = 60
 
 
-def check_contact(method: Method, plain: bool) -> None:
-    """Raise InputError unless walls can be kept apart so."""
+def check_contact(method: Method, plain: bool, contact: bool = True) -> None:
+    """Raise InputError unless walls can be kept apart so, and are."""
+    if not contact:
+        raise InputError(tr("Creases and gas need contact; switch it on, or leave them out."))
     if plain or not method.may_use_contact:
         raise InputError(
             tr(
@@ -83,6 +86,7 @@ def contact_descent(
     thickness: float | None = None,
     loose: LooseComponents | None = None,
     obstacles: Sequence[Obstacle] = (),
+    gas: EnclosedGas | None = None,
 ) -> ContactDescent:
     """Solver whose shapes cross neither themselves nor obstacles.
 
@@ -102,19 +106,21 @@ def contact_descent(
         What the surface carries along; without, it is left out.
     obstacles : sequence of Obstacle
         The surface enters among them with its first step.
+    gas : EnclosedGas, optional
     """
     shape, fixed = rest.solve_mesh, inner.elastic.fixed
     if len(fixed) and not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
     contact = mesh_contact(shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness, loose)
-    return ContactDescent(inner, goals, contact, handle_of, obstacles)
+    return ContactDescent(inner, goals, contact, handle_of, obstacles, gas)
 
 
 class ContactDescent:
     """Steps of a surface whose shapes cross neither themselves nor obstacles.
 
     Where nothing is held, obstacles alone move the surface: it slides as far as forces that are not balanced
-    push it, and does not turn as a whole.
+    push it, and does not turn as a whole. Then all steps are those in contact, as with gas or creases, which
+    the inner solver does not know.
 
     Parameters
     ----------
@@ -126,6 +132,7 @@ class ContactDescent:
     handle_of : (k + s,) int array
         Held and soft vertices of one number move as one.
     obstacles : sequence of Obstacle
+    gas : EnclosedGas, optional
 
     Attributes
     ----------
@@ -152,9 +159,11 @@ class ContactDescent:
         contact: Contact,
         handle_of: np.ndarray,
         obstacles: Sequence[Obstacle] = (),
+        gas: EnclosedGas | None = None,
     ) -> None:
         self.elastic: ElasticSurface = inner.elastic
-        self.contact = contact
+        self.contact, self.gas = contact, gas
+        self._always_touches = not len(self.elastic.fixed) or bool(gas or self.elastic.creases)
         self._inner, self._goals, self._handle_of = inner, goals, handle_of
         self._tolerance = ENERGY_TOLERANCE
         self._touching: TouchingDescent | None = None
@@ -183,6 +192,16 @@ class ContactDescent:
     def energy(self) -> float | None:
         """Elastic energy of the displayed shape, without contact; None if unknown."""
         return self.elastic.energy if self._touching else self._inner.energy
+
+    @property
+    def energy_in_contact(self) -> float:
+        """Energy of the displayed shape, with that of the gaps and of the gas."""
+        return TouchingSurface(self.elastic, self.contact, self.gas).energy
+
+    @property
+    def load_imbalance(self) -> float:
+        """Length of the sum of all loads in that of their lengths; 0 if held."""
+        return self._touching.load_imbalance if self._touching else 0.0
 
     @property
     def ready(self) -> bool:
@@ -336,12 +355,12 @@ class ContactDescent:
             self._touching.disturb_shape()
 
     def _descending(self) -> TouchingDescent:
-        surface = TouchingSurface(self.elastic, self.contact)
+        surface = TouchingSurface(self.elastic, self.contact, self.gas)
         return TouchingDescent(surface, self._U, self.held_positions, self._goals, self._tolerance)
 
     def _release(self) -> None:
-        """Descend without contact from the last shape, unless nothing is held."""
-        if len(self.elastic.fixed):
+        """Descend without contact from the last shape, if such steps are allowed."""
+        if not self._always_touches:
             self._touching = None
             self._inner.restart(self._U)
         elif self._touching is None or self._touching.U is not self._U:

@@ -12,6 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle, shifted_obstacles
 from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.calm_parts import calm_levels
 from apd_viewer.geometry.goals.goals import Region, RegionReading
@@ -107,6 +108,13 @@ class Deformation(Uncopyable):
     obstacles : sequence of Obstacle
         What no shape enters, where contact is on; it touches without friction. Nothing need be held then:
         what is held by nothing slides, and does not turn as a whole.
+    yield_radius : float, optional
+        Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; without it
+        they spring back from everything. Needs contact and stiffness. Creases last once a shape has settled.
+    gas : float, optional
+        Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at one
+        temperature, as much outside as inside at rest. Openings are capped. Without it gas leaves freely.
+        Needs contact.
     weld : bool
         Weld the seams whose two sides nearly meet; see :meth:`apd_viewer.Mesh.welded`.
 
@@ -134,7 +142,7 @@ class Deformation(Uncopyable):
         self,
         V: np.ndarray,
         F: np.ndarray,
-        fixed: np.ndarray,
+        fixed: np.ndarray | Sequence[int],
         *,
         method: str = DEFAULT_METHOD,
         handle: np.ndarray | Sequence[np.ndarray] | None = None,
@@ -155,6 +163,8 @@ class Deformation(Uncopyable):
         contact: bool = False,
         thickness: float | None = None,
         obstacles: Sequence[Obstacle] = (),
+        yield_radius: float | None = None,
+        gas: float | None = None,
         weld: bool = False,
     ) -> None:
         self.rest = rest = checked_rest_mesh(rest, V, F, weld)
@@ -165,7 +175,7 @@ class Deformation(Uncopyable):
         self._traits = check_method(method, handle_of, len(obstacles) > 0)
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = solve_constraints(soft, rest, held)
-        material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness)
+        material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
         if len(held) and np.isin(rest.solve_mesh.component, rest.solve_mesh.component[held]).sum() == len(
             held
         ):
@@ -177,15 +187,18 @@ class Deformation(Uncopyable):
             started = time.perf_counter()
             elastic = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
             of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
-            self.solver = make_solver(elastic, goals, self._traits, of, plain)
+            needs_contact = gas is not None or yield_radius is not None
+            self.solver = make_solver(elastic, goals, self._traits, of, plain or needs_contact)
             self.contact = None
-            if contact:
-                check_contact(self._traits, plain)
+            if contact or needs_contact:
+                check_contact(self._traits, plain, contact)
                 touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
-                self.solver = self.contact = contact_descent(self.solver, goals, *touching)
+                enclosed = None if gas is None else EnclosedGas(rest, gas)
+                self.solver = self.contact = contact_descent(self.solver, goals, *touching, enclosed)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
+        self._begin()
         self.aim(rest.from_local(rest.V[self.fixed]))
 
     @property
@@ -262,7 +275,8 @@ class Deformation(Uncopyable):
         targets : (k, 3) float array
             A position for each of ``fixed``.
         U : (n, 3) float array, optional
-            Continue from these positions; otherwise from where the last iteration ended.
+            Continue from these positions, with the creases that they have by the yield radius; otherwise
+            from where the last iteration ended.
         soft_targets : (s, 3) float array, optional
             Where each of the soft vertices is drawn to; without, to where it is at rest.
         shifts : (o, 3) float array, optional
@@ -278,14 +292,20 @@ class Deformation(Uncopyable):
         begin = shifts if begin is None else checked_shifts(begin, count)
         with cores_for(len(self.rest.solve_mesh.V)):
             self._held.set_targets(targets)
+            elastic = self.solver.elastic
+            if self.contact is not None and (self.contact.is_stopped or self.settled):
+                elastic.commit_creases()
             if self._kept.restore_calm_goals():
                 self.solver.set_goals(self._kept.goals)
             if self.contact is not None:
                 self.contact.target_shifts, self.contact.start_shifts = shifts, begin
             if U is not None:
+                if elastic.creases:
+                    elastic.creases.forget_flow()
                 self.solver.restart(
                     self.loose.with_loose_at_rest(np.ascontiguousarray(U[self.rest.weld.first]))
                 )
+                elastic.commit_creases()
             drawn = checked_soft_targets(soft_targets, self.rest, self._soft, *self._drawn)
             asked = self._held.targets
             self.solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)

@@ -150,6 +150,8 @@ def deform(
     thickness: float | None = None,
     obstacles: Sequence[Obstacle] = (),
     shifts: np.ndarray | None = None,
+    yield_radius: float | None = None,
+    gas: float | None = None,
     convergence: Convergence = DEFAULT_CONVERGENCE,
     weld: bool = False,
     progress: Callable[[Frame], None] | bool | None = None,
@@ -160,7 +162,7 @@ def deform(
     ----------
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
         See :class:`Deformation`.
-    area, volume, regions, loose, calm, thickness, obstacles, convergence, weld
+    area, volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, convergence, weld
         See there too.
     contact : bool, optional
         No shape crosses itself more than at rest; held vertices may be stopped on their way. By default so,
@@ -219,6 +221,8 @@ def deform(
         contact=contact_by_default(*size) if by_default else bool(contact),
         thickness=thickness,
         obstacles=obstacles,
+        yield_radius=yield_radius,
+        gas=gas,
         convergence=convergence,
         plain=iterations is not None,
         rest=rest,

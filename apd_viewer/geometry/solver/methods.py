@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -189,10 +189,23 @@ def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> M
 
 
 def method_material(
-    method: Method, stiffness: float, area_stiffness: float, shear_stiffness: float
+    method: Method,
+    stiffness: float,
+    area_stiffness: float,
+    shear_stiffness: float,
+    yield_radius: float | None = None,
 ) -> Material:
-    """Weights of the method's energy; raises InputError on invalid stiffness."""
+    """Weights of the method's energy, and its yield curvature.
+
+    Raises InputError on invalid stiffness, and on walls that yield without any.
+    """
     check_argument("stiffness", stiffness)
     check_argument("area_stiffness", area_stiffness)
     check_argument("shear_stiffness", shear_stiffness)
-    return method.material(stiffness, area_stiffness, shear_stiffness)
+    material = method.material(stiffness, area_stiffness, shear_stiffness)
+    if yield_radius is None:
+        return material
+    check_argument("yield_radius", yield_radius)
+    if not stiffness:
+        raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))
+    return replace(material, yield_curvature=1.0 / yield_radius)

@@ -7,7 +7,7 @@ scripts all follow from the table.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import Enum, auto
 from operator import attrgetter
 from typing import Any
@@ -38,6 +38,7 @@ class SettingKind(Enum):
     PERCENTAGE = auto()
     SWITCH = auto()
     LENGTH = auto()
+    AMOUNT = auto()
     CONVERGENCE = auto()
 
 
@@ -55,7 +56,7 @@ class Setting:
     gesture, off_gesture : str
         Name of its change in the history; of turning a switch off, if that has another name.
     applies : callable
-        True for the methods that it matters to.
+        True for settings by which it matters.
     least, most : float
         Range of what can be entered, in its own unit.
     """
@@ -64,7 +65,7 @@ class Setting:
     title: str
     help: str
     gesture: str
-    applies: Callable[[Method], bool] = lambda _: True
+    applies: Callable[[Settings], bool] = lambda _: True
     least: float = 0.0
     most: float = _LARGEST_STIFFNESS
     off_gesture: str = ""
@@ -107,6 +108,11 @@ class Settings:
         Whether walls are kept from passing through each other, by methods that can.
     thickness : float or None
         Distance that walls in contact keep, mesh units; None is a thousandth of the size of the mesh.
+    yield_radius : float or None
+        Walls in contact that are bent to a smaller radius keep a crease, mesh units, if they are stiff; None
+        for none.
+    gas : float or None
+        Pressure times volume of the gas enclosed in contact, in areas of the surface; None for none.
     convergence : Convergence
         What ends the iterations.
     """
@@ -128,13 +134,13 @@ class Settings:
         DEFAULT_AREA_STIFFNESS,
         tr("Area stiffness"),
         tr("how strongly 'local' keeps the area of each triangle"),
-        applies=attrgetter("has_moduli"),
+        applies=attrgetter("traits.has_moduli"),
     )
     shear_stiffness: float = _stiffness(
         DEFAULT_SHEAR_STIFFNESS,
         tr("Shear stiffness"),
         tr("how strongly 'local' keeps the shape of each triangle"),
-        applies=attrgetter("has_moduli"),
+        applies=attrgetter("traits.has_moduli"),
     )
     area: float = _percentage(
         100.0,
@@ -154,7 +160,7 @@ class Settings:
         tr("Tolerance"),
         tr("area tolerance of 'paper'; 0.001 is 0.1 %"),
         tr("Change tolerance"),
-        applies=attrgetter("has_tolerance"),
+        applies=attrgetter("traits.has_tolerance"),
         least=1e-12,
         most=LARGEST_TOLERANCE,
     )
@@ -164,7 +170,7 @@ class Settings:
         tr("Total area kept"),
         tr("keep the total area by 'local', too"),
         tr("Change area"),
-        applies=attrgetter("may_keep_total_area"),
+        applies=attrgetter("traits.may_keep_total_area"),
     )
     calm: bool = _setting(
         True,
@@ -172,7 +178,7 @@ class Settings:
         tr("Calm parts kept"),
         tr("keep the area of calm parts by 'exact', those that the handles hardly reach"),
         tr("Keep calm parts"),
-        applies=attrgetter("keeps_calm_parts"),
+        applies=attrgetter("traits.keeps_calm_parts"),
         off_gesture=tr("Let calm parts change"),
     )
     contact: bool = _setting(
@@ -181,7 +187,7 @@ class Settings:
         tr("Contact"),
         tr("keep walls from passing through each other"),
         tr("Turn contact on"),
-        applies=attrgetter("may_use_contact"),
+        applies=attrgetter("traits.may_use_contact"),
         off_gesture=tr("Turn contact off"),
     )
     thickness: float | None = _setting(
@@ -190,7 +196,26 @@ class Settings:
         tr("Distance of walls"),
         tr("distance that walls in contact keep, in mesh units; default: 1/1000 of the diagonal"),
         tr("Change distance of walls"),
-        applies=attrgetter("may_use_contact"),
+        applies=attrgetter("uses_contact"),
+    )
+    yield_radius: float | None = _setting(
+        None,
+        SettingKind.LENGTH,
+        tr("Yield radius"),
+        tr("walls in contact bent to less than this radius keep a crease, in mesh units; default: none do"),
+        tr("Change yield radius"),
+        applies=lambda settings: settings.uses_contact and settings.stiffness > 0.0,
+    )
+    gas: float | None = _setting(
+        None,
+        SettingKind.AMOUNT,
+        tr("Enclosed gas"),
+        tr(
+            "gas enclosed by walls in contact, openings capped: pressure times volume in areas of the "
+            "surface; default: it leaves freely"
+        ),
+        tr("Change enclosed gas"),
+        applies=attrgetter("uses_contact"),
     )
     convergence: Convergence = _setting(  # noqa: RUF009 (a field)
         DEFAULT_CONVERGENCE,
@@ -207,13 +232,20 @@ class Settings:
 
     @property
     def material(self) -> Material:
-        """Weights of the method's energy; raises InputError on invalid stiffness."""
-        return method_material(self.traits, self.stiffness, self.area_stiffness, self.shear_stiffness)
+        """Weights of the method's energy; raises InputError on impossible values."""
+        moduli = self.stiffness, self.area_stiffness, self.shear_stiffness
+        return method_material(self.traits, *moduli, self.yield_radius)
 
     @property
     def uses_contact(self) -> bool:
         """True if walls are kept apart, by a method that can."""
         return self.contact and self.traits.may_use_contact
+
+    @property
+    def in_effect(self) -> Settings:
+        """The settings, those that do not apply at their defaults."""
+        idle = {name for name, setting in SETTINGS.items() if not setting.applies(self)}
+        return replace(self, **{name: getattr(DEFAULT_SETTINGS, name) for name in idle})
 
 
 SETTINGS: Mapping[str, Setting] = {each.name: each.metadata["setting"] for each in fields(Settings)}

@@ -14,6 +14,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
@@ -52,13 +53,6 @@ class State:
     def region_counts(self) -> np.ndarray:
         """Number of the vertices with each region number, (256,) int array."""
         return memo.label_counts(self.document.member)
-
-    @property
-    def named_lengths(self) -> dict[str, float]:
-        """Lengths of the mesh at rest by name: sides X, Y, Z, longest L, diagonal D."""
-        size = self.inspection.size
-        sides = dict(zip("XYZ", map(float, size), strict=True))
-        return {**sides, "L": float(max(size)), "D": float(np.linalg.norm(size))}
 
     @property
     def is_at_rest(self) -> bool:
@@ -130,17 +124,16 @@ class State:
         return replace(self, frame=replace(self.frame, converged=False, settled=False))
 
 
-def initial_state(mesh: Mesh, labels: np.ndarray | None = None) -> State:
-    """A mesh at rest as new work begins, with ``labels`` (n,) or nothing painted."""
+def initial_document(mesh: Mesh, labels: np.ndarray | None = None) -> Document:
+    """Document of a mesh as new work begins, with ``labels`` (n,) or nothing painted."""
     if labels is None:
         labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
-    inspection = inspect(mesh)
-    if inspection.area <= 0.0:
+    if face_areas(mesh.V, mesh.F).sum() <= 0.0:
         raise InputError(
             tr("{name} has no area: all its faces are degenerate; export it again.").format(name=mesh.name)
         )
     count = max(1, int(labels.max()) - HANDLE + 1)
-    document = Document(
+    return Document(
         mesh,
         labels,
         grip=mesh.V,
@@ -148,6 +141,11 @@ def initial_state(mesh: Mesh, labels: np.ndarray | None = None) -> State:
         handles=tuple(Handle(default_name(tr("Handle"), k)) for k in range(1, count + 1)),
         settings=Settings(contact=contact_by_default(DEFAULT_METHOD, len(mesh.V))),
     )
+
+
+def initial_state(mesh: Mesh, labels: np.ndarray | None = None) -> State:
+    """A mesh at rest as new work begins, with ``labels`` (n,) or nothing painted."""
+    document, inspection = initial_document(mesh, labels), inspect(mesh)
     return State(document, inspection, surface_index_of(mesh), rest_frame(mesh, inspection))
 
 
@@ -218,4 +216,4 @@ def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
 def load_excess_of(document: Document) -> float | None:
     """Expected excess of loads on the obstacles; None without stiffness."""
     cells = memo.cell_stiffness(document.mesh.V, document.mesh.joined_F)
-    return load_excess(document.settings.material, cells)
+    return load_excess(document.settings.in_effect.material, cells)

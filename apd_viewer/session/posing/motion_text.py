@@ -17,7 +17,6 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.motion import MOTION_KINDS, AmountKind, Motion, MotionReference
 from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.quantities.units import Unit
@@ -79,9 +78,9 @@ class MotionTextStep:
         return MotionStep(k, Motion(kind, axis), self.parse_amounts(unit, names, rest))
 
 
-def motion_steps(state: State, text: str, unit: Unit) -> tuple[MotionStep, ...]:
+def motion_steps(document: Document, text: str, unit: Unit) -> tuple[MotionStep, ...]:
     """Steps of a motion in words on a mesh; raises InputError if it is none."""
-    document, names = state.document.relative_to_rest, state.named_lengths
+    document, names = document.relative_to_rest, document.mesh.named_lengths
     return tuple(step.on(document, unit, names) for step in parse_motion(text))
 
 

@@ -9,7 +9,6 @@ from apd_viewer.geometry.linalg.linear_solver import Factorizer
 from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.path_iteration import PathIteration, PathStop
-from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts, targets_of
 from apd_viewer.session.model.handle_paths import intermediate_documents
@@ -19,8 +18,8 @@ def deformation_of(
     document: Document, held: Constraints, rest: RestMesh | None = None, factored: Factorizer | None = None
 ) -> Deformation:
     """Return the deformation of a document, not aimed yet."""
-    settings = {name: getattr(document.settings, name) for name in SETTINGS if name != "hold_area"}
-    settings |= {**targets_of(document)._asdict(), "contact": document.settings.uses_contact}
+    settings = {**vars(document.settings.in_effect), **targets_of(document)._asdict()}
+    del settings["hold_area"]
     return Deformation(
         document.mesh.V,
         document.mesh.F,

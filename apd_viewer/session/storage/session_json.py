@@ -262,7 +262,9 @@ def _to_json(kind: SettingKind, value: Any) -> Any:
             return bool(value)
         case SettingKind.CONVERGENCE:
             return value._asdict()
-        case SettingKind.NUMBER | SettingKind.TOLERANCE | SettingKind.PERCENTAGE | SettingKind.LENGTH:
+        case SettingKind.NUMBER | SettingKind.TOLERANCE:
+            return number_to_json(value)
+        case SettingKind.PERCENTAGE | SettingKind.LENGTH | SettingKind.AMOUNT:
             return number_to_json(value)
 
 
@@ -281,7 +283,7 @@ def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
             )
         case SettingKind.NUMBER:
             return fields.number(name, 0.0, LARGEST_NUMBER)
-        case SettingKind.TOLERANCE | SettingKind.PERCENTAGE | SettingKind.LENGTH:
+        case SettingKind.TOLERANCE | SettingKind.PERCENTAGE | SettingKind.LENGTH | SettingKind.AMOUNT:
             if getattr(DEFAULT_SETTINGS, name) is None and not fields.has_value(name):
                 return None
             return fields.number(name, LEAST_POSITIVE, LARGEST_NUMBER)

@@ -6,21 +6,20 @@ from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QMainWindow, QMenu
+from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.ui.actions.action_maker import ActionMaker, without_mnemonic
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.actions.display_actions import DisplayActions
 from apd_viewer.ui.actions.edit_controller import EditController
 from apd_viewer.ui.actions.file_actions import FileActions
-from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
+from apd_viewer.ui.actions.inert_chrome import add_tool_bar
 from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
-from apd_viewer.ui.actions.tool_bar import add_tool_bar
-from apd_viewer.ui.actions.view_actions import ViewActions
-from apd_viewer.ui.measuring.measure_controller import KIND_WORDS, MeasureController
+from apd_viewer.ui.actions.view_actions import DisplayActions, ViewActions
+from apd_viewer.ui.measuring.measure_controller import MeasureActions
+from apd_viewer.ui.obstacles.obstacle_actions import ObstacleActions
+from apd_viewer.ui.preferences.action_maker import ActionMaker, without_mnemonic
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.display_names import menu_text
@@ -203,49 +202,3 @@ def _others(commands: Commands) -> list[_Row]:
         ("copy_diagnostics", tr("&Copy diagnostics"), "copy", copied, None, copy),
         ("about", tr("&About APD Viewer"), "about", about, None, commands.show_about_box),
     ]
-
-
-class MeasureActions:
-    """Actions of the kinds of measurements, and of all of them together.
-
-    Parameters
-    ----------
-    maker : ActionMaker
-    measurements : MeasureController
-
-    Attributes
-    ----------
-    kinds : dict of MeasurementKind to QAction
-    copy, clear : QAction
-    """
-
-    def __init__(self, maker: ActionMaker, measurements: MeasureController) -> None:
-        self.kinds = {
-            kind: maker.make(
-                f"measure_kind:{kind.name}",
-                words.title,
-                words.icon,
-                words.tip,
-                None,
-                partial(measurements.choose_kind, kind),
-            )
-            for kind, words in KIND_WORDS.items()
-        }
-        maker.make_exclusive(self.kinds.values())
-        self.kinds[measurements.tool.kind].setChecked(True)
-        measurements.kind_chosen.connect(lambda kind: self.kinds[kind].setChecked(True))
-        tip = tr("Copy the values of all measurements as text, for a spreadsheet")
-        self.copy = maker.make(
-            "copy_measurements", tr("&Copy measurements"), "copy", tip, None, measurements.copy
-        )
-        tip = tr("Remove all measurements")
-        title = tr("&Remove all measurements")
-        self.clear = maker.make("clear_measurements", title, "remove", tip, None, measurements.clear)
-
-    def fill(self, menu: QMenu) -> None:
-        """Put all of them into the menu of the tools."""
-        menu.addSeparator()
-        own = menu.addMenu(tr("Me&asurements"))
-        own.addActions(list(self.kinds.values()))
-        own.addSeparator()
-        own.addActions([self.copy, self.clear])

@@ -8,9 +8,7 @@ from typing import Protocol
 
 from PySide6.QtCore import Qt
 
-from apd_viewer.ui.actions.edit_controller import EditController
-from apd_viewer.ui.actions.part_controller import PartController
-from apd_viewer.ui.case_studies.case_study_controller import CaseStudyController
+from apd_viewer.ui.actions.edit_controller import EditController, PartController
 from apd_viewer.ui.compare.compare_controller import CompareController
 from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.filing.file_requests import FileRequests
@@ -18,11 +16,11 @@ from apd_viewer.ui.measuring.measure_controller import MeasureController
 from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
-from apd_viewer.ui.panel.target_controller import TargetController
-from apd_viewer.ui.posing.pose_controller import PoseController
-from apd_viewer.ui.posing.symmetry_controller import SymmetryController
+from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.sharing.report_controller import ReportController
+from apd_viewer.ui.studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.studies.run_controller import RunController
+from apd_viewer.ui.target.target_controller import TargetController
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 

@@ -12,8 +12,8 @@ from PySide6.QtWidgets import QMenu
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.ui.actions.action_maker import ActionMaker
 from apd_viewer.ui.actions.commands import Commands
+from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.widgets.display_names import distinct_names, menu_text
 
 _KEYS = QKeySequence.StandardKey

@@ -1,20 +1,18 @@
-"""Menus and tool bar of the first frame, in the place of the real ones."""
+"""Menus and tool bar of the first frame, in the place of the real menus."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
-from PySide6.QtWidgets import QMainWindow
+from PySide6.QtWidgets import QMainWindow, QToolBar
 
 from apd_viewer.language import tr
-from apd_viewer.ui.actions.tool_bar import add_tool_bar
 from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import ICON_SIZE, Theme, icon
 
 _TOOLS = [tool.words.icon for tool in Tool]
 # Icons, in groups; the tests compare them with the real tool bar.
@@ -105,3 +103,16 @@ class InertChrome:
         for part in (self.bar, *self._menus, self._group, self._loading, self._quit, *self._buttons.values()):
             part.deleteLater()
         self._buttons.clear()
+
+
+def add_tool_bar(window: QMainWindow, groups: Sequence[Sequence[QAction]]) -> QToolBar:
+    """Add a tool bar at the left of a window, with separators between the groups."""
+    bar = QToolBar(tr("Tools"), window, objectName="tools", movable=False)
+    bar.setIconSize(ICON_SIZE)
+    bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
+    for group in groups:
+        if bar.actions():
+            bar.addSeparator()
+        bar.addActions(list(group))
+    window.addToolBar(Qt.ToolBarArea.LeftToolBarArea, bar)
+    return bar

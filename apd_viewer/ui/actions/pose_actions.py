@@ -8,10 +8,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
-from apd_viewer.ui.actions.action_maker import ActionMaker
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
-from apd_viewer.ui.tools.gizmo_layout import GizmoOrientation
+from apd_viewer.ui.obstacles.obstacle_actions import ObstacleActions
+from apd_viewer.ui.preferences.action_maker import ActionMaker
+from apd_viewer.ui.tools.gizmo_drag import GizmoOrientation
 
 # Right, up and towards the viewer, in the picture.
 _NUDGES = (

@@ -9,10 +9,10 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.session.part_operations import PartOperation
-from apd_viewer.ui.actions.action_maker import ActionMaker
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.actions.part_controller import PartController
+from apd_viewer.ui.actions.edit_controller import PartController
 from apd_viewer.ui.filing.file_controller import FileController
+from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.tools.toolbox import SelectionMode
 
 _LARGER, _SMALLER = 1.25, 0.8

@@ -10,6 +10,7 @@ from PySide6.QtCore import QSize, Qt, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
+from apd_viewer.cases.comparison import Comparison, MethodOutcome
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -20,22 +21,18 @@ from apd_viewer.presentation.method_readings import method_readings, reading_col
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.studies.comparison import Comparison, MethodOutcome
-from apd_viewer.ui.compare.comparison_picture import PIXEL_RATIO, ComparisonShape, write_comparison
-from apd_viewer.ui.compare.linked_views import LinkedViews
-from apd_viewer.ui.compare.method_table import MethodTable
-from apd_viewer.ui.compare.shared_scale import SharedScale
+from apd_viewer.ui.compare.linked_views import LinkedViews, SharedScale
+from apd_viewer.ui.compare.method_table import PIXEL_RATIO, ComparisonShape, MethodTable, write_comparison
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.panel.status_bar import ElidedLabel
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.display_names import window_title_text
+from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
-from apd_viewer.ui.widgets.icons import application_icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, application_icon, set_style_property
 
 _FEWEST = 2
 _SIZE = QSize(1280, 800)

@@ -8,16 +8,18 @@ from dataclasses import replace
 import numpy as np
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QGridLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.compare.method_view import HEAD_HEIGHT, MethodView
+from apd_viewer.ui.compare.method_view import HEAD_HEIGHT, MethodView, ProbedPoint
+from apd_viewer.ui.overlays.legend import ScaleBar
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.scene.camera_controller import link_cameras
-from apd_viewer.ui.scene.surface_probe import ProbedPoint
+from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.theme import Theme
 
 _READ = 250  # ms between two readings while shapes move
@@ -174,3 +176,73 @@ def _across(count: int, width: int, height: int, aspect: float) -> int:
         return min(width / across / aspect, height * across / count - HEAD_HEIGHT)
 
     return max((across for across in range(1, count + 1) if count % across == 0), key=size)
+
+
+_WIDTH = 248
+
+
+class SharedScale(QWidget):
+    """A legend with its range.
+
+    Parameters
+    ----------
+    scale : Scale
+        Of ratios.
+
+    Attributes
+    ----------
+    scale : Scale
+    changed : Signal()
+        The range is another one.
+    span : tuple of float or None
+        Least and largest value in sight.
+    """
+
+    changed = Signal()
+
+    def __init__(self, scale: Scale) -> None:
+        super().__init__()
+        self.scale = scale
+        self.span: tuple[float, float] | None = None
+        self.setFixedWidth(_WIDTH)
+        self._bar = ScaleBar()
+        tip = tr("Change at the ends of the scale, where the colours are strongest")
+        self.reach = NumberField(
+            brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9, suffix="\u00a0%"
+        )
+        self.reach.setRange(1e-7, 1e9)
+        self.reach.valueChanged.connect(lambda percent: self._rescale(percent / 100.0))
+        tip = tr("Fit the scale to the largest change of all shapes")
+        self.fit = QPushButton(tr("Fit"), toolTip=tip)
+        self.fit.clicked.connect(self._fit)
+        grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=6)
+        grid.setContentsMargins(0, 0, 0, 0)
+        title = QLabel(scale.measure.traits.title, objectName="title", toolTip=scale.measure.traits.tip)
+        grid.addWidget(title, 0, 0, 1, 3)
+        grid.addWidget(self._bar, 1, 0, 1, 3)
+        grid.addWidget(QLabel(tr("Range"), objectName="quiet"), 2, 0)
+        grid.addWidget(self.reach, 2, 1, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(self.fit, 2, 2)
+        grid.setColumnStretch(0, 1)
+        grid.setRowStretch(3, 1)
+        self._show()
+
+    def show_span(self, span: tuple[float, float] | None) -> None:
+        """Show the least and the largest value of all shapes; None shows none."""
+        self.span = span
+        self._bar.show_values(span, None)
+        self.fit.setEnabled(span is not None)
+
+    def _fit(self) -> None:
+        if self.span is not None:
+            self._rescale(self.scale.fitted_to(self.span).reach)
+
+    def _rescale(self, reach: float) -> None:
+        if reach != self.scale.reach:
+            self.scale = replace(self.scale, reach=reach)
+            self._show()
+            self.changed.emit()
+
+    def _show(self) -> None:
+        self.reach.show_value(100.0 * self.scale.reach)
+        self._bar.show_scale(self.scale, Unit.NONE)

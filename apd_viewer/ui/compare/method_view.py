@@ -1,9 +1,12 @@
-"""View of one method's shape, coloured by local area change."""
+"""View of one method's shape, with the material point under the cursor."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QObject, QPointF, Qt, Signal
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
@@ -13,8 +16,8 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.scene.coloring import colors_of
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
-from apd_viewer.ui.scene.surface_probe import ProbedPoint, SurfaceProbe
 from apd_viewer.ui.scene.viewport import Viewport
 
 HEAD_HEIGHT = 32  # px
@@ -150,3 +153,64 @@ class MethodView(QWidget):
         if self.values is None or self.surface.surface_index is None:
             return np.nan
         return float(place.weights @ self.values[self.surface.surface_index.F[place.face]])
+
+
+_RING = 6.0  # px
+
+
+class ProbedPoint(NamedTuple):
+    """Material point: a face and barycentric weights (3,)."""
+
+    face: int
+    weights: np.ndarray
+
+
+class SurfaceProbe(MouseTool, QObject):
+    """Reports the material point under the cursor and marks one with a ring.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    surface : Surface
+
+    Attributes
+    ----------
+    hovered : Signal(object)
+        The Place under the cursor, or None.
+    marked_point : ProbedPoint or None
+        What is marked.
+    """
+
+    hovered = Signal(object)
+
+    def __init__(self, viewport: Viewport, surface: Surface) -> None:
+        super().__init__(viewport)
+        self._viewport, self._surface = viewport, surface
+        self.marked_point: ProbedPoint | None = None
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Report the point under the cursor."""
+        hit = self._surface.hit(event.position())
+        self.hovered.emit(
+            None if hit is None else ProbedPoint(hit.face, self._surface.barycentric_weights(hit))
+        )
+        return False
+
+    def leave(self) -> None:
+        """There is no cursor any more."""
+        self.hovered.emit(None)
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the ring."""
+        skin = self._surface.surface_index
+        if self.marked_point is None or skin is None:
+            return
+        point = self.marked_point.weights @ self._surface.U[skin.F[self.marked_point.face]]
+        if self._viewport.camera_controller.camera.depth(point) <= 0.0:
+            return
+        x, y = self._viewport.camera_controller.camera.project(point[None])[0]
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        for color, width in (("#ffffff", 3.5), ("#1d2129", 1.5)):
+            painter.setPen(QPen(QColor(color), width))
+            painter.drawEllipse(QPointF(x, y), _RING, _RING)

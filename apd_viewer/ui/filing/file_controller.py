@@ -1,4 +1,4 @@
-"""Commands on files, with their questions."""
+"""Commands on files, and the questions before work is lost."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from collections.abc import Callable, Mapping
 from enum import Enum
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple, TypeVar
 
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
+from apd_viewer.session.model.status_text import lost_file_text
 from apd_viewer.session.model.view import View
 from apd_viewer.session.processes.freed_memory import give_back_freed_memory
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery_files
-from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.question import Question, ask_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 from apd_viewer.ui.widgets.display_names import window_title_text
 
@@ -199,7 +199,7 @@ class FileController:
             return True
         file, name = work.file, work.path.name if work.path else state.document.mesh.name
         found = FileState.SAME if file is None else file.state
-        answer = unsaved_question.ask_before_leaving(self._window, name, closes, found)
+        answer = ask_before_leaving(self._window, name, closes, found)
         if answer is UnsavedAnswer.SAVE:
             self.save(
                 partial(self.run_unless_unsaved, action, closes)
@@ -209,21 +209,88 @@ class FileController:
         return answer is UnsavedAnswer.DISCARD
 
 
-class ChangedFileAnswer(Enum):
-    """Answer to the question about a file changed on disk."""
-
-    SAVE_AS = tr("Save &as…")
-    OVERWRITE = tr("&Overwrite")
-    RELOAD = tr("&Reload")
-    CANCEL = tr("Cancel")
+_LONGEST_NAME = 300  # px
+_Role = QMessageBox.ButtonRole
 
 
-_ROLES = {
-    ChangedFileAnswer.SAVE_AS: QMessageBox.ButtonRole.AcceptRole,
-    ChangedFileAnswer.OVERWRITE: QMessageBox.ButtonRole.DestructiveRole,
-    ChangedFileAnswer.RELOAD: QMessageBox.ButtonRole.ActionRole,
-    ChangedFileAnswer.CANCEL: QMessageBox.ButtonRole.RejectRole,
-}
+class Question(NamedTuple):
+    """Words of a question.
+
+    Attributes
+    ----------
+    title : str
+    text : str
+        The question, with ``{name}`` where the file is named.
+    name : str
+        Of the file; a long one is shortened.
+    details : str
+        What to know before it is answered, with ``{name}`` likewise.
+    """
+
+    title: str
+    text: str
+    name: str
+    details: str
+
+
+class Answer(Enum):
+    """Text and role of a button; ``Enter`` gives the first answer, ``Esc`` the last."""
+
+    def __init__(self, text: str, role: QMessageBox.ButtonRole) -> None:
+        self.text, self.role = text, role
+
+
+A = TypeVar("A", bound=Answer)
+
+
+class UnsavedAnswer(Answer):
+    """An answer to the question about unsaved work."""
+
+    SAVE = tr("&Save session"), _Role.AcceptRole
+    EXPORT = tr("&Export mesh…"), _Role.AcceptRole
+    DISCARD = tr("&Don’t save"), _Role.DestructiveRole
+    CANCEL = tr("Cancel"), _Role.RejectRole
+
+
+class ChangedFileAnswer(Answer):
+    """An answer to the question about a file changed on disk."""
+
+    SAVE_AS = tr("Save &as…"), _Role.AcceptRole
+    OVERWRITE = tr("&Overwrite"), _Role.DestructiveRole
+    RELOAD = tr("&Reload"), _Role.ActionRole
+    CANCEL = tr("Cancel"), _Role.RejectRole
+
+
+def ask_question(parent: QWidget, question: Question, answers: type[A]) -> A:
+    """Ask, and return the answer."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setWindowTitle(question.title)
+    elide = box.fontMetrics().elidedText
+    name = elide(question.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
+    box.setText(question.text.format(name=name))
+    box.setInformativeText(question.details.format(name=name))
+    buttons = [(answer, box.addButton(answer.text, answer.role)) for answer in answers]
+    box.setDefaultButton(buttons[0][1])
+    box.setEscapeButton(buttons[-1][1])
+    box.exec()
+    clicked = box.clickedButton()
+    box.deleteLater()
+    return next((answer for answer, button in buttons if button is clicked), buttons[-1][0])
+
+
+def ask_before_leaving(
+    parent: QWidget, name: str, closes: bool, fate: FileState = FileState.SAME
+) -> UnsavedAnswer:
+    """Ask about unsaved work before closing, or before opening another file."""
+    said = tr("Save changes to “{name}” before closing?")
+    if not closes:
+        said = tr("Save changes to “{name}” before opening another file?")
+    kept = tr("A session keeps paint, handles, targets, settings and the shape; a mesh only the shape.")
+    lost = lost_file_text("{name}", fate)
+    question = Question(tr("Unsaved changes"), said, name, f"{lost}\n{kept}".lstrip())
+    return ask_question(parent, question, UnsavedAnswer)
 
 
 def ask_about_changed_file(
@@ -233,14 +300,14 @@ def ask_about_changed_file(
 
     Whoever has found the change may still be at work. ``Enter`` loses nothing.
     """
-    QTimer.singleShot(0, parent, lambda: actions.get(_decision(parent, name), lambda: None)())
-
-
-def _decision(parent: QWidget, name: str) -> ChangedFileAnswer:
     said = tr("“{name}” has been changed by another window or program. Overwrite it?")
     about = tr(
         "Overwrite loses what is in the file. Reload opens the file instead and takes this window’s "
         "changes away; Undo brings them back."
     )
     question = Question(tr("File changed"), said, name, about)
-    return ask_question(parent, question, _ROLES, ChangedFileAnswer.SAVE_AS, ChangedFileAnswer.CANCEL)
+
+    def ask() -> None:
+        actions.get(ask_question(parent, question, ChangedFileAnswer), lambda: None)()
+
+    QTimer.singleShot(0, parent, ask)

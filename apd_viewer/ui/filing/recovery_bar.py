@@ -11,10 +11,9 @@ from apd_viewer.language import tr, trc
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, age_text
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.event_barrier import shield
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
-from apd_viewer.ui.widgets.wrapping_row import arrange_row
+from apd_viewer.ui.widgets.fit_to_screen import arrange_row
+from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
+from apd_viewer.ui.widgets.wheel import shield
 
 _MARGIN = 12
 _ABOVE = 68  # px from the bottom of the canvas, with room for the hint below

@@ -19,13 +19,11 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.ui.help.search_query import SearchQuery, match_score
-from apd_viewer.ui.help.searchable import Searchable
+from apd_viewer.ui.help.searchable import Searchable, SearchQuery, match_score
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
+from apd_viewer.ui.widgets.wheel import shield
 
 _MARGIN, _WIDEST = 12, 640
 _MOST = 40  # entries found

@@ -2,26 +2,43 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import cast
 
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtGui import QAction, QCursor, QHelpEvent, QKeyEvent, QKeySequence
-from PySide6.QtWidgets import QApplication, QMainWindow, QMenu, QMessageBox, QWhatsThis, QWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QMainWindow,
+    QMenu,
+    QMenuBar,
+    QMessageBox,
+    QToolButton,
+    QWhatsThis,
+    QWidget,
+)
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.help import manual, manual_places
-from apd_viewer.ui.help.manual_places import ManualPlace
+from apd_viewer.ui.help import manual
+from apd_viewer.ui.help.manual import ManualPlace
+from apd_viewer.ui.overlays.card_stack import CardStack
+from apd_viewer.ui.overlays.notice import SECTION_PROPERTY
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.preferences.action_maker import NAME_PROPERTY
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.settings_page.settings_dialog import SETTING_PROPERTY
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.help_button import HelpButton
 
 _WINDOW = ManualPlace("reference/window")
+_AROUND = QMainWindow, Panel, Viewport, CardStack  # their sections and cards are explained one by one
+_SHARED = "RunBar", "PartButtons"  # the same in several sections
 
 
 class ContextHelp(QObject):
-    """Opens the manual at the place of a control, a menu entry or a tool.
+    """Opens the manual at an action, a setting, or the section about a control.
 
     The control under the mouse is meant if the mouse has moved since the focus did, and else the one with the
     focus; if neither has a place, the tool in the hand.
@@ -80,11 +97,11 @@ class ContextHelp(QObject):
         """Place of a widget of this window; the view itself has none."""
         if widget.window() is not self._shell or isinstance(widget, Viewport):
             return None
-        return manual_places.widget_place(widget, at)
+        return widget_place(widget, at)
 
     @property
     def _tool(self) -> ManualPlace:
-        return manual_places.action_place(f"take:{self._canvas.tool.name}")
+        return manual.action_place(f"take:{self._canvas.tool.name}")
 
     # Events
 
@@ -108,9 +125,7 @@ class ContextHelp(QObject):
         return False
 
     def _clicked(self, widget: QWidget, at: QPoint) -> ManualPlace:
-        return (
-            self._tool if isinstance(widget, Viewport) else manual_places.widget_place(widget, at) or _WINDOW
-        )
+        return self._tool if isinstance(widget, Viewport) else widget_place(widget, at) or _WINDOW
 
     def _explain_entry(self, menu: QMenu, event: QKeyEvent) -> bool:
         """Explain the marked entry on the key of the action."""
@@ -118,7 +133,7 @@ class ContextHelp(QObject):
         if not any(key in self._action.shortcuts() for key in keys):
             return False
         action = menu.activeAction() or menu.actionAt(menu.mapFromGlobal(QCursor.pos()))
-        place = manual_places.menu_entry_place(action) if action is not None else None
+        place = menu_entry_place(action) if action is not None else None
         while (popup := QApplication.activePopupWidget()) is not None:
             popup.close()
         return self._done(lambda: show_manual(place or ManualPlace("reference/keys")))
@@ -129,9 +144,59 @@ class ContextHelp(QObject):
         return True
 
 
+def widget_place(widget: QWidget, mouse: QPoint | None = None) -> ManualPlace | None:
+    """Place of a widget; None where no section has it.
+
+    Parameters
+    ----------
+    widget : QWidget
+    mouse : QPoint, optional
+        Global position of the mouse, if that chooses a part of the widget.
+    """
+    action = _action_at(widget, mouse)
+    if action is not None and (place := menu_entry_place(action)) is not None:
+        return place
+    if setting := widget.property(SETTING_PROPERTY):
+        return manual.setting_place(str(setting))
+    section = section_name(widget)
+    return manual.section_place(section) if section else None
+
+
+def section_name(widget: QWidget) -> str:
+    """Class of the section, card or dialog around a widget; empty without."""
+    name = ""
+    node: QWidget | None = widget
+    while node is not None and not isinstance(node, _AROUND) and name not in _SHARED:
+        kind = type(node)
+        if given := node.property(SECTION_PROPERTY):
+            return str(given)
+        if re.match(r"apd_viewer\.ui\.(?!widgets)", kind.__module__):
+            name = kind.__name__
+        node = node.parentWidget()
+    return name
+
+
+def menu_entry_place(action: QAction) -> ManualPlace | None:
+    """Place of a menu entry; of a submenu, the place of its first entry."""
+    menu = action.menu()
+    while isinstance(menu, QMenu) and menu.actions():
+        action = menu.actions()[0]
+        menu = action.menu()
+    name = action.property(NAME_PROPERTY)
+    return manual.action_place(str(name)) if name else None
+
+
+def _action_at(widget: QWidget, at: QPoint | None) -> QAction | None:
+    """Action behind a widget, if any."""
+    if isinstance(widget, QMenu | QMenuBar):
+        under = widget.actionAt(widget.mapFromGlobal(at)) if at is not None else None
+        return under or widget.activeAction()
+    return widget.defaultAction() if isinstance(widget, QToolButton) else None
+
+
 def explain_widget(widget: QWidget) -> None:
     """Open the manual at a widget, or at its owner."""
-    show_manual(manual_places.widget_place(widget) or _WINDOW)
+    show_manual(widget_place(widget) or _WINDOW)
 
 
 def show_manual(place: ManualPlace) -> None:

@@ -13,18 +13,16 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Activity
-from apd_viewer.ui.actions.action_maker import without_mnemonic
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.help.command_search import CommandSearch
 from apd_viewer.ui.help.context_help import ContextHelp, look_up_in_manual, show_manual
-from apd_viewer.ui.help.manual import FIRST_PAGE
-from apd_viewer.ui.help.manual_places import ManualPlace
+from apd_viewer.ui.help.manual import FIRST_PAGE, ManualPlace
 from apd_viewer.ui.help.searchable import menu_entries, searchable_entries
 from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, ShortcutGroup, ShortcutRow, mouse_gestures
 from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
-from apd_viewer.ui.help.tour import Tour
-from apd_viewer.ui.help.tour_targets import TourTargets
+from apd_viewer.ui.help.tour import Tour, TourTargets
 from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.preferences.action_maker import without_mnemonic
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.shortcuts import Shortcuts
 from apd_viewer.ui.tools.canvas import Canvas

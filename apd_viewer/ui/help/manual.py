@@ -1,20 +1,20 @@
-"""The manual: pages beside the program, shown by the browser."""
+"""The manual: pages beside the program, and places in them."""
 
 from __future__ import annotations
 
+import re
 import tempfile
 from html import escape
 from pathlib import Path
+from typing import NamedTuple
 
 from PySide6.QtCore import QStandardPaths, QUrl, QUrlQuery
 from PySide6.QtGui import QDesktopServices
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.help.manual_places import ManualPlace
 
 _PACKAGE = Path(__file__).resolve().parents[2]
-FIRST_PAGE = ManualPlace("index")
 _SEARCH = "search"
 _FORWARD = """<!doctype html>
 <meta charset="utf-8">
@@ -22,6 +22,46 @@ _FORWARD = """<!doctype html>
 <meta http-equiv="refresh" content="0; url={url}">
 <a href="{url}">{url}</a>
 """
+
+
+class ManualPlace(NamedTuple):
+    """Page of the manual, and an anchor in it.
+
+    Parameters
+    ----------
+    page : str
+        Without its suffix, relative to the manual.
+    anchor : str
+        Empty for the beginning of the page.
+    """
+
+    page: str
+    anchor: str = ""
+
+
+FIRST_PAGE = ManualPlace("index")
+
+
+def slug(name: str) -> str:
+    """Anchor made of a name; signs count, so that ``up:-X`` and ``up:+X`` differ."""
+    spoken = name.lower().replace("-", " minus ").replace("+", " plus ")
+    return re.sub(r"[^a-z0-9]+", "-", spoken).strip("-")
+
+
+def action_place(name: str) -> ManualPlace:
+    """Place of the menu entry ``name``."""
+    return ManualPlace("reference/keys", f"action-{slug(name)}")
+
+
+def setting_place(name: str) -> ManualPlace:
+    """Place of the preference ``name``."""
+    return ManualPlace("reference/settings", f"setting-{slug(name)}")
+
+
+def section_place(name: str) -> ManualPlace:
+    """Place of a section, card or dialog, by its class such as ``SweepDialog``."""
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    return ManualPlace("reference/window", f"section-{slug(words)}")
 
 
 def manual_folder(package: Path = _PACKAGE) -> Path:

@@ -1,27 +1,45 @@
-"""Entries of the search: menu entries, controls of the panel, settings."""
+"""Entries of the search, ranked by the words of a wish."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import re
+import unicodedata
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from functools import partial
 from typing import NamedTuple
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QMenu, QMenuBar, QScrollArea, QWidget
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QDockWidget,
+    QLabel,
+    QLineEdit,
+    QMainWindow,
+    QMenu,
+    QMenuBar,
+    QScrollArea,
+    QWidget,
+)
 
 from apd_viewer.language import tr
 from apd_viewer.session.state_store import StateStore
-from apd_viewer.ui.actions.action_maker import without_mnemonic
-from apd_viewer.ui.help import manual_places
-from apd_viewer.ui.help.manual_places import ManualPlace
-from apd_viewer.ui.help.search_query import SearchTexts
-from apd_viewer.ui.help.synonyms import SYNONYMS
+from apd_viewer.ui.help.context_help import section_name
+from apd_viewer.ui.help.manual import ManualPlace, action_place, section_place, setting_place
+from apd_viewer.ui.help.synonyms import CONTROL_SYNONYMS, SYNONYMS
 from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.preferences.action_maker import without_mnemonic
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, keys_of, native_keys
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.widgets.folding_section import Heading, Section
+from apd_viewer.ui.widgets.named_rows import NamedRow
+from apd_viewer.ui.widgets.part_row import PartButtons
 from apd_viewer.ui.widgets.slider_field import SliderField
 
 
@@ -81,7 +99,7 @@ def command_entries(
             title = found.full_title(entry.title)
             texts = SearchTexts(title, entry.tip, SYNONYMS.get(entry.name, ""))
             keys = native_keys(keys_of(action))
-            place = manual_places.action_place(entry.name)
+            place = action_place(entry.name)
             yield Searchable(texts, where, action.trigger, place, keys, why_not, entry.image)
 
 
@@ -103,22 +121,55 @@ def _why_not(entry: ShortcutEntry, store: StateStore) -> str:
 
 
 def control_entries(panel: Panel) -> Iterator[Searchable]:
-    """Controls of the panel, each path once."""
-    known = set()
+    """Controls of the panel outside list rows, each title of a section once."""
     for section in (panel.area, *panel.sections):
         heading = section.title if isinstance(section, Section) else tr("Area")
-        for widget in section.findChildren(QWidget):
-            path = manual_places.control_path(widget) if manual_places.is_named(widget) else ()
+        known = set()
+        for widget in filter(is_control, section.findChildren(QWidget)):
             title, tip = texts_of(widget)
-            if len(path) > 2 and "rows" not in path and title and path not in known:
-                known.add(path)
+            if not (title in known or _is_in_row(widget) or is_section_heading(widget)):
+                known.add(title)
+                also = CONTROL_SYNONYMS.get(re.split("[:,]", title)[0], "")
                 yield Searchable(
-                    SearchTexts(title, tip, f"{SYNONYMS.get('/'.join(path), '')} {heading}"),
+                    SearchTexts(title, tip, f"{also} {heading}"),
                     tr("{menu} > {entry}").format(menu=tr("Panel"), entry=heading),
                     partial(reveal_control, widget),
-                    manual_places.control_place(path),
+                    section_place(section_name(widget)),
                     disabled_reason="" if _is_offered(widget, panel) else tr("not with what is open"),
                 )
+
+
+def is_control(widget: QWidget) -> bool:
+    """True for a named input field or button, and for a named reading with a tip."""
+    owner = widget.parentWidget()
+    if isinstance(owner, SliderField) and widget in (owner.slider, owner.reset_button):
+        return False  # besides its field
+    title, tip = texts_of(widget)
+    return bool(title and (tip if isinstance(widget, QLabel) else isinstance(widget, _INPUTS)))
+
+
+_INPUTS = (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QLineEdit,
+    NamedRow,
+)
+
+
+def is_section_heading(widget: QWidget) -> bool:
+    """True for the heading of a section of the panel."""
+    return isinstance(widget.parentWidget(), Section) and isinstance(widget, Heading)
+
+
+def _is_in_row(widget: QWidget) -> bool:
+    """True for a row of a list, its contents, and the buttons of a part."""
+    node: QWidget | None = widget
+    while node is not None and not isinstance(node, NamedRow | PartButtons):
+        node = node.parentWidget()
+    return node is not None
 
 
 def _is_offered(widget: QWidget, panel: Panel) -> bool:
@@ -146,8 +197,7 @@ def reveal_control(widget: QWidget) -> None:
         elif isinstance(node, QScrollArea):
             QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # once it has its place
         node = node.parentWidget()
-    field = widget.field if isinstance(widget, SliderField) else widget
-    field.setFocus(Qt.FocusReason.TabFocusReason)
+    widget.setFocus(Qt.FocusReason.TabFocusReason)
 
 
 def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchable]:
@@ -160,15 +210,13 @@ def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchab
                 ),
                 tr("{menu} > {entry}").format(menu=tr("Settings"), entry=group.title),
                 partial(open_settings, preference.name),
-                manual_places.setting_place(preference.name),
+                setting_place(preference.name),
                 image="settings",
             )
 
 
 def texts_of(widget: QWidget) -> tuple[str, str]:
     """Title and tip of a control, each on one line; empty if missing."""
-    if isinstance(widget, SliderField):
-        widget = widget.field
     title = widget.accessibleName()
     if isinstance(widget, QAbstractButton) and not title:
         title = without_mnemonic(widget.text())
@@ -215,3 +263,90 @@ def _leaves(menu: QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
             yield from _leaves(submenu(action), without_mnemonic(action.text()))
         elif not action.isSeparator():
             yield action, within
+
+
+# Words of a wish that say nothing about the command, in lower case.
+_EMPTY = frozenset(
+    tr("a an and can do for get have how i in is it make me my of on or the to want with").split()
+)
+# Words that are about the mesh whatever the command; they count only where nothing else was typed.
+_GENERAL = frozenset(tr("bottle mesh model object shape thing").split())
+_TITLE, _ALSO, _TIP = 3.0, 3.0, 1.0
+_WHOLE = 2.0  # more, if every word of the title is meant
+_MESH = 1.5  # more, for what changes the whole mesh if the wish names the mesh
+_LONG = 5  # letters from which a word may be misspelt
+_PART = 4  # letters from which a word may be part of another
+_ALIKE = 0.8
+
+
+class SearchTexts(NamedTuple):
+    """Words of a command.
+
+    Parameters
+    ----------
+    title, tip : str
+    synonyms : str
+        Other words for the same.
+    """
+
+    title: str
+    tip: str
+    synonyms: str = ""
+
+
+def normalized_words(text: str) -> list[str]:
+    """Words of a text in lower case, without accents and signs."""
+    flat = unicodedata.normalize("NFKD", text.casefold())
+    return re.findall(r"[^\W_]+", "".join(letter for letter in flat if not unicodedata.combining(letter)))
+
+
+class SearchQuery(NamedTuple):
+    """Telling words of a wish, and whether it names the mesh as a whole."""
+
+    words: tuple[str, ...]
+    is_general: bool
+
+    @classmethod
+    def from_text(cls, text: str) -> SearchQuery:
+        """Query as typed; without a telling word, all of them count."""
+        words = normalized_words(text)
+        telling = [word for word in words if word not in _EMPTY]
+        special = [word for word in telling if word not in _GENERAL]
+        return cls(tuple(special or telling or words), bool(special) and special != telling)
+
+
+def match_score(query: SearchQuery, texts: SearchTexts) -> float:
+    """Match of texts with a wish; 0 unless most of its words are found."""
+    title, tip, also = (normalized_words(text) for text in texts)
+    total, found = 0.0, 0
+    for word in query.words:
+        best = max(_TITLE * _best(word, title), _ALSO * _best(word, also), _TIP * _best(word, tip))
+        total += best
+        found += best > 0.0
+    if not query.words or 2 * found <= len(query.words):
+        return 0.0
+    named = sum(max(_alike(word, other) for word in query.words) for other in title) / max(1, len(title))
+    general = query.is_general and not _GENERAL.isdisjoint(also)
+    return total / len(query.words) + _WHOLE * named + _MESH * general
+
+
+def _best(word: str, others: Iterable[str]) -> float:
+    return max((_alike(word, other) for other in others), default=0.0)
+
+
+def _alike(word: str, other: str) -> float:
+    """1 for the same word, less for its beginning, another ending or a slip."""
+    if word == other:
+        return 1.0
+    if other.startswith(word):
+        return 0.9
+    if word in other and (len(word) >= _PART or not word.isascii()):
+        return 0.7  # part of a compound
+    if not word.isascii() and len(other) > 1 and other in word:
+        return 0.7  # words without blanks between them
+    shared = len(word) >= _LONG - 1 and word[: max(4, len(word) - 3)] == other[: max(4, len(word) - 3)]
+    if shared and abs(len(word) - len(other)) <= 3:
+        return 0.8
+    if min(len(word), len(other)) >= _LONG and SequenceMatcher(None, word, other).ratio() >= _ALIKE:
+        return 0.6
+    return 0.0

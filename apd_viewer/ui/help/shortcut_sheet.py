@@ -22,9 +22,9 @@ from apd_viewer.ui.help.command_search import SearchRow
 from apd_viewer.ui.help.shortcut_rows import ActionRow, ShortcutGroup
 from apd_viewer.ui.preferences.shortcuts import Shortcuts, native_keys, split_keys
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.event_barrier import shield
+from apd_viewer.ui.widgets.fit_to_screen import arrange_row
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
-from apd_viewer.ui.widgets.wrapping_row import arrange_row
+from apd_viewer.ui.widgets.wheel import shield
 
 _MARGIN, _WIDEST, _NARROWEST = 12, 560, 160
 _HINT = tr("Click a shortcut to change it.")

@@ -6,7 +6,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.posing.motion import MOTION_KINDS
 
 _MOTIONS = [kind.title for kind in MOTION_KINDS.values()]
-# By the name of an action or a setting, or the path of a control; beside the words of title and tip.
+# By the name of an action or a setting; beside the words of title and tip.
 SYNONYMS = {
     "open": tr("load import file read"),
     "export": tr("save mesh file write stl obj ply"),
@@ -69,15 +69,17 @@ SYNONYMS = {
     "paper": tr("li hui reproduce"),
     "copy_diagnostics": tr("bug problem log crash support"),
     "about": tr("version licence"),
-    "panel/area/target": tr("shape smaller larger bigger shrink grow surface percent"),
-    "panel/area/unit": tr("millimetre centimetre metre inch scale"),
-    "panel/volume/target": tr("shape smaller larger bigger shrink grow content litre percent"),
-    "panel/volume/keep": tr("incompressible content"),
-    "panel/method/stiffness": tr("soft hard rigid bend cloth metal wrinkles smooth"),
-    "panel/method/contact": tr("collision penetrate self intersect touch"),
-    "panel/method/method": tr("algorithm solver energy"),
-    "panel/handles/falloff": tr("soft influence radius smooth transition"),
-    "panel/measures/thickness": tr("wall weight mass"),
-    "panel/measures/density": tr("wall weight mass material"),
-    "panel/paint/clear-all": tr("erase delete everything start over"),
+}
+# By the title of a control of the panel, up to its first colon or comma.
+CONTROL_SYNONYMS = {
+    tr("Area target"): tr("shape smaller larger bigger shrink grow surface percent"),
+    tr("Unit of length"): tr("millimetre centimetre metre inch scale"),
+    tr("Volume target"): tr("shape smaller larger bigger shrink grow content litre percent"),
+    tr("Keep volume"): tr("incompressible content"),
+    tr("Stiffness"): tr("soft hard rigid bend cloth metal wrinkles smooth"),
+    tr("Contact"): tr("collision penetrate self intersect touch"),
+    tr("Method"): tr("algorithm solver energy"),
+    tr("Falloff of the handle"): tr("soft influence radius smooth transition"),
+    tr("Wall"): tr("wall weight mass material"),
+    tr("Clear all"): tr("erase delete everything start over"),
 }

@@ -9,7 +9,7 @@ from PySide6.QtGui import QMouseEvent, QWheelEvent
 from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
-from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.selection_tool import may_begin_stroke

@@ -19,14 +19,13 @@ from apd_viewer.ui.obstacles.obstacle_picker import ObstaclePicker
 from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle, ObstacleScene
 from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
 from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent, axes_along, drawing_anchor
-from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo import Gizmo
-from apd_viewer.ui.tools.gizmo_drag import nice_step
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, SQUARES, GizmoOrientation
+from apd_viewer.ui.tools.gizmo_drag import ARROWS, SQUARES, GizmoOrientation, nice_step
 from apd_viewer.ui.tools.toolbox import Tool
 
 _ALONG_NORMAL, _FREELY = frozenset({"z"}), frozenset({*ARROWS, *SQUARES, "centre"})

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QFocusEvent, QHideEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
@@ -16,16 +17,12 @@ from apd_viewer.notation import editable_number
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.presentation.obstacle_readings import coordinates_text
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.ui.widgets.error_bubble import ErrorBubble
-from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus, small_button
-from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.fields import ComboBox, ErrorBubble, TextField, return_focus, small_button
+from apd_viewer.ui.widgets.theme import Theme, icon
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QFocusEvent, QHideEvent
-
     from apd_viewer.session.model.state import State
     from apd_viewer.session.typed_values import TypedValues
-    from apd_viewer.ui.widgets.theme import Theme
 
 _AXIS = {
     ObstacleKind.PLATE: (tr("Normal"), tr("Direction to the side that stays free: three numbers")),

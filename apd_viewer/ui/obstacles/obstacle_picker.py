@@ -11,8 +11,7 @@ from PySide6.QtGui import QMouseEvent, QPainter
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle
 from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent, axes_along, drawing_anchor, plate_half_sides
-from apd_viewer.ui.scene.mouse_tool import MouseTool
-from apd_viewer.ui.scene.navigation import DEAD_ZONE
+from apd_viewer.ui.scene.navigation import DEAD_ZONE, MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.gizmo import Gizmo

@@ -12,8 +12,8 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.presentation.palette import OBSTACLE_COLOR, OBSTACLE_COLOR_ON_DARK
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.ui.appearance.shading import PLATE_SHADER, ROUND_OBSTACLE_SHADER
 from apd_viewer.ui.obstacles.obstacle_shapes import ObstacleShape, ShapeExtent, drawing_anchor, obstacle_shape
+from apd_viewer.ui.scene.shading import PLATE_SHADER, ROUND_OBSTACLE_SHADER
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 

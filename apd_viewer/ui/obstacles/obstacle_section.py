@@ -12,17 +12,15 @@ from apd_viewer.language import tr, trc
 from apd_viewer.presentation.obstacle_readings import idle_reason, load_excess_text, load_text, motion_text
 from apd_viewer.presentation.palette import OBSTACLE_COLOR
 from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.obstacles.obstacle_fields import ObstacleFields
-from apd_viewer.ui.part_lists.part_list import PartList
-from apd_viewer.ui.part_lists.part_row import PartRow
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.part_row import PartList, PartRow
+from apd_viewer.ui.widgets.theme import Theme, icon
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.typed_values import TypedValues
-    from apd_viewer.ui.widgets.theme import Theme
 
 TIPS = {
     ObstacleKind.PLATE: tr("Put a plate that stops the surface, by a click on it"),

@@ -11,11 +11,10 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_position
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.slider import Slider, SliderScale
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
+from apd_viewer.ui.widgets.wheel import shield
 
 _STEPS = 400
 _SCALE = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)

@@ -13,22 +13,20 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.appearance.shading import AMBER_GLASS_SHADER
 from apd_viewer.ui.overlays.card_stack import CardStack
 from apd_viewer.ui.overlays.cutting_plane import CuttingPlane
-from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
-from apd_viewer.ui.overlays.document_measures import DocumentMeasures
+from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay, DocumentMeasures
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
+from apd_viewer.ui.scene.shading import AMBER_GLASS_SHADER
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.turntable import Turntable
-from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.slider import Slider, SliderScale
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
+from apd_viewer.ui.widgets.wheel import shield
 
 
 class DisplayOptions:

@@ -12,7 +12,7 @@ from apd_viewer.geometry.analysis.deviation import extreme_vertices
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas

@@ -9,9 +9,8 @@ from PySide6.QtGui import QAction, QKeyEvent
 from PySide6.QtWidgets import QToolButton
 
 from apd_viewer.language import tr, trn
-from apd_viewer.ui.preferences.shortcut_hints import with_keys
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.preferences.shortcuts import with_keys
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 ENTER_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 

@@ -17,7 +17,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.selection_tool import StrokeEffect, stroke_effect
-from apd_viewer.ui.widgets.event_barrier import shield
+from apd_viewer.ui.widgets.wheel import shield
 
 _PIXELS = "px"
 

@@ -15,16 +15,19 @@ from apd_viewer.geometry.solver.convergence import (
     Convergence,
 )
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
-from apd_viewer.geometry.solver.settings import SETTINGS
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.folding_section import Heading, Section, quiet_label
-from apd_viewer.ui.widgets.slider import DECADES
-from apd_viewer.ui.widgets.slider_field import SliderField
+from apd_viewer.ui.widgets.slider_field import DECADES, SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
+
+_FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
+# The stiffness has a slider, and the distance of walls is that of the wall's thickness.
+_ELSEWHERE = ("stiffness", "thickness")
 
 
 class MethodSection(Section):
@@ -36,6 +39,8 @@ class MethodSection(Section):
         Name of a setting and its value, but for contact.
     contact_chosen : Signal(bool)
     stiffness : SliderField
+    numbers : dict of str to NumberField
+        Of the other settings that are numbers, by their names; 0 shows an unset one.
     convergence : ConvergenceFields
     """
 
@@ -59,6 +64,7 @@ class MethodSection(Section):
 
     def _add_settings(self) -> None:
         self._rows: dict[str, QWidget] = {}
+        self.numbers: dict[str, NumberField] = {}
         self.calm = self._switch(
             "calm",
             tr("Keep calm parts"),
@@ -81,17 +87,6 @@ class MethodSection(Section):
         )
         self.tolerance.valueChanged.connect(lambda percent: self.changed.emit("tolerance", percent / 100.0))
         self._add_row("tolerance", field_row(SETTINGS["tolerance"].title, self.tolerance))
-        self.area_stiffness = self._modulus(
-            "area_stiffness",
-            tr("How strongly each triangle keeps its area: the area modulus, relative to that of the whole"),
-        )
-        self.shear_stiffness = self._modulus(
-            "shear_stiffness",
-            tr(
-                "How strongly each triangle keeps its angles: the shear modulus, relative to that of "
-                "the whole"
-            ),
-        )
         tip = tr("How strongly the surface resists bending, from cloth to sheet metal: the bending stiffness")
         field = NumberField(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
         label = QLabel(tr("Stiffness"), toolTip=tip)
@@ -99,6 +94,9 @@ class MethodSection(Section):
             label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal"))
         )
         self.column.addWidget(self.stiffness)
+        for name, setting in SETTINGS.items():
+            if setting.kind in _FIELDS and name not in _ELSEWHERE:
+                self._add_number(name, setting)
         self.convergence = ConvergenceFields()
         self.column.addWidget(self.convergence)
 
@@ -108,15 +106,16 @@ class MethodSection(Section):
         self.column.addWidget(box)
         return box
 
-    def _modulus(self, name: str, tip: str) -> NumberField:
-        title = SETTINGS[name].title
+    def _add_number(self, name: str, setting: Setting) -> None:
+        tip = setting.help[0].upper() + setting.help[1:]
         field = NumberField(
-            brief=True, accessibleName=title, toolTip=tip, minimum=0.0, maximum=10_000.0, decimals=4
+            brief=True, accessibleName=setting.title, toolTip=tip, maximum=setting.most, decimals=4
         )
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
-        field.valueChanged.connect(partial(self.changed.emit, name))
-        self._add_row(name, field_row(title, field))
-        return field
+        default = getattr(DEFAULT_SETTINGS, name)
+        field.valueChanged.connect(lambda value: self.changed.emit(name, value or default))
+        self.numbers[name] = field
+        self._add_row(name, field_row(setting.title, field))
 
     def _add_row(self, name: str, row: QWidget) -> None:
         row.hide()  # until a method uses it
@@ -129,12 +128,12 @@ class MethodSection(Section):
         self.method.setCurrentIndex(self.method.findData(settings.method))
         self._describe(settings.traits)
         for name, row in self._rows.items():
-            row.setVisible(SETTINGS[name].applies(settings.traits))
+            row.setVisible(SETTINGS[name].applies(settings))
+        for name, field in self.numbers.items():
+            field.show_value(getattr(settings, name) or 0.0)
         self.calm.setChecked(settings.calm)
         self.contact.setChecked(settings.contact)
         self.tolerance.show_value(100.0 * settings.tolerance)
-        self.area_stiffness.show_value(settings.area_stiffness)
-        self.shear_stiffness.show_value(settings.shear_stiffness)
         self.stiffness.show_value(settings.stiffness)
         self.convergence.show_settings(document)
 

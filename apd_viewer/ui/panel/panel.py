@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QSize, Qt, QTimer
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -12,24 +13,21 @@ from apd_viewer.language import tr, translations
 from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.measuring.measure_section import MeasureSection
 from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
-from apd_viewer.ui.panel.area_section import AreaSection
-from apd_viewer.ui.panel.measure_section import MeasureSection
+from apd_viewer.ui.panel.area_section import AreaSection, VolumeSection
 from apd_viewer.ui.panel.method_section import MethodSection
 from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
-from apd_viewer.ui.panel.pose_section import PoseSection
 from apd_viewer.ui.panel.size_section import SizeSection
-from apd_viewer.ui.panel.target_section import TargetSection
-from apd_viewer.ui.panel.volume_section import VolumeSection
-from apd_viewer.ui.part_lists.part_row import PartButtons, Swatch
-from apd_viewer.ui.preferences.shortcut_hints import show_keys_in_tip
+from apd_viewer.ui.posing.pose_section import PoseSection
+from apd_viewer.ui.preferences.shortcuts import show_keys_in_tip
+from apd_viewer.ui.target.target_section import TargetSection
 from apd_viewer.ui.widgets.folding_section import Section
+from apd_viewer.ui.widgets.part_row import PartButtons, Swatch
 from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QAction
-
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session

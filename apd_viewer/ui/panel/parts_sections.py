@@ -12,21 +12,17 @@ from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.session.model.status_text import self_passing_warnings
-from apd_viewer.ui.panel.motion_field import MotionField
-from apd_viewer.ui.panel.symmetry_row import SymmetryRow
-from apd_viewer.ui.part_lists.part_list import PartList
-from apd_viewer.ui.part_lists.part_row import PartRow
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.posing.pose_section import MotionField, SymmetryRow
 from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.slider import SHARE
-from apd_viewer.ui.widgets.slider_field import SliderField
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.part_row import PartList, PartRow
+from apd_viewer.ui.widgets.slider_field import SHARE, SliderField
+from apd_viewer.ui.widgets.theme import Theme, icon
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
 
 _DRIFT = tr("Distance between a handle and the position you gave it; the largest of several")
 

@@ -1,48 +1,36 @@
-"""Status bar: tool hint, jobs and solver speed."""
+"""Status bar: tool hint, jobs, solver speed, convergence and time left."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QSizePolicy,
+    QStatusBar,
+    QToolButton,
+    QWidget,
+)
 
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import format_short
-from apd_viewer.ui.panel.convergence_progress import ConvergenceProgress
-from apd_viewer.ui.widgets.thin_bar import ThinBar
+from apd_viewer.presentation.time_left import TimeLeftEstimate, time_left_text
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.tools.brush_tool import BrushSize
+from apd_viewer.ui.widgets.elided_label import ElidedLabel, ThinBar
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
     from apd_viewer.session.state_store import Activity
-    from apd_viewer.ui.tools.brush_size import BrushSize
 
 # Values of Activity, whose module loads too much for the first picture.
 _SOLVING, _PAUSED = "refining", "paused"
-
-
-class ElidedLabel(QLabel):
-    """Label elided to its width, with all of its text in the tip."""
-
-    def show_text(self, text: str) -> None:
-        """Show a text."""
-        self.setText(text)
-        self.setToolTip(text)
-
-    def minimumSizeHint(self) -> QSize:
-        """Give way to all others."""
-        return QSize(0, super().minimumSizeHint().height())
-
-    def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw as much as there is room for."""
-        room = self.rect().adjusted(8, 0, -8, 0)
-        painter = QPainter(self)
-        painter.setPen(self.palette().windowText().color())
-        text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())
-        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
 
 
 class StatusBar(QStatusBar):
@@ -191,3 +179,68 @@ class CompilingProgress(QWidget):
         self.setVisible(share is not None and share < 1.0)
         if share is not None:
             self.bar.show_share(share)
+
+
+# What converges sooner needs no progress; and while a handle is dragged the solver begins anew all the time.
+_PATIENCE = 2.0  # s
+_TICK = 500  # ms; the time goes on while no frame comes
+_UNKNOWN, _SEARCHING = tr("estimating the time left…"), tr("looking for a lower energy…")
+
+
+class ConvergenceProgress(QWidget):
+    """A thin bar with the time left, shown when the solver works for longer.
+
+    Parameters
+    ----------
+    clock : callable
+        The time in seconds.
+    is_waiting : callable
+        Whether the solver waits for its kernels: until then no time left can be told.
+    """
+
+    def __init__(
+        self, clock: Callable[[], float] = time.monotonic, is_waiting: Callable[[], bool] = lambda: False
+    ) -> None:
+        super().__init__(toolTip=tr("Estimated from how fast the shape converges"))
+        self._clock, self._waits = clock, is_waiting
+        self._forecast: TimeLeftEstimate | None = None
+        self._frame: Frame | None = None
+        self._iteration = 0
+        self.bar = ThinBar()
+        self.bar.setFixedWidth(_WIDTH)
+        self.words = QLabel()
+        row = QHBoxLayout(self, spacing=0)
+        row.setContentsMargins(8, 0, 0, 0)
+        row.addWidget(self.bar, 0, Qt.AlignmentFlag.AlignVCenter)
+        row.addWidget(self.words)
+        self._timer = QTimer(self, interval=_TICK)
+        self._timer.timeout.connect(self._show)
+        self.hide()
+
+    def follow(self, frame: Frame | None, solving: bool) -> None:
+        """Follow the frames of a solver; ``solving`` says whether it works."""
+        if not solving or frame is None:
+            self._forecast = self._frame = None
+            self._timer.stop()
+            self.hide()
+            return
+        now = self._clock()
+        if self._forecast is None or (frame is not self._frame and frame.iteration <= self._iteration):
+            # The shape on screen is that of an earlier motion until the first iteration.
+            self._forecast, self._iteration = TimeLeftEstimate(now), 0
+            self._timer.start()
+        elif frame is not self._frame:
+            self._forecast.add_gap(now, frame.gap, frame.seconds_left)
+            self._iteration = frame.iteration
+        self._frame = frame
+        self._show()
+
+    def _show(self) -> None:
+        forecast, now = self._forecast, self._clock()
+        assert forecast is not None
+        assert self._frame is not None
+        gap, left = self._frame.gap, forecast.seconds_left(now)
+        rests = self._iteration > 0 and gap is not None and gap <= 1.0
+        self.bar.show_share(1.0 if rests else forecast.share_passed(now))
+        self.words.setText(_SEARCHING if rests else _UNKNOWN if left is None else time_left_text(left))
+        self.setVisible(now - forecast.start_moment >= _PATIENCE and not self._waits())

@@ -1,18 +1,19 @@
-"""Drawing of charts, on a screen as in a file.
+"""Contents of a chart, and their drawing, on a screen as in a file.
 
 They are drawn by hand: docs/architecture.md says what pyqtgraph costs.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen, QPolygonF
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QLinearGradient, QPainter, QPen, QPixmap, QPolygonF
 
 from apd_viewer.presentation.axis import Axis
-from apd_viewer.ui.plots.chart import Bars, Chart, Curve, ReferenceLine
-from apd_viewer.ui.plots.dots_drawing import draw_color_bar, draw_dots, theme_color
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 # Pixels.
 _PAD = 8.0
@@ -192,3 +193,196 @@ class ChartArea:
             places = first + np.flatnonzero(leaves)
             points = [QPointF(a, b) for a, b in zip(x[places].tolist(), y[places].tolist(), strict=True)]
             self._painter.drawPolyline(QPolygonF(points))
+
+
+PixelPositions = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+# Pixels.
+DOT_RADIUS = 4.0
+_HALF = 5.0  # side of the stamp of a dot
+_RING = 7.0
+_CROSS = 3.5
+_BAR, _TICK_ROOM = 10.0, 26.0
+_RIM = 90  # opacity of 255: dots of the lightest colour stay visible, and heaps stay countable
+
+
+def theme_color(theme: Theme, color: str) -> QColor:
+    """Colour of a theme by its name, or #rrggbb."""
+    return QColor(color if color.startswith("#") else getattr(theme, color))
+
+
+def draw_dots(painter: QPainter, dots: Dots, pixel_positions: PixelPositions, theme: Theme) -> None:
+    """Draw dots and crosses.
+
+    A dot is a stamp at whole pixels: 10,000 take 6 ms, and as ellipses 44.
+    """
+    painter.save()
+    painter.setPen(QPen(QColor(theme.warm), 1.5))
+    for x, y in pixel_positions(*dots.crosses.T).tolist():
+        for way in (_CROSS, -_CROSS):
+            painter.drawLine(QPointF(x - _CROSS, y - way), QPointF(x + _CROSS, y + way))
+    scale = painter.device().devicePixelRatioF()
+    stamps = {color: _stamp(color, scale, theme) for color in set(dots.colors)}
+    at = _at_pixels(pixel_positions(dots.x, dots.y), scale)
+    for k in np.flatnonzero(np.isfinite(at).all(axis=1)).tolist():
+        x, y = at[k].tolist()
+        painter.drawPixmap(QPointF(x - _HALF, y - _HALF), stamps[dots.colors[k]])
+    painter.restore()
+
+
+def draw_rings(
+    painter: QPainter, dots: Dots, rings: Mapping[int, str], pixel_positions: PixelPositions, theme: Theme
+) -> None:
+    """Draw rings of these colours around dots, and these above the others."""
+    painter.save()
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    scale = painter.device().devicePixelRatioF()
+    marked = list(rings)
+    at = _at_pixels(pixel_positions(dots.x[marked], dots.y[marked]), scale)
+    for k, (x, y) in zip(marked, at.tolist(), strict=True):
+        if np.isfinite([x, y]).all():
+            painter.drawPixmap(QPointF(x - _HALF, y - _HALF), _stamp(dots.colors[k], scale, theme))
+            painter.setPen(QPen(theme_color(theme, rings[k]), 2.5))
+            painter.drawEllipse(QPointF(x, y), _RING, _RING)
+    painter.restore()
+
+
+def _at_pixels(at: np.ndarray, scale: float) -> np.ndarray:
+    """Points (n, 2) moved to whole pixels of a screen of this scale."""
+    return np.asarray(np.rint(scale * at) / scale)
+
+
+def _stamp(color: str, scale: float, theme: Theme) -> QPixmap:
+    """Picture of a dot for a screen of this scale."""
+    stamp = QPixmap(QSize(round(2 * _HALF * scale), round(2 * _HALF * scale)))
+    stamp.setDevicePixelRatio(scale)
+    stamp.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(stamp)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(QPen(_rim(theme), 1.0))
+    painter.setBrush(QColor(color))
+    painter.drawEllipse(QPointF(_HALF, _HALF), DOT_RADIUS, DOT_RADIUS)
+    painter.end()
+    return stamp
+
+
+def _rim(theme: Theme) -> QColor:
+    """Colour of the rim of a dot."""
+    rim = QColor(theme.ink)
+    rim.setAlpha(_RIM if theme is LIGHT else 2 * _RIM)
+    return rim
+
+
+def draw_color_bar(
+    painter: QPainter, rect: QRectF, color_bar: ColorBar, theme: Theme, metrics: QFontMetricsF
+) -> QRectF:
+    """Draw a scale of colours at the right of a room; return what is left of the room."""
+    bar = rect.adjusted(0.0, metrics.height(), 0.0, -metrics.height() - 1.5 * _GAP)
+    ticks = color_bar.axis.ticks(max(1, int(bar.height() / _TICK_ROOM)))
+    widest = max((metrics.horizontalAdvance(text) for _, text in ticks), default=0.0)
+    bar.setLeft(rect.right() - widest - _GAP - _BAR)
+    bar.setWidth(_BAR)
+    fill = QLinearGradient(bar.bottomLeft(), bar.topLeft())
+    for share, color in zip(
+        np.linspace(0.0, 1.0, len(color_bar.colors)).tolist(), color_bar.colors, strict=True
+    ):
+        fill.setColorAt(share, QColor(color))
+    painter.fillRect(bar, fill)
+    painter.setPen(QPen(QColor(theme.line), 1.0))
+    painter.drawRect(bar)
+    painter.setPen(QColor(theme.quiet))
+    for place, text in ticks:
+        share = (place - color_bar.axis.low) / (color_bar.axis.high - color_bar.axis.low)
+        y = bar.bottom() - share * bar.height() + 0.35 * metrics.ascent()
+        painter.drawText(QPointF(bar.right() + _GAP, y), text)
+    return rect.adjusted(0.0, 0.0, -(widest + 3 * _GAP + _BAR), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A line through points on the axes, in a colour of the theme or #rrggbb.
+
+    It is broken where ``y`` is not finite.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    color: str = "accent"
+
+
+@dataclass(frozen=True, eq=False)
+class Bars:
+    """Histogram of ``heights`` (b,) between ``edges`` (b + 1,), coloured by sign."""
+
+    edges: np.ndarray
+    heights: np.ndarray
+    negative_color: str = "less"
+    positive_color: str = "more"
+
+
+@dataclass(frozen=True, eq=False)
+class Dots:
+    """Points on the axes, each in a colour of its own.
+
+    Attributes
+    ----------
+    x, y : (n,) float array
+        Not drawn where one is not finite.
+    colors : tuple of str
+        #rrggbb.
+    crosses : (m, 2) float array
+        Places of crosses, for what has no result.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    colors: tuple[str, ...]
+    crosses: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+
+
+@dataclass(frozen=True)
+class ColorBar:
+    """Scale of the colours of dots, beside the chart."""
+
+    axis: Axis
+    colors: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ReferenceLine:
+    """A dashed line across the chart at a place of an axis; text above upright ones."""
+
+    place: float
+    text: str = ""
+    color: str = "faint"
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Contents of a chart.
+
+    Attributes
+    ----------
+    title : str
+        Empty where it stands elsewhere: the chart then has its room.
+    readings : tuple of (str, str)
+        What is written under the title, and in which colour of the theme or #rrggbb.
+    x, y : Axis or None
+        None where there is nothing to be seen yet.
+    curves, bars, dots, color_bar, horizontal_lines, vertical_lines
+        ``horizontal_lines`` are marks at places of y, ``vertical_lines`` at places of x.
+    empty_text : str
+        What is said where there is nothing to be seen.
+    """
+
+    title: str
+    readings: tuple[tuple[str, str], ...] = ()
+    x: Axis | None = None
+    y: Axis | None = None
+    curves: tuple[Curve, ...] = ()
+    bars: Bars | None = None
+    dots: Dots | None = None
+    color_bar: ColorBar | None = None
+    horizontal_lines: tuple[ReferenceLine, ...] = ()
+    vertical_lines: tuple[ReferenceLine, ...] = ()
+    empty_text: str = field(default="", repr=False)

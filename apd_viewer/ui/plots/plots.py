@@ -1,4 +1,4 @@
-"""Live plots of the gesture and the deviation from rest."""
+"""Live plots of the gesture and the deviation from rest, and their files."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from PySide6.QtCore import QRect, QRectF, QSize, Qt, QTimer
-from PySide6.QtGui import QColor, QHideEvent, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRect, QRectF, QSize, Qt, QTimer
+from PySide6.QtGui import QColor, QHideEvent, QImage, QPaintDevice, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import (
     QBoxLayout,
     QGridLayout,
@@ -23,6 +24,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.warmup import warm_up
@@ -31,14 +33,12 @@ from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.trace import TRACE_COLUMNS
 from apd_viewer.session.session import Session
-from apd_viewer.ui.filing.plot_export import ask_where_to_save_plots, write_drawing
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.plots import reading_charts
-from apd_viewer.ui.plots.chart import Chart
-from apd_viewer.ui.plots.chart_drawing import ChartArea, draw_chart
+from apd_viewer.ui.plots.chart_drawing import Chart, ChartArea, draw_chart
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.widgets.icons import ICON_SIZE, icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
 _LOWEST = 140  # pixels, of a chart below another one
@@ -328,3 +328,60 @@ class ChartView(QWidget):
         painter.fillRect(self.rect(), QColor(self.theme.panel))
         self.chart_area = draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
         painter.end()
+
+
+_SCALE = 3  # pixels of a picture for each on the screen
+_PAPER = "#ffffff"
+
+
+def ask_where_to_save_plots(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
+    """Choose a target for plots; None if cancelled."""
+    return file_dialogs.ask_where_to_save(parent, tr("Save plots"), folder / f"{name}{suffix}")
+
+
+def write_drawing(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:
+    """Write a drawing as SVG or PNG on white, by the suffix.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing_file(path) as scratch:
+        if path.suffix.lower() == ".svg":
+            sheet = QSvgGenerator()
+            sheet.setFileName(str(scratch))
+            sheet.setSize(size)
+            sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
+            sheet.setTitle(tr("Plots of APD Viewer"))
+            _paint(sheet, size, draw)
+        else:
+            image = QImage(size * _SCALE, QImage.Format.Format_RGB32)
+            image.setDevicePixelRatio(_SCALE)
+            _paint(image, size, draw)
+            if not image.save(str(scratch), "PNG"):
+                raise OSError(tr("the picture could not be encoded"))
+
+
+def svg_element(size: QSize, draw: Callable[[QPainter], None]) -> str:
+    """SVG element of a drawing, without background."""
+    content = QByteArray()
+    buffer = QBuffer(content)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    sheet = QSvgGenerator()
+    sheet.setOutputDevice(buffer)
+    sheet.setSize(size)
+    sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
+    _paint(sheet, size, draw, paper=None)
+    text = bytes(content.data()).decode("utf-8")
+    return text[text.index("<svg") :].strip()
+
+
+def _paint(
+    device: QPaintDevice, size: QSize, draw: Callable[[QPainter], None], paper: str | None = _PAPER
+) -> None:
+    painter = QPainter(device)
+    if paper is not None:
+        painter.fillRect(QRectF(0, 0, size.width(), size.height()), QColor(paper))
+    draw(painter)
+    painter.end()

@@ -27,7 +27,7 @@ from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.trace import Trace
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.plots.chart import Bars, Chart, Curve, ReferenceLine
+from apd_viewer.ui.plots.chart_drawing import Bars, Chart, Curve, ReferenceLine
 
 _ROUNDING = 1e-15  # less of an error is nothing but rounding
 _DEEPEST = 1e-4

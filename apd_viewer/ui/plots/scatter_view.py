@@ -10,9 +10,7 @@ from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QToolTip
 
 from apd_viewer.language import tr
-from apd_viewer.ui.plots.chart import Chart
-from apd_viewer.ui.plots.chart_drawing import draw_chart
-from apd_viewer.ui.plots.dots_drawing import draw_rings
+from apd_viewer.ui.plots.chart_drawing import Chart, draw_chart, draw_rings
 from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 
 _NEAR = 10.0  # px

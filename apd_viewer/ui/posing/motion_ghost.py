@@ -1,4 +1,4 @@
-"""Ghost of handles where a motion would bring them, with its path and axis."""
+"""Ghost of handles where a motion would bring them, as one is typed."""
 
 from __future__ import annotations
 
@@ -9,13 +9,20 @@ import numpy as np
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.geometry.pose.transforms import rigid_transform
 from apd_viewer.presentation.palette import handle_color
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
+from apd_viewer.session.posing.motion import Motion
+from apd_viewer.session.session import Session
+from apd_viewer.ui.posing.pose_section import MotionField
 from apd_viewer.ui.scene.ghost import PatchGhost
-from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.polylines import draw_polyline, to_polygon, with_opacity
 
 _DOT = 4.5  # pixels
@@ -201,3 +208,60 @@ def _axis(step: np.ndarray, point: np.ndarray, reach: float) -> np.ndarray:
     across = rigid.displacement - (rigid.displacement @ rigid.axis) * rigid.axis
     middle = point + 0.5 * (across + np.cross(rigid.axis, across) / np.tan(rigid.angle / 2.0))
     return np.array([middle - reach * rigid.axis, middle + reach * rigid.axis])
+
+
+class MotionPreview:
+    """Shows where the active handle would go while an amount is typed.
+
+    It also shows where handles were asked to be that contact has stopped on their way, and where they are
+    to be while the first shape waits for its kernels.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    field : MotionField
+    session : Session
+    parts : ActiveParts
+
+    Attributes
+    ----------
+    ghost, requested_ghost : MotionGhost
+    """
+
+    def __init__(self, canvas: Canvas, field: MotionField, session: Session, parts: ActiveParts) -> None:
+        self._canvas, self._field = canvas, field
+        self._session, self._parts = session, parts
+        self.ghost, self.requested_ghost = MotionGhost(canvas.viewport), MotionGhost(canvas.viewport)
+        field.edited.connect(self._preview)
+        field.editing_ended.connect(self.ghost.hide)
+
+    def follow(self, old: State | None, new: State) -> None:
+        """Begin from another document, if an amount is being typed."""
+        if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
+            self._field.request_preview()
+
+    def show_requested(self) -> None:
+        """Show where the handles are to be while they wait or were stopped."""
+        state = self._session.store.state
+        if state is None:
+            return
+        stopped = state.frame.share_reached < 1.0 and state.frame.settled
+        if stopped or self._session.store.is_previewing:
+            self.requested_ghost.show_handles(state.document)
+        else:
+            self.requested_ghost.hide()
+
+    def _preview(self, motion: Motion, text: str, to: bool) -> None:
+        if (state := self._session.store.state) is None:
+            return
+        try:
+            step = self._session.handles.plan_motion(
+                motion, text, self._parts.handle, self._canvas.bend_line, to
+            )
+            way = step.intermediate_documents(state.document)
+        except InputError as error:
+            self.ghost.hide()
+            self._field.show_error_later(str(error) if text.strip() else "")
+        else:
+            self._field.show_error_later("")
+            self.ghost.show_motion(state.document, way)

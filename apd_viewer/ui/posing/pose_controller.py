@@ -1,12 +1,16 @@
-"""Named poses in the window: the list in the panel, and the keys."""
+"""Named poses and symmetric posing in the window."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.posing.mirror_partner import mirror_partner
 from apd_viewer.session.posing.named_poses import is_in_pose
 from apd_viewer.session.session import Session
-from apd_viewer.ui.panel.pose_section import PoseSection
+from apd_viewer.ui.posing.pose_section import PoseSection, SymmetryRow
+from apd_viewer.ui.tools.active_parts import ActiveParts
 
 
 class PoseController:
@@ -53,3 +57,68 @@ class PoseController:
 
     def _may_begin(self) -> bool:
         return self._session.store.state is not None and not self._give_up()
+
+
+# Of the vertices of two handles: fewer that are mirror images are worth mentioning.
+_ALIKE = 0.98
+
+
+class SymmetryController:
+    """Connects the switches of symmetric posing with the session.
+
+    Parameters
+    ----------
+    row : SymmetryRow
+    session : Session
+    parts : ActiveParts
+    cancel_drag : callable
+        Takes back the drag that is under way.
+    """
+
+    def __init__(
+        self, row: SymmetryRow, session: Session, parts: ActiveParts, cancel_drag: Callable[[], object]
+    ) -> None:
+        self._row, self._session, self._parts = row, session, parts
+        self._give_up = cancel_drag
+        row.axis_chosen.connect(self._choose)
+        row.paint_requested.connect(self._paint)
+        parts.changed.connect(self.refresh)
+
+    def set_symmetric(self, on: bool) -> None:
+        """Move handles symmetrically, or each by itself."""
+        self._row.box.setChecked(on)
+
+    def refresh(self) -> None:
+        """Show the settings and the partner of the active handle."""
+        state = self._session.store.state
+        # While a stroke goes on, handles are not what they will be, and a search takes a while.
+        if state is not None and self._session.gestures.state_before is None:
+            document, k = state.document, self._parts.handle
+            searched = document.mirror_axis is not None and document.centre(k) is not None
+            partner = mirror_partner(document, k) if searched else None
+            self._row.show_settings(
+                document.mirror_axis, _sentence(document, k) if searched else "", searched and partner is None
+            )
+
+    def _choose(self, axis: int | None) -> None:
+        if self._session.store.state is not None:
+            self._give_up()
+            self._session.handles.mirror_along(axis)
+
+    def _paint(self) -> None:
+        self._give_up()
+        self._session.handles.paint_partner(self._parts.handle)
+
+
+def _sentence(document: Document, k: int) -> str:
+    """Sentence on the mirror partner of handle ``k``."""
+    partner = mirror_partner(document, k)
+    if partner is None:
+        return tr("No handle is painted at its mirror image, so it moves alone.")
+    name = document.handles[partner.number].name
+    if partner.number == k:
+        return tr("This handle is its own mirror image: it moves within the mirror plane.")
+    if partner.share < _ALIKE:
+        said = tr("“{name}” moves along; {share:.0f} % of the two are mirror images.")
+        return said.format(name=name, share=100.0 * partner.share)
+    return tr("“{name}” moves along, mirrored.").format(name=name)

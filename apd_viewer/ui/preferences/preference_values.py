@@ -1,16 +1,14 @@
-"""Values of the preferences, stored as they are chosen."""
+"""Preferences with their allowed values, stored as they are chosen."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 from PySide6.QtCore import QObject, QSettings, Signal
 
-from apd_viewer.ui.preferences.preference import Preference
-
-T = TypeVar("T")
 _LOGGER = logging.getLogger(__name__)
 
 
@@ -75,3 +73,76 @@ class PreferenceValues(QObject):
     def on_change(self, preference: Preference[T], use: Callable[[T], object]) -> None:
         """Use the value whenever it changes."""
         self._followers.append((preference, use))
+
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Option(Generic[T]):
+    """An allowed value, how it is stored, and its title."""
+
+    stored: str
+    value: T
+    title: str
+
+
+@dataclass(frozen=True)
+class OneOf(Generic[T]):
+    """A few allowed values, in the order of a list."""
+
+    options: tuple[Option[T], ...]
+
+    def from_text(self, stored: str) -> T:
+        """Value of a stored text; raises ValueError if there is none."""
+        for option in self.options:
+            if option.stored == stored:
+                return option.value
+        raise ValueError(stored)
+
+    def to_text(self, value: T) -> str:
+        """Text to store for a value."""
+        return next(option.stored for option in self.options if option.value == value)
+
+
+@dataclass(frozen=True)
+class NumberRange:
+    """Numbers from ``least`` to ``most``, with a suffix such as " px"."""
+
+    least: float
+    most: float
+    suffix: str
+
+    def from_text(self, stored: str) -> float:
+        """Number of a stored text; raises ValueError if it is not one of them."""
+        value = float(stored)
+        if not self.least <= value <= self.most:  # not a number is not between them either
+            raise ValueError(stored)
+        return value
+
+    def to_text(self, value: float) -> str:
+        """Text to store for a number."""
+        return f"{value:g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Preference(Generic[T]):
+    """A row of the Settings page.
+
+    Parameters
+    ----------
+    name : str
+        Under which it is stored; it never changes.
+    default : T
+    allowed : OneOf or NumberRange
+    title, tip : str
+    note : str
+        Shown beside the value; empty where the title says all.
+    """
+
+    name: str
+    default: T
+    allowed: OneOf[T] | NumberRange
+    title: str
+    tip: str
+    note: str = ""

@@ -1,18 +1,16 @@
-"""Shortcuts of the actions: defaults, changes and conflicts."""
+"""Shortcuts of the actions: defaults, changes, conflicts and tips."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QWidget
 
 from apd_viewer.language import tr, trc
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.preferences.preferences import Preferences
 
 _PORTABLE, _NATIVE = QKeySequence.SequenceFormat.PortableText, QKeySequence.SequenceFormat.NativeText
 _SEVERAL = "; "  # between the alternative keys of an action
@@ -177,3 +175,20 @@ def _can_be_read(keys: str | None) -> bool:
     return keys is not None and all(
         QKeySequence(key, _PORTABLE).toString() == key for key in split_keys(keys)
     )
+
+
+def with_keys(words: str, action: QAction) -> str:
+    """Text with the action's current keys appended, if any."""
+    keys = native_keys(keys_of(action))
+    return tr("{words} ({keys})").format(words=words, keys=keys) if keys else words
+
+
+def show_keys_in_tip(widget: QWidget, action: QAction) -> None:
+    """Keep the shortcut of an equivalent action in a widget's tooltip."""
+    tip = widget.toolTip()
+
+    def say() -> None:
+        widget.setToolTip(with_keys(tip, action))
+
+    action.changed.connect(say)
+    say()

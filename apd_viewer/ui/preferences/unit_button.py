@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from pathlib import Path
 from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QRect, QRectF, QSize, Qt, Signal
@@ -11,17 +11,11 @@ from PySide6.QtGui import QActionGroup, QIcon, QPainter, QPaintEvent
 from PySide6.QtWidgets import QMenu, QToolButton
 
 from apd_viewer.files.storage.atomic_file import resolved_path
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.preferences.preferences import user_file
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.preferences.preferences import Preferences, user_file
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 UNIT_NAMES = {
     Unit.NONE: tr("No unit"),

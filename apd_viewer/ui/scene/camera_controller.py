@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from PySide6.QtCore import QPointF
+from pyvistaqt import QtInteractor
 
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.scene.camera import ORTHOGRAPHIC, PERSPECTIVE, Camera
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from PySide6.QtCore import QPointF
-    from pyvistaqt import QtInteractor
 
 HOME_DIRECTION = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
 CLOSEST_ZOOM = 1e-4  # zoom limits, in multiples of what was framed

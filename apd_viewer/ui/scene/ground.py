@@ -12,8 +12,8 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_position, format_short, round_step
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.scene.mouse_tool import MouseTool
-from apd_viewer.ui.scene.rest_actor import RestActor
+from apd_viewer.ui.scene.ghost import RestActor
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.viewport import Viewport
 
 _LINES = 12  # about so many fit along the longer side of the mesh

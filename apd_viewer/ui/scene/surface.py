@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from PySide6.QtCore import QPointF
 from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
+from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
-from apd_viewer.ui.appearance.shading import (
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
+from apd_viewer.presentation.color_maps import ColorMap
+from apd_viewer.ui.scene.shading import (
     Shading,
+    SurfaceArrays,
     headlight,
     match_view,
     set_neutral_band,
     shade,
     texture_of,
 )
-from apd_viewer.ui.appearance.surface_arrays import SurfaceArrays
-
-if TYPE_CHECKING:
-    from PySide6.QtCore import QPointF
-
-    from apd_viewer.geometry.mesh.mesh import Texture
-    from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-    from apd_viewer.presentation.color_maps import ColorMap
-    from apd_viewer.ui.scene.viewport import Viewport
-
+from apd_viewer.ui.scene.viewport import Viewport
 
 # Before the first mesh, with one vertex: PyVista takes no empty arrays.
 _NOTHING = PreviewSurface(np.empty((0, 3), dtype=np.int32))

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QNativeGestureEvent, QPainter
+from PySide6.QtGui import (
+    QColor,
+    QKeyEvent,
+    QMouseEvent,
+    QNativeGestureEvent,
+    QPainter,
+    QPaintEvent,
+    QResizeEvent,
+    QShowEvent,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QApplication, QWidget
 from pyvistaqt import QtInteractor
 
-from apd_viewer.ui.appearance.antialiasing import Antialiasing
 from apd_viewer.ui.scene.camera_controller import CameraController
-from apd_viewer.ui.scene.navigation import Navigation
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from PySide6.QtCore import QEvent
-    from PySide6.QtGui import QKeyEvent, QMouseEvent, QPaintEvent, QResizeEvent, QShowEvent, QWheelEvent
-    from PySide6.QtWidgets import QWidget
-
-    from apd_viewer.ui.scene.mouse_tool import MouseTool
-    from apd_viewer.ui.scene.navigation import Navigation
+from apd_viewer.ui.scene.navigation import MouseTool, Navigation
+from apd_viewer.ui.scene.shading import Antialiasing
 
 _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
 
@@ -31,8 +32,7 @@ _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
 class Viewport(QtInteractor):
     """Widget with a scene and mouse tools.
 
-    What a tool may have is said in :mod:`mouse_dispatcher`, and how the mouse moves the camera
-    in :mod:`apd_viewer.ui.scene.navigation`.
+    What a tool may do and how the mouse moves the camera is said in :mod:`apd_viewer.ui.scene.navigation`.
 
     Attributes
     ----------

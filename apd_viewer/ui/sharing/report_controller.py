@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -39,17 +40,14 @@ from apd_viewer.session.processes.shape_checker import ShapeQuery, check_shape_a
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.filing.plot_export import svg_element
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.notice import Notice
-from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart_drawing import draw_chart
+from apd_viewer.ui.plots.plots import svg_element
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.scene.offscreen_scene import OffscreenScene
-from apd_viewer.ui.scene.scene_picture import png_of
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import Pictures, PictureSettings
+from apd_viewer.ui.scene.scene_picture import OffscreenScene, png_of
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, Pictures, PictureSettings
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
@@ -76,7 +74,8 @@ class ReportController:
         Over which to ask.
     canvas : Canvas
     display_options : DisplayOptions
-    volume : VolumeController
+    view : callable
+        Returns the camera, the wall and the overlay.
     preferences : Preferences
     notice : Notice
     session : Session
@@ -91,13 +90,13 @@ class ReportController:
         window: QWidget,
         canvas: Canvas,
         display_options: DisplayOptions,
-        volume: VolumeController,
+        view: Callable[[], View],
         preferences: Preferences,
         notice: Notice,
         session: Session,
     ) -> None:
         self._window, self._canvas, self._looks = window, canvas, display_options
-        self._measuring, self._memory, self._notice = volume, preferences, notice
+        self._view, self._memory, self._notice = view, preferences, notice
         self._session = session
         self.pictures = Pictures(canvas, display_options, notice, session.jobs)
         self._wish: PictureSettings | None = None
@@ -149,7 +148,7 @@ class ReportController:
         session = self._session
         if (state := session.store.state) is None:
             return
-        view = self._measuring.with_wall_and_overlay(self._canvas.view.saved_view(session.store.unit.value))
+        view = self._view()
         checks = session.shape_checks.shape_check, session.shape_checks.rest_check
         unit, moment, made = (
             session.store.unit,

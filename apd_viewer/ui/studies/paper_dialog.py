@@ -7,7 +7,6 @@ from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
-    QDialog,
     QGridLayout,
     QLabel,
     QScrollArea,
@@ -19,7 +18,7 @@ from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_grouped, format_signed
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.run_bar import RunBar
+from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog
 from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
@@ -48,7 +47,7 @@ def _figures() -> dict[str, str]:
     }
 
 
-class PaperDialog(QDialog):
+class PaperDialog(RunDialog):
     """Runs the tables on request, and shows them with their figures.
 
     Parameters
@@ -58,31 +57,23 @@ class PaperDialog(QDialog):
 
     Attributes
     ----------
-    run : RunBar
     table : QGridLayout or None
     figures : list of FigureView
     """
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:
-        super().__init__(window, objectName="study")
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle(tr("The paper's tables"))
-        self.run = RunBar(tr("Run"), "paper", preferences)
+        super().__init__(window, tr("The paper's tables"), RunBar(tr("Run"), "paper", preferences))
         self.run.start_requested.connect(
             lambda: self.run.begin(lambda _, results: ["paper", "-o", str(results)])
         )
-        self.run.busy_changed.connect(self._make_room)
-        self.run.ended.connect(self._show)
         self.table: QGridLayout | None = None
         self.figures: list[FigureView] = []
         self._area: QScrollArea | None = None
-        self._column = QVBoxLayout(self, spacing=12)
-        self._column.setContentsMargins(20, 16, 20, 16)
         self._column.addWidget(QLabel(_about(), objectName="quiet", wordWrap=True))
         self._column.addWidget(self.run)
         resize_on_screen(self, QSize(640, self._column.totalHeightForWidth(640)))
 
-    def _make_room(self) -> None:
+    def _show_busy(self, _: bool) -> None:
         """Grow if the progress bar would cover text."""
         self._column.activate()
         needed = self._column.totalHeightForWidth(self.width())
@@ -113,11 +104,6 @@ class PaperDialog(QDialog):
         self._area.setWidget(page)
         self._column.insertWidget(1, self._area, 1)
         resize_on_screen(self, self.size().expandedTo(QSize(940, 660)))
-
-    def done(self, result: int) -> None:
-        """Close the dialog, and end a run in progress."""
-        self.run.discard_run()
-        super().done(result)
 
 
 def _table(lines: list[dict[str, str]]) -> QGridLayout:

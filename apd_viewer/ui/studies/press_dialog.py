@@ -14,10 +14,13 @@ from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.mesh.arrays import diagonal
-from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS
-from apd_viewer.geometry.pressing.plate_travel import plate_travel
-from apd_viewer.geometry.pressing.press_options import check_yield_radius
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
+from apd_viewer.geometry.solver.plate_press import (
+    DEFAULT_ITERATIONS,
+    DEFAULT_STEPS,
+    MOST_STEPS,
+    plate_travel,
+)
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
@@ -27,8 +30,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
+from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field, widget_row
 from apd_viewer.ui.studies.wall_fields import WallFields
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
@@ -129,7 +131,7 @@ class PressDialog(RunDialog):
 
     def _show_stiffness(self) -> None:
         """Say the expected excess of loads and the wall's own stiffness."""
-        material = self._material
+        material = self._material()
         said = [obstacle_readings.excess_phrase(load_excess(material, self._cells))]
         own = None
         with suppress(InputError):
@@ -138,15 +140,15 @@ class PressDialog(RunDialog):
             said.append(tr("this wall has {own:.1g}").format(own=own))
         self.hint.setText("; ".join(said))
 
-    @property
-    def _material(self) -> Material:
-        """Material of the fields."""
+    def _material(self, yield_radius: float | None = None) -> Material:
+        """Material of the fields; raises InputError on creases without stiffness."""
         method, document = METHODS[self.method.currentData()], self._document
         return method_material(
             method,
             self.stiffness.value(),
             document.settings.area_stiffness,
             document.settings.shear_stiffness,
+            yield_radius,
         )
 
     def _make_start(self) -> QHBoxLayout:
@@ -174,7 +176,7 @@ class PressDialog(RunDialog):
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
             wall = self.wall.value
-            check_yield_radius(wall.yield_radius, self.stiffness.value())
+            self._material(wall.yield_radius)
             plate_travel(self._points, axis, self._distance, wall.thickness)
             options = self._options | self._targets | self.wall.options
         except InputError as error:

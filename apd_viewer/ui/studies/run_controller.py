@@ -18,10 +18,9 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
 from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.animation_dialog import AnimationDialog
 from apd_viewer.ui.studies.paper_dialog import PaperDialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
-from apd_viewer.ui.studies.sweep_dialog import SweepDialog
+from apd_viewer.ui.studies.sweep_dialog import AnimationDialog, SweepDialog
 
 
 class RunController(QObject):

@@ -1,26 +1,38 @@
-"""Dialog that asks for options, runs a command, and shows its figure."""
+"""Dialog that runs a command with options, and shows and saves its results."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import QCoreApplication, QSize, Qt, QUrl, Signal
+from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import (
     QDialog,
+    QFileDialog,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QLayout,
+    QPushButton,
     QVBoxLayout,
     QWidget,
 )
 
-from apd_viewer.ui.studies.run_bar import RunBar
+from apd_viewer.files.storage.atomic_file import remove_scratch_of, staging_folder, unused_folder
+from apd_viewer.language import tr
+from apd_viewer.session.background_job import Job, JobOutcome
+from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.studies.command_process import CommandProcess
+from apd_viewer.ui.widgets.elided_label import ThinBar
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import largest_on_screen, resize_on_screen
+from apd_viewer.ui.widgets.help_button import HelpButton
 
 _WIDTH, _WIDTH_WITH_FIGURE = 640, 900  # px
 
@@ -44,7 +56,7 @@ class RunDialog(QDialog):
     figure : FigureView or None
     """
 
-    def __init__(self, window: QWidget, title: str, run: RunBar, figure: str, caption: str) -> None:
+    def __init__(self, window: QWidget, title: str, run: RunBar, figure: str = "", caption: str = "") -> None:
         super().__init__(window, objectName="study")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
@@ -52,11 +64,11 @@ class RunDialog(QDialog):
         self.run.busy_changed.connect(self._show_busy)
         self.run.ended.connect(self._show)
         self.figure: FigureView | None = None
+        self._column = QVBoxLayout(self, spacing=12)
+        self._column.setContentsMargins(20, 16, 20, 16)
 
     def lay_out(self, description: str, rows: Sequence[tuple[str, QLayout]]) -> None:
         """Arrange a sentence and the rows of options, each with its title."""
-        self._column = QVBoxLayout(self, spacing=12)
-        self._column.setContentsMargins(20, 16, 20, 16)
         self._column.addWidget(QLabel(description, objectName="quiet", wordWrap=True))
         self._asks = QWidget()
         self._column.addWidget(self._asks)
@@ -125,3 +137,208 @@ def widget_row(*widgets: QWidget, spacing: int = 16) -> QHBoxLayout:
         row.addWidget(widget)
     row.addStretch(1)
     return row
+
+
+class RunBar(QWidget):
+    """Runs a command into a temporary folder, and saves the results from there.
+
+    Parameters
+    ----------
+    start : str
+        On the button that starts.
+    name : str
+        Of the folder that the results are saved as.
+    preferences : Preferences
+        Where files were opened and written last.
+    mesh : str
+        File name of the mesh among the results, if one can be opened in the window.
+
+    Attributes
+    ----------
+    start_requested : Signal()
+        Whoever owns it then calls :meth:`begin`.
+    ended : Signal(object, str)
+        The folder of the results, and what the command said.
+    mesh_requested : Signal(object)
+        The file of the saved mesh, which is to be opened.
+    busy_changed : Signal(bool)
+        Work has begun, or is over.
+    command : CommandProcess
+    scratch_folder : Path or None
+        The temporary folder.
+    """
+
+    start_requested = Signal()
+    ended = Signal(object, str)
+    mesh_requested = Signal(object)
+    busy_changed = Signal(bool)
+    _delivered = Signal(object)
+
+    def __init__(self, start: str, name: str, preferences: Preferences, mesh: str = "") -> None:
+        super().__init__()
+        self._name, self._mesh = name, mesh
+        self._memory = preferences
+        self.scratch_folder: Path | None = None
+        self._beside: Path | None = None
+        self._job: Job | None = None
+        self._saved: Path | None = None
+        self.command = CommandProcess(self)
+        self.command.progressed.connect(self._show_progress)
+        self.command.ended.connect(self._end)
+        self.command.failed.connect(self.show_failure)
+        self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        application = QCoreApplication.instance()
+        assert application is not None
+        application.aboutToQuit.connect(self.discard_run)  # ended by a signal, it closes no dialog
+        self._lay_out(start)
+        self._show_busy(False)
+
+    def _lay_out(self, start: str) -> None:
+        self.words = QLabel(objectName="quiet", wordWrap=True)
+        self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.bar = ThinBar()
+        tip = tr("Closes the dialog and opens the saved mesh in the window; undo returns to the mesh before")
+        self.open_mesh = QPushButton(tr("Open mesh"), toolTip=tip, clicked=self._ask_for_mesh)
+        self.open = QPushButton(tr("Open folder"), clicked=self._open)
+        self.save = QPushButton(tr("Save…"), clicked=self._ask_where)
+        self.cancel = QPushButton(tr("Cancel"), clicked=self.stop)
+        self.start = QPushButton(start, objectName="primary", clicked=lambda: self.start_requested.emit())
+        self.start.setDefault(True)
+        column = QVBoxLayout(self, spacing=8)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.bar)
+        row = QHBoxLayout(spacing=8)
+        self.help = HelpButton()
+        row.addWidget(self.help)
+        row.addWidget(self.words, 1)
+        for button in (self.open_mesh, self.open, self.save, self.cancel, self.start):
+            row.addWidget(button)
+        column.addLayout(row)
+
+    @property
+    def running(self) -> bool:
+        """True while a command is in progress."""
+        return self._job is not None or self.command.running
+
+    @property
+    def results_folder(self) -> Path:
+        """Folder of the last command's results."""
+        assert self.scratch_folder is not None
+        return self.scratch_folder / "results"
+
+    def begin(
+        self, make_arguments: Callable[[Path, Path], list[str]], other_folder: Path | None = None
+    ) -> None:
+        """Run a command.
+
+        Parameters
+        ----------
+        make_arguments : callable
+            ``make_arguments(scratch, results)`` gives what to run, all but ``--progress-lines``: it is called
+            on a thread, and may write to the first folder what the command reads. The second is empty: there
+            the command has to write its results.
+        other_folder : Path, optional
+            Another folder that it writes to.
+        """
+        self.discard_run()
+        self._saved, self._beside = None, other_folder
+        self.scratch_folder = scratch = Path(tempfile.mkdtemp(prefix="apd-viewer-"))
+        results = self.results_folder
+
+        def work() -> list[str]:
+            results.mkdir()
+            return [*make_arguments(scratch, results), "--progress-lines"]
+
+        start = partial(self.command.start, scratch=scratch)
+        self._job = Job(tr("Preparing"), work, start, self._delivered.emit)
+        self.words.setText(tr("preparing"))
+        self.bar.show_share(None)
+        self._show_busy(True)
+
+    def stop(self) -> None:
+        """End the command in progress and delete its results."""
+        self.discard_run()
+        self.words.setText(tr("Cancelled; nothing was written."))
+        self._show_busy(False)
+
+    def discard_run(self) -> None:
+        """End the command in progress, and delete unsaved results."""
+        if self._job is not None:
+            job, self._job = self._job, None
+            job.join()
+        self.command.cancel()
+        if self.scratch_folder is not None:
+            shutil.rmtree(self.scratch_folder, ignore_errors=True)
+            self.scratch_folder = None
+        if self._beside is not None:
+            remove_scratch_of(self.command.process_id, self._beside)
+            self._beside = None
+
+    def show_failure(self, sentence: str) -> None:
+        """Show the reason for having no result."""
+        self.words.setText(sentence)
+        self._show_busy(False)
+
+    def _receive(self, outcome: JobOutcome) -> None:
+        if outcome.job is not self._job:  # cancelled meanwhile
+            return
+        self._job = None
+        if outcome.failure is not None:
+            self.show_failure(outcome.failure)
+        else:
+            outcome.job.on_done(outcome.value)
+
+    def _show_progress(self, done: float, doing: str) -> None:
+        self.bar.show_share(done)
+        self.words.setText(f"{100 * done:.0f} %  {doing}")
+
+    def _end(self, said: str) -> None:
+        self.words.setText("")
+        self._show_busy(False)
+        self.ended.emit(self.results_folder, said)
+
+    def _show_busy(self, on: bool) -> None:
+        there = not on and self.scratch_folder is not None and any(self.results_folder.glob("*"))
+        self.bar.setVisible(on)
+        self.cancel.setVisible(on)
+        self.start.setVisible(not on)
+        self.save.setVisible(there and self._saved is None)
+        saved = not on and self._saved is not None
+        self.open.setVisible(saved)
+        self.open_mesh.setVisible(saved and bool(self._mesh))
+        self.busy_changed.emit(on)
+
+    # Saving
+
+    def _ask_where(self) -> None:
+        folder = QFileDialog.getExistingDirectory(
+            self, tr("Choose a folder to save in"), str(self._memory.last_folder)
+        )
+        if folder:
+            self.save_in(Path(folder))
+
+    def save_in(self, folder: Path) -> None:
+        """Save the results as a new folder in ``folder``, in the background."""
+        results, target = self.results_folder, unused_folder(folder, self._name)
+
+        def work() -> Path:
+            with staging_folder(target) as scratch:
+                shutil.copytree(results, scratch, dirs_exist_ok=True)
+            return target
+
+        self._job = Job(tr("Saving"), work, self._saved_as, self._delivered.emit)
+        self.save.setEnabled(False)
+
+    def _saved_as(self, folder: Path) -> None:
+        self._saved = folder
+        self.save.setEnabled(True)
+        self.words.setText(tr("Saved as {folder}.").format(folder=folder))
+        self._show_busy(False)
+
+    def _ask_for_mesh(self) -> None:
+        if self._saved is not None:
+            self.mesh_requested.emit(self._saved / self._mesh)
+
+    def _open(self) -> None:
+        if self._saved is not None:
+            QDesktopServices.openUrl(QUrl.fromLocalFile(str(self._saved)))

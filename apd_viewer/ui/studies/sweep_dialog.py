@@ -1,31 +1,40 @@
-"""Dialog that sweeps the motion of the handles, and shows the curves."""
+"""Dialogs that sweep the motion of the handles, for curves or an animation."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QWidget
 
+from apd_viewer.cases.case import DEFAULT_ITERATIONS, MOST_STEPS, case_of, cases_by_method
 from apd_viewer.errors import InputError
+from apd_viewer.files.animations.animation_files import check_animation
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
-from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of
+from apd_viewer.ui.filing.file_dialogs import ask_where_to_save
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.animation_dialog import format_choice
-from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.studies.run_dialog import RunDialog, count_field, widget_row
+from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field, widget_row
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox
 
 _POSED, _TWIST = "posed", "twist"
+ANIMATION_FORMATS: Mapping[str, str] = {
+    ".glb": tr("glTF with morph targets (GLB)"),
+    ".pc2": tr("Blender point cache (PC2)"),
+    ".mdd": tr("Blender point cache (MDD)"),
+    ".pvd": tr("ParaView series (PVD)"),
+    ".gif": tr("film (GIF)"),
+}
 
 
 class SweepDialog(RunDialog):
@@ -123,21 +132,128 @@ class SweepDialog(RunDialog):
         try:
             if self.motion.currentData() == _TWIST:
                 typed = f"handle {self._handle + 1}: twist {self.twist.text()}"
-                motion = motion_steps(self._state, typed, Unit.NONE)
+                motion = motion_steps(self._state.document, typed, Unit.NONE)
                 words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
-            sweep_of(document, round(self.steps.value()), self.to.value() / 100.0, methods, motion=motion)
+            steps, last_share = round(self.steps.value()), self.to.value() / 100.0
+            cases_by_method(case_of(document, steps, last_share, motion=motion), methods)
         except InputError as error:
             self.run.show_failure(str(error))
             return
-        words += ["--steps", str(round(self.steps.value())), "--to", repr(self.to.value() / 100.0)]
+        words += ["--steps", str(steps), "--to", repr(last_share)]
         words += ["--methods", ",".join(methods), "--iterations", str(round(self.iterations.value()))]
         words += ["--meshes"] if self.meshes.isChecked() else []
-        ending = self.format.currentData() if self.animation.isChecked() else ""
+        animation = Path(f"sweep{self.format.currentData()}") if self.animation.isChecked() else None
+        self.run.begin(partial(_sweep_arguments, self._state, self._view, words, animation))
 
-        def prepared(scratch: Path, results: Path) -> list[str]:
-            session = scratch / "sweep.apd"
-            save_session(session, self._state, self._view)
-            animated = ["--animation", str(results / f"sweep{ending}")] if ending else []
-            return ["sweep", str(session), *words, *animated, "-o", str(results)]
 
-        self.run.begin(prepared)
+class AnimationDialog(RunDialog):
+    """Solves a motion in steps by the method of the session, and writes the shapes.
+
+    Parameters
+    ----------
+    window : QWidget
+    state : State
+    motions : sequence of (str, Document)
+        What can be exported, with its title; at least one.
+    view : View
+        How a film looks at the mesh.
+    preferences : Preferences
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        state: State,
+        motions: Sequence[tuple[str, Document]],
+        view: View,
+        preferences: Preferences,
+    ) -> None:
+        mesh = state.document.mesh
+        run = RunBar(tr("Export…"), f"{mesh.stem}-animation", preferences)
+        title = tr("Export animation – {name}").format(name=window_title_text(mesh.name))
+        super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
+        self._state, self._view, self._memory = state, view, preferences
+        self._path: Path | None = None
+        self._before: tuple[int, int] | None = None
+        run.start_requested.connect(self.begin)
+        run.ended.connect(self._tell)
+        about = tr("Solves the motion in steps, and writes the shapes for other programs.")
+        rows = (
+            (tr("Motion"), self._make_motion(motions)),
+            (tr("Steps"), self._make_steps()),
+            (tr("Format"), self._make_format()),
+        )
+        self.lay_out(about, rows)
+
+    def _make_motion(self, motions: Sequence[tuple[str, Document]]) -> QHBoxLayout:
+        self.motion = ComboBox()
+        self.motion.setAccessibleName(tr("Motion to export"))
+        for title, document in motions:
+            self.motion.addItem(title, document)
+        return widget_row(self.motion)
+
+    def _make_steps(self) -> QHBoxLayout:
+        self.steps = count_field(tr("Number of steps"), 1, MOST_STEPS, 24)
+        return widget_row(self.steps, QLabel(tr("shapes after the first")), spacing=8)
+
+    def _make_format(self) -> QHBoxLayout:
+        self.format = format_choice(".glb")
+        return widget_row(self.format)
+
+    def begin(self) -> None:
+        """Ask for the file, and start."""
+        document, steps = self.motion.currentData(), round(self.steps.value())
+        try:
+            case_of(document, steps)
+            path = self._ask()
+        except InputError as error:
+            self.run.show_failure(str(error))
+            return
+        if path is None:
+            return
+        self._path, self._before = path, _stamp(path)
+        words = ["--steps", str(steps), "--methods", document.settings.method]
+        state = self._state.updated(document)
+        self.run.begin(partial(_sweep_arguments, state, self._view, words, path), other_folder=path.parent)
+
+    def _ask(self) -> Path | None:
+        """File to write to; None if cancelled; raises InputError."""
+        name = f"{self._state.document.mesh.stem}-animation{self.format.currentData()}"
+        path = ask_where_to_save(self, tr("Export animation"), self._memory.last_folder / name)
+        if path is not None:
+            check_animation(path)
+        return path
+
+    def _tell(self) -> None:
+        # A film that could not be drawn leaves what was there; the summary says why.
+        if self._path is not None and _stamp(self._path) != self._before:
+            self.run.words.setText(tr("Exported {name}.").format(name=self._path.name))
+
+
+def _sweep_arguments(
+    state: State, view: View, words: Sequence[str], animation: Path | None, scratch: Path, results: Path
+) -> list[str]:
+    """Words of the command for a session saved in ``scratch``."""
+    session = scratch / "sweep.apd"
+    save_session(session, state, view)
+    animated = [] if animation is None else ["--animation", str(results / animation)]
+    return ["sweep", str(session), *words, *animated, "-o", str(results)]
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """Mark of a file that one replacing it does not have; None without a file."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_ino
+
+
+def format_choice(first: str) -> ComboBox:
+    """Choice of a format by its ending; ``first`` is chosen to begin with."""
+    choice = ComboBox()
+    choice.setAccessibleName(tr("Format of the animation"))
+    for ending, title in ANIMATION_FORMATS.items():
+        choice.addItem(title, ending)
+    choice.setCurrentIndex(choice.findData(first))
+    return choice

@@ -2,50 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, Signal
+from PySide6.QtCore import QObject, QPointF, QRectF, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import CameraPose, View
-from apd_viewer.ui.scene.coloring import Coloring
-from apd_viewer.ui.scene.framing import is_in_view, surrounding_box, uncovering_shift, unobstructed_camera
+from apd_viewer.ui.preferences.preferences import UpAxes
+from apd_viewer.ui.scene.camera import is_in_view, surrounding_box, uncovering_shift, unobstructed_camera
+from apd_viewer.ui.scene.camera_controller import CameraController
+from apd_viewer.ui.scene.coloring import Coloring, VertexMarks
 from apd_viewer.ui.scene.surface import Surface
-from apd_viewer.ui.scene.vertex_marks import VertexMarks
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.brush_tool import BrushTool
-from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool
-from apd_viewer.ui.tools.gizmo import Gizmo
-from apd_viewer.ui.tools.gizmo_drag import nice_step, translated
-from apd_viewer.ui.tools.gizmo_layout import GIZMO_RADIUS
-from apd_viewer.ui.tools.inactive_handles import HandlePivot, InactiveHandles, movable_pivots
-from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool
-from apd_viewer.ui.tools.point_picker import PointPicker
-from apd_viewer.ui.tools.selection_tool import SelectionTool, StrokeEffect
-from apd_viewer.ui.tools.slab_tool import SlabTool
-from apd_viewer.ui.tools.strokes import Strokes
+from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool, PointPicker
+from apd_viewer.ui.tools.gizmo import Gizmo, HandlePivot, InactiveHandles, movable_pivots
+from apd_viewer.ui.tools.gizmo_drag import GIZMO_RADIUS, nice_step, translated
+from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool, SlabTool
+from apd_viewer.ui.tools.selection_tool import SelectionTool, StrokeEffect, Strokes
 from apd_viewer.ui.tools.toolbox import SelectionMode, Tool
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from PySide6.QtCore import QRectF
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
-    from apd_viewer.session.model.up_axis import UpAxis
-    from apd_viewer.ui.preferences.up_axes import UpAxes
-    from apd_viewer.ui.scene.camera_controller import CameraController
-    from apd_viewer.ui.scene.surface import Surface
 
 _NUDGE = 5.0  # pixels, about
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen
 
 from apd_viewer.ui.scene.camera import rotation, unit
-from apd_viewer.ui.tools.gizmo_drag import offset_in_plane
-from apd_viewer.ui.tools.gizmo_layout import (
+from apd_viewer.ui.tools.gizmo_drag import (
     ALONG_VIEW,
     ARROWS,
     DOT_RADIUS,
@@ -19,8 +17,10 @@ from apd_viewer.ui.tools.gizmo_layout import (
     RING_RADIUS,
     RINGS,
     SQUARES,
+    GizmoDrag,
     GizmoFrame,
     axis_index,
+    offset_in_plane,
 )
 from apd_viewer.ui.tools.polylines import (
     chosen_stretches,
@@ -29,9 +29,6 @@ from apd_viewer.ui.tools.polylines import (
     to_polygon,
     with_opacity,
 )
-
-if TYPE_CHECKING:
-    from apd_viewer.ui.tools.gizmo_drag import GizmoDrag
 
 # Rose, lime and violet: apart from the base blue and the handle vermilion in hue, and from one
 # another in lightness, with any kind of colour vision. The letters say it once more.

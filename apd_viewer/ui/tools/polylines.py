@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
-if TYPE_CHECKING:
-    from apd_viewer.ui.scene.camera import Camera
+from apd_viewer.ui.scene.camera import Camera
 
 _MARGIN = 0.06  # of a plane around the shape, in its extent
 _PLANE = 40 / 255  # opacity

@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtGui import QMouseEvent
 
 from apd_viewer.ui.scene.camera import DEGREES_PER_PIXEL
-from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.viewport import Viewport
 
 SPEED = 24.0  # degrees a second

@@ -5,8 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QPointF, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
+    QAccessible,
+    QAccessibleEvent,
     QFocusEvent,
     QHideEvent,
     QKeyEvent,
@@ -16,9 +18,11 @@ from PySide6.QtGui import (
     QValidator,
 )
 from PySide6.QtWidgets import (
+    QAbstractScrollArea,
     QCheckBox,
     QComboBox,
     QDoubleSpinBox,
+    QLabel,
     QLineEdit,
     QToolButton,
     QWidget,
@@ -35,7 +39,6 @@ from apd_viewer.language import tr
 from apd_viewer.notation import editable_number
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
-from apd_viewer.ui.widgets.error_bubble import ErrorBubble
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 _UNBOUNDED = 1e9  # such a limit guards arithmetic, and is none for the user
@@ -320,3 +323,62 @@ def _draw_field(painter: QPainter, field: QWidget) -> None:
     painter.setPen(palette.highlight().color() if field.hasFocus() else palette.mid().color())
     painter.setBrush(palette.base())
     painter.drawRoundedRect(QRectF(field.rect()).adjusted(0.5, 0.5, -0.5, -0.5), 6, 6)
+
+
+_WIDTH = 232
+_GAP = 4
+_AFTER_LEAVING = 6_000  # ms
+
+
+class ErrorBubble(QLabel):
+    """Error message floating beneath a field, without moving the layout.
+
+    Parameters
+    ----------
+    field : QWidget
+    """
+
+    def __init__(self, field: QWidget) -> None:
+        super().__init__(field, objectName="error", wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        self._field = field
+        self._leaving = QTimer(self, singleShot=True, interval=_AFTER_LEAVING)
+        self._leaving.timeout.connect(self.hide)
+        field.destroyed.connect(self.deleteLater)
+        self.hide()
+
+    def show_message(self, sentence: str) -> None:
+        """Show a sentence for as long as the field is used."""
+        self._leaving.stop()
+        ground = _ground(self._field)
+        self.setParent(ground)
+        self.setText(sentence)
+        self.setAccessibleName(sentence)
+        self.setFixedWidth(_WIDTH)
+        self.setFixedHeight(self.heightForWidth(_WIDTH))
+        self.move(self._beneath(ground))
+        self.show()
+        self.raise_()
+        QAccessible.updateAccessibility(QAccessibleEvent(self, QAccessible.Event.Alert))
+
+    def hide_later(self) -> None:
+        """Hide after a while."""
+        self._leaving.start()
+
+    def _beneath(self, ground: QWidget) -> QPoint:
+        """Beneath the field, or above it, and within the ground."""
+        field = self._field
+        corner = field.mapTo(ground, QPoint(field.width() - self.width(), field.height() + _GAP))
+        if corner.y() + self.height() > ground.height():
+            corner.setY(corner.y() - self.height() - field.height() - 2 * _GAP)
+        corner.setX(min(max(corner.x(), _GAP), ground.width() - self.width() - _GAP))
+        return corner
+
+
+def _ground(field: QWidget) -> QWidget:
+    """Content of the scroll area around a field, or its window."""
+    ground = field
+    while (above := ground.parentWidget()) is not None and not ground.isWindow():
+        if isinstance(above.parentWidget(), QAbstractScrollArea):
+            break
+        ground = above
+    return ground

@@ -1,9 +1,9 @@
-"""Window sizes limited to the screen: buttons stay visible."""
+"""Windows limited to the screen, and rows wrapped into columns."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import QPoint, QSize
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QBoxLayout, QWidget
 
 
 def largest_on_screen(window: QWidget) -> QSize:
@@ -22,3 +22,17 @@ def resize_on_screen(window: QWidget, size: QSize) -> None:
     # The place of a window not yet shown is unknown; the window manager chooses it.
     if window.isVisible() and QPoint(x, y) != frame.topLeft():
         window.move(x, y)
+
+
+def arrange_row(row: QBoxLayout, available_width: float) -> bool:
+    """Arrange ``row`` side by side within ``available_width`` pixels, else stacked.
+
+    Returns whether it stands side by side.
+    """
+    row.setDirection(QBoxLayout.Direction.LeftToRight)
+    row.activate()  # changes inside nested rows are ignored otherwise
+    fits = row.sizeHint().width() <= available_width
+    if not fits:
+        row.setDirection(QBoxLayout.Direction.TopToBottom)
+        row.activate()
+    return fits

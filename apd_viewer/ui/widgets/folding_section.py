@@ -7,8 +7,7 @@ from PySide6.QtGui import QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 _CHEVRON = 16
 

@@ -1,4 +1,4 @@
-"""The wheel over a control, left to what scrolls around it."""
+"""Events of the mouse that widgets leave to others, or keep from them."""
 
 from __future__ import annotations
 
@@ -23,3 +23,22 @@ def ignore_wheel(control: QWidget) -> None:
     if control.focusPolicy() is Qt.FocusPolicy.WheelFocus:
         control.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     control.installEventFilter(_Past(control))
+
+
+_KEPT = {
+    QEvent.Type.MouseButtonPress,
+    QEvent.Type.MouseButtonDblClick,
+    QEvent.Type.MouseMove,
+    QEvent.Type.Wheel,
+}
+
+
+class _Shield(QObject):
+    def eventFilter(self, _: QObject, event: QEvent) -> bool:
+        """Consume events unused by the widget and its children."""
+        return event.type() in _KEPT
+
+
+def shield(widget: QWidget) -> None:
+    """Stop mouse events at ``widget``; its children still get theirs."""
+    widget.installEventFilter(_Shield(widget))

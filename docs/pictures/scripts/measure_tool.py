@@ -1,10 +1,10 @@
 """A distance, a geodesic and a section of the twisted bottle."""
 
 import numpy as np
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from PySide6.QtGui import QImage
 from stage import Stage
 
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.toolbox import Tool
 

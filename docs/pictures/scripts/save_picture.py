@@ -4,8 +4,7 @@ from PySide6.QtCore import QSize
 from PySide6.QtGui import QImage
 from stage import Stage
 
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
 
 
 def draw(stage: Stage) -> QImage:

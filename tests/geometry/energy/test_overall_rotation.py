@@ -3,7 +3,7 @@
 import numpy as np
 from meshes import rotation
 
-from apd_viewer.geometry.energy.overall_rotation import OverallRotation
+from apd_viewer.geometry.solver.touching_surface import OverallRotation
 
 RNG = np.random.default_rng(0)
 X, MASSES = RNG.normal(size=(50, 3)) * [1.0, 2.0, 0.3], RNG.uniform(0.1, 2.0, size=50)

@@ -4,13 +4,13 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 import pytest
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from driven_session import BENT, document
 
 from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.measuring.measurement import Measurement
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.settings import SETTINGS, Settings
@@ -67,6 +67,8 @@ OF_SETTINGS = {
     "calm": lambda said: said.with_settings(calm=False),
     "contact": lambda said: said.with_settings(contact=True),
     "thickness": lambda said: said.with_settings(contact=True, thickness=0.125),
+    "yield_radius": lambda said: said.with_settings(contact=True, stiffness=0.5, yield_radius=2.0),
+    "gas": lambda said: said.with_settings(contact=True, gas=0.5),
     "convergence": lambda said: said.with_settings(convergence=Convergence(100)),
 }
 OF_HANDLE = {

@@ -5,6 +5,7 @@ import pytest
 from driven_session import VIEW, Driven
 from meshes import box, sphere
 
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -12,7 +13,6 @@ from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.session.posing.mirror_partner import mirror_partner, mirror_plane
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.session_replay import replay_session
 
 X = 0
 

@@ -110,7 +110,7 @@ def test_move_by_refuses_what_is_no_angle_in_a_sentence_and_nothing_moves(bent, 
 def test_plan_motion_converts_a_length_with_a_unit_to_that_of_the_mesh(bent):
     bent.store.unit = Unit.CENTIMETRE
     assert bent.handles.plan_motion(MOTIONS["MOVE_X"], "25mm", 0).amounts == pytest.approx([2.5])
-    names = bent.store.state.named_lengths
+    names = bent.store.state.document.mesh.named_lengths
     assert names["L"] == max(names["X"], names["Y"], names["Z"])
     assert names["D"] == pytest.approx(np.linalg.norm([names[side] for side in "XYZ"]), rel=1e-12)
 
@@ -215,7 +215,7 @@ def test_move_by_leads_where_the_same_motion_does_in_words(oblique, name):
     assert np.abs(pose - np.eye(4)).max() > 0.01
     assert oblique.gestures.history.next_undo.startswith(f"{motion.title} ")
     if name in IN_WORDS:
-        path = motion_paths(state.document, motion_steps(state, in_words(name), Unit.NONE))[0]
+        path = motion_paths(state.document, motion_steps(state.document, in_words(name), Unit.NONE))[0]
         np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)
         assert path.has_motion
         assert path.has_stretch == motion.kind.stretches

@@ -7,6 +7,7 @@ import pytest
 from meshes import box, ends, rotation
 from motions import IN_WORDS, in_words
 
+from apd_viewer.cases.case import case_of
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
@@ -14,7 +15,6 @@ from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
 from apd_viewer.session.posing.motion_text import motion_steps, parse_motion
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.studies.sweep_setup import sweep_of
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def state():
 def paths(state, text):
     for step in parse_motion(text):
         step.parse_amounts(Unit.MILLIMETRE)
-    return motion_paths(state.document, motion_steps(state, text, Unit.MILLIMETRE))
+    return motion_paths(state.document, motion_steps(state.document, text, Unit.MILLIMETRE))
 
 
 def turned(axis, degrees, about):
@@ -90,7 +90,7 @@ def test_motion_paths_twist_as_the_window_and_the_sweep_do(degrees, state):
     pose = step.end_document(document).handles[0].pose
     path = paths(state, f"twist {degrees}")[0]
     np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)
-    swept = sweep_of(document, 3, methods=["arap"], motion=[step]).paths[0]
+    swept = case_of(document, 3, motion=[step]).paths[0]
     assert all(np.array_equal(path.pose_at(part), swept.pose_at(part)) for part in (0.3, 1.0))
     posed = document_along(document, paths(state, f"twist {degrees}"))
     assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)

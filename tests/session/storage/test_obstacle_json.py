@@ -8,6 +8,7 @@ import pytest
 from driven_session import check_equal
 from meshes import tube
 
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage.json_fields import JsonFields
@@ -21,7 +22,6 @@ from apd_viewer.session.processes.document_deformation import deformation_of, do
 from apd_viewer.session.storage.part_json import obstacle_from_json, obstacle_to_json
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.storage.session_json import document_to_json, frame_to_json
-from apd_viewer.session.studies.session_replay import replay_session
 
 X, Y, Z = map(frozen, np.eye(3))
 ROD = NamedObstacle("Stab «é»", ObstacleKind.CYLINDER, frozen(np.array([1.31, 0.0, 2.7])), Y, 0.3, 1 / 3)

@@ -14,6 +14,7 @@ import trimesh
 from driven_session import BENT, VIEW, Driven, check_equal, check_same_array, pose
 from meshes import box, ends, rotation, soup
 
+from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_location import mesh_location_to_json
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
@@ -31,7 +32,6 @@ from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity, Listener
 from apd_viewer.session.storage import session_file
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.session.studies.session_replay import replay_session
 
 Change = Callable[[SettingsEditor], object]
 SETTINGS: dict[str, Change] = {

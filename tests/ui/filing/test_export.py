@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.ui.filing.file_dialogs import ask_where_to_put_mesh
-from apd_viewer.ui.filing.plot_export import ask_where_to_save_plots
+from apd_viewer.ui.plots.plots import ask_where_to_save_plots
 
 CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 OBJ = "mtllib a.mtl\n" + CORNERS + "vt 0 0\nusemtl red\nf 1/1 3/1 2/1\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"

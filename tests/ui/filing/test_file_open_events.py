@@ -4,8 +4,7 @@ from PySide6.QtCore import QEvent, QUrl
 from PySide6.QtGui import QFileOpenEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
-from apd_viewer.ui.filing.file_open_events import FileOpenEvents
-from apd_viewer.ui.filing.file_requests import FileRequests
+from apd_viewer.ui.filing.file_requests import FileOpenEvents, FileRequests
 
 
 class Opened(list):

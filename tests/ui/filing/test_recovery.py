@@ -21,8 +21,8 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery_file import find_recovery_files
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.application import recovery_folder
-from apd_viewer.ui.filing import file_dialogs, unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller, file_dialogs
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 
 SLOW = 20_000  # ms; nothing here should come near it
 PROGRAM = """
@@ -267,7 +267,7 @@ def test_autosave_goes_on_in_a_window_that_is_not_closed_because_of_the_question
     restore(qtbot, window)
     qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
     with monkeypatch.context() as patch:
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.CANCEL)
+        patch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.CANCEL)
         assert not window.shell.close()
     assert len(files(folder)) == 1
     assert window.shell.close()

@@ -23,10 +23,10 @@ from apd_viewer.session.model import state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 
-ASK = unsaved_question.ask_before_leaving
+ASK = file_controller.ask_before_leaving
 SLOW = 20_000  # ms; nothing here should come near it
 # Whoever saves in another process, and leaves no window behind.
 OTHER = """
@@ -75,7 +75,7 @@ def open_window(qtbot, path, pair, monkeypatch):
         return opened(qtbot, used[-1].opened(qtbot), path)
 
     yield open_window
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+    monkeypatch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     for kept in used:
         kept.reset(qtbot)
 
@@ -180,7 +180,9 @@ def test_saved_work_that_is_overwritten_is_unsaved_where_it_came_from(qtbot, ope
     assert first.shell.isVisible()
 
 
-def test_decision_to_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, open_window, path, person):
+def test_changed_file_answer_to_reload_shows_the_file_and_undo_brings_the_work_back(
+    qtbot, open_window, path, person
+):
     first, second = clash(qtbot, open_window, path)
     U = second.session.store.state.frame.U
     person.will("Reload")
@@ -196,7 +198,7 @@ def test_decision_to_reload_shows_the_file_and_undo_brings_the_work_back(qtbot, 
     assert person.asked == [QUESTION] * 2, "what the other window saved is not lost by this way either"
 
 
-def test_decision_is_for_what_was_there_and_not_for_what_came_later(
+def test_changed_file_answer_is_for_what_was_there_and_not_for_what_came_later(
     qtbot, open_window, path, person, monkeypatch
 ):
     _, second = clash(qtbot, open_window, path)
@@ -283,7 +285,7 @@ def test_saved_work_that_has_gone_is_unsaved_in_title_recovery_and_question(
     person.target = tmp_path / "elsewhere.apd"
     person.will(UnsavedAnswer.SAVE)
     with monkeypatch.context() as patch:
-        patch.setattr(unsaved_question, "ask_before_leaving", ASK)
+        patch.setattr(file_controller, "ask_before_leaving", ASK)
         window.shell.close()
         qtbot.waitUntil(lambda: window.shell.is_closed, timeout=SLOW)
     assert np.array_equal(shape(person.target if folder_too else path), U)

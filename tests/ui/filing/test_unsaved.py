@@ -1,4 +1,4 @@
-"""Nothing that was said is lost without a question, and each of its answers does what it says."""
+"""Nothing that was said is lost without a file_controller, and each of its answers does what it says."""
 
 import numpy as np
 import pytest
@@ -12,10 +12,10 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 
-ASK = unsaved_question.ask_before_leaving
+ASK = file_controller.ask_before_leaving
 CHANGES = {
     "paint": lambda session: paint(session),
     "setting": lambda session: session.settings.change(stiffness=0.01),
@@ -35,9 +35,9 @@ def person(bottle, monkeypatch):
     """Someone at the window, asked by the real dialogs."""
     person = Person(bottle)
     monkeypatch.setattr(QFileDialog, "getSaveFileName", person.choose)
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", ASK)
+    monkeypatch.setattr(file_controller, "ask_before_leaving", ASK)
     yield person
-    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
+    monkeypatch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.DISCARD)
     left, person.answers = person.answers, []  # to be given by nobody in the tests that follow
     assert left == [], "a question was not asked"
 

@@ -4,8 +4,8 @@ import pytest
 from driving import LEFT
 from PySide6.QtCore import Qt
 
-from apd_viewer.ui.help import manual, manual_places
-from apd_viewer.ui.help.search_query import SearchQuery, SearchTexts, match_score
+from apd_viewer.ui.help import manual
+from apd_viewer.ui.help.searchable import SearchQuery, SearchTexts, match_score
 
 CTRL = Qt.KeyboardModifier.ControlModifier
 # Wishes, and a title that is among the first three.
@@ -130,7 +130,7 @@ def test_command_search_explains_the_marked_entry_by_f1_and_its_last_one_searche
     monkeypatch.setattr(manual, "search_manual", opened.append)
     qtbot.keyClicks(search.search, "wireframe")
     qtbot.keyClick(search.search, Qt.Key.Key_F1)
-    assert opened == [manual_places.action_place("edges")]
+    assert opened == [manual.action_place("edges")]
     assert found(search, "xqzw")
     qtbot.keyClick(search.search, Qt.Key.Key_Return)
     assert opened[1:] == ["xqzw"]

@@ -1,4 +1,4 @@
-"""Help in place: each control and menu entry has its place in the manual, and F1 opens it."""
+"""Help in place: each menu entry, setting and section has its place in the manual, and F1 opens it."""
 
 import re
 from pathlib import Path
@@ -11,11 +11,23 @@ import window_tour
 from driving import LEFT, idle
 from PySide6.QtCore import QPoint, Qt, QUrl
 from PySide6.QtGui import QCursor, QDesktopServices
-from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QScrollBar
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QLabel,
+    QLineEdit,
+    QMessageBox,
+    QScrollBar,
+)
 
 from apd_viewer.errors import InputError
-from apd_viewer.ui.help import manual, manual_places
-from apd_viewer.ui.help.manual_places import ManualPlace
+from apd_viewer.ui.help import manual
+from apd_viewer.ui.help.context_help import menu_entry_place, section_name, widget_place
+from apd_viewer.ui.help.manual import ManualPlace, action_place, section_place, setting_place
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.folding_section import Heading
 from apd_viewer.ui.widgets.help_button import HelpButton
@@ -72,24 +84,23 @@ def test_widget_place_knows_everything_in_the_window(shown, anchors):
     window = shown
     actions = [entry.action for entry in window.actions_.entries]
     assert len(actions) > 140
-    assert [
-        action.text() for action in actions if manual_places.menu_entry_place(action) not in anchors
-    ] == []
+    assert [action.text() for action in actions if menu_entry_place(action) not in anchors] == []
     controls = [
         widget
         for widget in window_tour.widgets()
         if widget.window() in QApplication.topLevelWidgets() and is_for_the_user(widget)
     ]
     assert len(controls) > 300
-    found = [(one, one.parentWidget(), manual_places.widget_place(one)) for one in controls]
+    found = [(one, one.parentWidget(), widget_place(one)) for one in controls]
     assert [str(each) for each in found if each[-1] not in anchors] == []
     words = [each for each in window_tour.widgets() if window.panel.isAncestorOf(each)]
-    assert {manual_places.widget_place(each) for each in words} <= anchors | {None}
-    paths = {manual_places.control_path(widget)[:2] for widget in controls}
-    sections = {name for name, part in vars(window.panel).items() if part in window.panel.sections}
-    assert {f"panel/{name}" for name in sections} <= {"/".join(path) for path in paths}
-    named = {path[0] for path in paths if path}
-    assert named >= {"sweep-dialog", "press-dialog", "plan-dialog", "picture-dialog", "comparison-window"}
+    assert {widget_place(each) for each in words} <= anchors | {None}
+    named = {section_name(widget) for widget in controls}
+    assert {type(section).__name__ for section in window.panel.sections} <= named
+    assert named >= {"SweepDialog", "PressDialog", "PlanDialog", "PictureDialog", "ComparisonWindow"}
+
+
+INPUTS = QAbstractButton, QAbstractItemView, QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit
 
 
 def is_for_the_user(widget):
@@ -98,47 +109,41 @@ def is_for_the_user(widget):
     owners = [owner for owner in (widget, widget.parentWidget()) if owner is not None]
     names = [name for owner in owners for name in (owner.objectName(), owner.metaObject().className())]
     made = any(name.startswith(qts) for name in names)
-    return manual_places.is_control(widget) and not made and not isinstance(widget, QScrollBar | QLabel)
+    return isinstance(widget, INPUTS) and not made and not isinstance(widget, QScrollBar)
 
 
 def test_widget_place_a_heading_is_that_of_its_section(window):
-    assert manual_places.widget_place(window.panel.volume.heading) == manual_places.control_place(
-        ("panel", "volume")
-    )
+    assert widget_place(window.panel.volume.heading) == section_place("VolumeSection")
     folded = window.panel.method.convergence.findChild(Heading)
-    assert manual_places.widget_place(folded) == manual_places.control_place(
-        ("panel", "method", "convergence")
-    )
+    assert widget_place(folded) == section_place("MethodSection")
 
 
-def test_widget_place_a_caption_is_that_of_its_field_and_of_a_gap_that_of_its_section(window):
+def test_widget_place_a_caption_or_a_gap_is_that_of_its_section(window):
     handles = window.panel.handles
     caption = next(label for label in handles.findChildren(QLabel) if label.text() == "Drift")
-    assert manual_places.widget_place(caption) == manual_places.control_place(("panel", "handles", "drift"))
-    assert manual_places.widget_place(caption.parentWidget()) == manual_places.control_place(
-        ("panel", "handles")
-    )
-    assert manual_places.widget_place(window.panel) is None
+    assert widget_place(caption) == section_place("HandleSection")
+    assert widget_place(caption.parentWidget()) == section_place("HandleSection")
+    assert widget_place(window.panel) is None
 
 
 def test_context_help_explains_by_f1_what_is_under_the_mouse_in_use_or_in_the_hand(qtbot, active, opened):
     panel, view = active.panel, active.canvas.viewport
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == manual_places.action_place("take:MOVE")
+    assert opened.pop() == action_place("take:MOVE")
     active.tools.choose_tool(Tool.ERASE)
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == manual_places.action_place("take:ERASE")
+    assert opened.pop() == action_place("take:ERASE")
     point(qtbot, panel.area.target.slider)
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == manual_places.control_place(("panel", "area", "target"))
+    assert opened.pop() == section_place("AreaSection")
     panel.area.hold.setFocus() if panel.area.hold.isVisible() else panel.handles.add.setFocus()
-    focused = manual_places.widget_place(active.shell.focusWidget())
+    focused = widget_place(active.shell.focusWidget())
     qtbot.keyClick(active.shell.focusWidget(), Qt.Key.Key_F1)
-    assert opened.pop() == focused != manual_places.control_place(("panel", "area", "target"))
+    assert opened.pop() == focused != section_place("AreaSection")
     button = active.actions_.bar.widgetForAction(active.actions_.undo)
     point(qtbot, button)
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == manual_places.action_place("undo")
+    assert opened.pop() == action_place("undo")
     assert opened == []
 
 
@@ -148,7 +153,7 @@ def test_context_help_explains_the_marked_entry_of_a_menu_by_f1_and_does_not_cho
     qtbot.waitExposed(menu)
     menu.setActiveAction(active.actions_.settings)
     qtbot.keyClick(menu, Qt.Key.Key_F1)
-    assert opened == [manual_places.action_place("settings")]
+    assert opened == [action_place("settings")]
     assert not menu.isVisible()
     assert active.settings_page.dialog is None
 
@@ -156,8 +161,8 @@ def test_context_help_explains_the_marked_entry_of_a_menu_by_f1_and_does_not_cho
 def test_context_help_explains_what_is_clicked_with_the_question_mark_and_does_nothing(qtbot, active, opened):
     count = len(active.session.store.state.document.handles)
     for widget, place in (
-        (active.panel.handles.add, manual_places.control_place(("panel", "handles", "add"))),
-        (active.canvas.viewport, manual_places.action_place("take:MOVE")),
+        (active.panel.handles.add, section_place("HandleSection")),
+        (active.canvas.viewport, action_place("take:MOVE")),
     ):
         active.actions_.help["help"].trigger()
         qtbot.mouseClick(widget, LEFT)
@@ -173,11 +178,11 @@ def test_help_button_and_the_key_explain_dialogs(qtbot, active, opened):
     dialog = active.settings_page.dialog
     qtbot.waitUntil(dialog.isActiveWindow)
     qtbot.mouseClick(dialog.findChild(HelpButton), LEFT)
-    assert opened.pop() == manual_places.control_place(("settings-dialog",))
+    assert opened.pop() == section_place("SettingsDialog")
     field = dialog.findChild(object, "brush_radius")
     field.setFocus()
     qtbot.keyClick(field, Qt.Key.Key_F1)
-    assert opened.pop() == manual_places.setting_place("brush_radius")
+    assert opened.pop() == setting_place("brush_radius")
 
 
 # Opening
@@ -211,7 +216,7 @@ def test_open_manual_opens_the_first_page_as_it_is(browser, package):
 def test_manual_opens_a_page_that_leads_on_to_the_anchor(browser, package, words):
     """What opens files drops what follows their names, so the browser gets a page without it."""
     if words is None:
-        manual.open_manual(manual_places.action_place("up:-X"))
+        manual.open_manual(action_place("up:-X"))
     else:
         manual.search_manual(words)
     (url,) = browser

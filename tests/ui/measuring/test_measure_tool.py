@@ -3,11 +3,11 @@
 import meshes
 import numpy as np
 import pytest
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from driving import Mouse, document, on_screen
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import point_positions
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit

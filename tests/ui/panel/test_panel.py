@@ -16,7 +16,7 @@ from apd_viewer.presentation.readings import NO_VALUE, area_verdict
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.state_store import Activity
-from apd_viewer.ui.widgets.slider import DECADES, PERCENT
+from apd_viewer.ui.widgets.slider_field import DECADES, PERCENT
 
 
 def choose(window, method):
@@ -36,8 +36,8 @@ def shown(window):
     section = window.panel.method
     fields = {
         "tolerance": section.tolerance,
-        "area": section.area_stiffness,
-        "shear": section.shear_stiffness,
+        "area": section.numbers["area_stiffness"],
+        "shear": section.numbers["shear_stiffness"],
         "hold": window.panel.area.hold,
         "target": window.panel.area.target,
         "stiffness": section.stiffness,
@@ -395,10 +395,28 @@ def test_area_section_lets_local_keep_the_total_too_where_that_is_asked(qtbot, b
     area.hold.click()
     assert document(bottle).settings.hold_area
     assert area.target.field.isEnabled()
-    bottle.panel.method.area_stiffness.setValue(30.0)
-    bottle.panel.method.shear_stiffness.setValue(0.2)
+    bottle.panel.method.numbers["area_stiffness"].setValue(30.0)
+    bottle.panel.method.numbers["shear_stiffness"].setValue(0.2)
     settings = document(bottle).settings
     assert (settings.area_stiffness, settings.shear_stiffness) == (30.0, 0.2)
+
+
+def test_method_section_has_creases_and_gas_in_contact_alone(qtbot, bottle):
+    section = bottle.panel.method
+    for on in (False, True):
+        if section.contact.isChecked() != on:
+            section.contact.click()
+        assert section.numbers["gas"].isVisibleTo(bottle.shell) == on
+        assert not section.numbers["yield_radius"].isVisibleTo(bottle.shell)
+    section.stiffness.field.setValue(0.01)
+    assert section.numbers["yield_radius"].isVisibleTo(bottle.shell)
+    section.numbers["yield_radius"].setValue(1.5)
+    section.numbers["gas"].setValue(0.25)
+    assert (document(bottle).settings.yield_radius, document(bottle).settings.gas) == (1.5, 0.25)
+    section.numbers["gas"].setValue(0.0)
+    assert document(bottle).settings.gas is None
+    bottle.session.gestures.undo()
+    assert section.numbers["gas"].value() == 0.25
 
 
 def test_volume_section_keeps_a_volume_or_says_the_reason_why_not(qtbot, bottle):

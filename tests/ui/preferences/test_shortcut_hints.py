@@ -8,8 +8,7 @@ from PySide6.QtWidgets import QAbstractButton, QLabel, QWidget
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.ui.preferences.shortcut_hints import with_keys
-from apd_viewer.ui.preferences.shortcuts import native_keys
+from apd_viewer.ui.preferences.shortcuts import native_keys, with_keys
 from apd_viewer.ui.tools.toolbox import Tool
 
 MODIFIERS = "Alt+", "Alt+Shift+", "Ctrl+Alt+"

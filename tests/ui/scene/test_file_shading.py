@@ -4,7 +4,7 @@ import numpy as np
 from driving import idle, settle
 from meshes import grid
 
-from apd_viewer.ui.appearance.shading import Shading
+from apd_viewer.ui.scene.shading import Shading
 
 
 def sheet(path, tilt):

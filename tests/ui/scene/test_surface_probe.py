@@ -6,7 +6,7 @@ import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage, QPainter
 
-from apd_viewer.ui.scene.surface_probe import ProbedPoint, SurfaceProbe
+from apd_viewer.ui.compare.method_view import ProbedPoint, SurfaceProbe
 
 
 def painted(pointer, view):

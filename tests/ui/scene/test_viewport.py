@@ -11,9 +11,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMainWindow
 
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
-from apd_viewer.ui.appearance.antialiasing import IDLE_DELAY
-from apd_viewer.ui.appearance.shading import Shading
 from apd_viewer.ui.scene.camera import MARGIN
+from apd_viewer.ui.scene.shading import IDLE_DELAY, Shading
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.brush_tool import BrushTool

@@ -16,8 +16,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
-from apd_viewer.ui.settings_page import preference_effects
 from apd_viewer.ui.settings_page import preference_table as table
+from apd_viewer.ui.settings_page import settings_dialog
 from apd_viewer.ui.settings_page.settings_dialog import SettingsDialog
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import SelectionMode
@@ -198,5 +198,5 @@ def test_limit_threads_takes_effect_before_numba_is_loaded(monkeypatch, threads,
     monkeypatch.setenv("NUMBA_NUM_THREADS", before or "")
     if before is None:
         monkeypatch.delenv("NUMBA_NUM_THREADS")
-    preference_effects.limit_threads(threads)
+    settings_dialog.limit_threads(threads)
     assert os.environ.get("NUMBA_NUM_THREADS") == after

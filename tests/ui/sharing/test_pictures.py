@@ -17,8 +17,7 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.scene.scene_picture import picture_scale, scene_picture
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-from apd_viewer.ui.sharing.pictures import PictureSettings
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
 
 SIZE = QSize(400, 300)
 

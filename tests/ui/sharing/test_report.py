@@ -10,7 +10,6 @@ import meshes
 import numpy as np
 import pytest
 import trimesh
-from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from driving import idle, settle, work_off
 from page_parts import PageParts
 from PySide6.QtGui import QImage
@@ -19,6 +18,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.hull_readings import convex_hull
 from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh

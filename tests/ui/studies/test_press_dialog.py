@@ -25,8 +25,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.filing import unsaved_question
-from apd_viewer.ui.filing.unsaved_question import UnsavedAnswer
+from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.studies import run_dialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
 from apd_viewer.ui.widgets import fit_to_screen
@@ -265,7 +265,7 @@ def test_press_dialog_opens_the_pressed_mesh_in_the_window_once_saved(
     window.session.painting.end_stroke("Paint")
     assert window.session.saved_work.is_unsaved
     with monkeypatch.context() as patch:
-        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: UnsavedAnswer.CANCEL)
+        patch.setattr(file_controller, "ask_before_leaving", lambda *_: UnsavedAnswer.CANCEL)
         click(dialog.run.open_mesh)
         idle(qtbot, window)
     assert document(window).mesh is before

@@ -6,8 +6,18 @@ from PySide6.QtTest import QTest
 
 from apd_viewer.ui.scene.camera import Camera, rotation
 from apd_viewer.ui.tools.gizmo import Gizmo
-from apd_viewer.ui.tools.gizmo_drag import begin_drag, nice_step, rotated, snapped
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING_RADIUS, RINGS, SQUARES, GizmoFrame, GizmoOrientation
+from apd_viewer.ui.tools.gizmo_drag import (
+    ARROWS,
+    RING_RADIUS,
+    RINGS,
+    SQUARES,
+    GizmoFrame,
+    GizmoOrientation,
+    begin_drag,
+    nice_step,
+    rotated,
+    snapped,
+)
 
 CENTRE = np.array([0.3, -0.2, 0.1])
 POSE = np.eye(4)

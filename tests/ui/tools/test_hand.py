@@ -15,7 +15,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.presentation import readings
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.tools.gizmo_layout import RING_RADIUS, RINGS, GizmoOrientation
+from apd_viewer.ui.tools.gizmo_drag import RING_RADIUS, RINGS, GizmoOrientation
 from apd_viewer.ui.tools.toolbox import Tool
 
 CONTROL = Qt.KeyboardModifier.ControlModifier

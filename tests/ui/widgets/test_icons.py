@@ -5,8 +5,7 @@ from PySide6.QtCore import QSize
 from PySide6.QtGui import QColor, QIcon
 
 from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_COLORS
-from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import DARK, LIGHT
+from apd_viewer.ui.widgets.theme import DARK, LIGHT, icon
 
 PARTS = {"base": BASE_COLOR, "handle": HANDLE_COLORS[0], "region": REGION_COLORS[0]}
 

@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import QEvent, QObject
 from PySide6.QtWidgets import QApplication, QMainWindow
 
-from apd_viewer.ui.widgets.thin_bar import ThinBar
+from apd_viewer.ui.widgets.elided_label import ThinBar
 
 
 class Paints(QObject):

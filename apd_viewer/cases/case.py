@@ -1,0 +1,363 @@
+"""Cases: a painted document along a motion in steps.
+
+Which folds press against each other depends on the way there. Through shapes at rest it leads to others than
+the walk of a single deformation does, and to others again by the number of the steps. So from the first shape
+that touches itself each one comes to rest beside the walk, and the last one is that of a deformation to the
+end of the motion. Before, the way does not matter, and each goes on from the one before: half the work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.pose.constraints import next_paint_sentence, transform
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.held_turn import HeldTurn, most_lost_turn, pass_through_warnings
+from apd_viewer.geometry.pose.screw_motion import RotationPath
+from apd_viewer.geometry.pose.surface_turns import held_turns
+from apd_viewer.geometry.pose.waypoint_path import HandlePath, WaypointPath
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, method_named
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import obstacle_shifts
+from apd_viewer.session.model.handle_paths import document_at, handle_paths, handle_pose_sequences
+from apd_viewer.session.model.named_obstacle import NamedObstacle
+from apd_viewer.session.model.state import load_excess_of
+from apd_viewer.session.posing.motion_path import (
+    MotionPath,
+    MotionStep,
+    document_along,
+    motion_paths,
+    total_turn,
+)
+from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
+
+MOST_STEPS = 1000
+# For each step: "local" creeps on for thousands of iterations without visible effect on the curve.
+DEFAULT_ITERATIONS = 500
+# With obstacles, whose loads mean nothing before the shape has settled.
+SETTLING_ITERATIONS = 10_000
+# Of the rest shape's diagonal: a shorter path is none.
+_NO_WAY = 1e-9
+
+CasePath: TypeAlias = HandlePath | MotionPath
+
+
+class CaseStep(NamedTuple):
+    """Shape of a case at a step, and its readings.
+
+    Attributes
+    ----------
+    method : str
+    number : int
+        From 0, where nothing has moved yet.
+    share : float
+        Of the motion: 0 to 1, and beyond 1 past it.
+    degrees : float
+        By how much the first handle that moves has turned.
+    displacement : float
+        How far its pivot is from where it was, mesh units.
+    frame : Frame
+    volume_rest, volume_capped_rest : float or None
+        With flat caps over its openings; None without any.
+    energy : float
+        ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations, whatever the method.
+    loads : tuple of float
+        Length of the force on each obstacle, energy per length: that of a material of stiffness 1.
+    turns : tuple of HeldTurn, of the handles so far
+    """
+
+    method: str
+    number: int
+    share: float
+    degrees: float
+    displacement: float
+    frame: Frame
+    volume_rest: float | None
+    volume_capped_rest: float | None
+    energy: float
+    loads: tuple[float, ...] = ()
+    turns: tuple[HeldTurn, ...] = ()
+
+    @property
+    def volume_error(self) -> float | None:
+        """Relative change of the volume, openings capped; None if none is enclosed."""
+        now, rest = self.frame.volume, self.volume_rest
+        if now is None:
+            now, rest = self.frame.volume_capped, self.volume_capped_rest
+        return None if now is None or not rest else now / rest - 1.0
+
+    @property
+    def readings(self) -> dict[str, float | None]:
+        """Numbers by the names of columns; turns are of the handle with the largest loss."""
+        frame = self.frame
+        return {
+            "part": self.share,
+            "degrees": self.degrees,
+            "way": self.displacement,
+            "area": frame.area,
+            "area_error": frame.area_error,
+            "volume": frame.volume,
+            "volume_capped": frame.volume_capped,
+            "volume_error": self.volume_error,
+            "energy": self.energy,
+            "local_change": frame.local_change,
+            "handle_drift": frame.handle_drift,
+            "iterations": frame.iteration,
+            "settled": frame.settled,
+            "share_reached": frame.share_reached,
+            **dict(zip(("turned", "turned_held"), most_lost_turn(self.turns).degrees, strict=True)),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A painted document along a motion in steps.
+
+    Attributes
+    ----------
+    document : Document
+        Its paint, its settings, and its grip, from which the handles start.
+    paths : tuple of CasePath
+        The way of each handle.
+    shares : tuple of float
+        Of the motion, one for each step.
+    iterations : int
+        At most so many for each step, without those on the way to it in contact.
+    """
+
+    document: Document
+    paths: tuple[CasePath, ...]
+    shares: tuple[float, ...]
+    iterations: int = DEFAULT_ITERATIONS
+
+    @property
+    def method(self) -> str:
+        """Name of the method of deformation."""
+        return self.document.settings.method
+
+    @property
+    def leading_handle(self) -> int:
+        """The first moving handle; the first of all where obstacles alone move."""
+        return next((k for k, path in enumerate(self.paths) if path.has_motion), 0)
+
+    @property
+    def obstacles(self) -> tuple[NamedObstacle, ...]:
+        """Obstacles whose loads are measured."""
+        return self.document.obstacles if self.document.settings.contact else ()
+
+    @property
+    def load_excess_percent(self) -> float | None:
+        """Expected excess of the loads; None without stiffness or loads."""
+        excess = load_excess_of(self.document) if self.document.has_active_obstacles else None
+        return None if excess is None else 100.0 * excess
+
+    @property
+    def abscissa(self) -> str:
+        """Name of the reading along the abscissa: "degrees", "way" of a shift, or "part"."""
+        path = self.paths[self.leading_handle]
+        if not path.has_motion or any(each.shift.any() for each in self.obstacles):
+            return "part"
+        several = sum(path.has_motion for path in self.paths) > 1
+        if several or path.has_stretch or isinstance(path, WaypointPath | MotionPath):
+            return "part"
+        if isinstance(path, RotationPath):
+            return "degrees"
+        if path.angle == 0.0:
+            return "way"
+        shortest = _NO_WAY * diagonal(self.document.mesh.V)
+        return "part" if np.linalg.norm(path.along) > shortest else "degrees"
+
+    @property
+    def is_gentle(self) -> bool:
+        """True if each step turns the handles by less than half a turn."""
+        step = max(np.diff(self.shares, prepend=0.0))
+        return bool(step * max(total_turn(path) for path in self.paths) < np.pi)
+
+    def warnings_of(self, step: CaseStep) -> tuple[str, ...]:
+        """Sentences on what a step does not reach, and on passing through itself."""
+        may_touch, frame = method_named(step.method).may_use_contact, step.frame
+        touch = self.document.settings.contact and may_touch, may_touch
+        names = [each.name for each in self.document.handles]
+        passing = pass_through_warnings(step.turns, frame, step.volume_rest, *touch, names)
+        if frame.unreached:
+            return frame.unreached, *passing
+        if frame.share_reached < 1.0:
+            said = tr("Contact stopped the handle after {share:.3g} % of its way.")
+            return said.format(share=100.0 * frame.share_reached), *passing
+        return passing
+
+    def document_at(self, share: float) -> Document:
+        """The document with its handles at a part of their motion."""
+        return document_at(self.document, self.paths, share)
+
+    @property
+    def end_document(self) -> Document:
+        """The document at the last step, turns of any size kept."""
+        return document_along(self.document_at(self.shares[-1]), self.paths, self.shares[-1])
+
+
+def case_of(
+    document: Document,
+    steps: int,
+    last_share: float = 1.0,
+    iterations: int | None = None,
+    motion: Sequence[MotionStep] = (),
+) -> Case:
+    """Case of the ways of a document's handles and obstacles, or of a given motion.
+
+    Parameters
+    ----------
+    document : Document
+    steps : int
+        Beside the one at the start.
+    last_share : float
+        Part of the motion that is the last step.
+    iterations : int
+        At most so many for each step; without, as many as are usual, and more where there are obstacles.
+    motion : sequence of MotionStep
+        Instead: typed motions of the handles from rest.
+
+    Raises
+    ------
+    InputError
+        If nothing moves; the message says why.
+    """
+    if not 1 <= steps <= MOST_STEPS:
+        raise InputError(tr("A sweep has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
+    if not 0.0 < last_share <= 100.0:
+        raise InputError(
+            tr("The end of a sweep must be a fraction of the motion greater than 0, such as 1 or 1.5.")
+        )
+    if iterations is None:
+        iterations = SETTLING_ITERATIONS if document.has_active_obstacles else DEFAULT_ITERATIONS
+    if iterations < 1:
+        raise InputError(tr("Each step needs at least one iteration; enter a larger number."))
+    if document.paint_problem:
+        raise InputError(document.paint_problem)
+    document = document.relative_to_rest
+    paths: tuple[CasePath, ...] = motion_paths(document, motion) if motion else handle_paths(document)
+    if not any(path.has_motion for path in paths) and not obstacle_shifts(document).any():
+        raise InputError(
+            tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
+        )
+    return Case(document, paths, tuple(last_share * k / steps for k in range(steps + 1)), iterations)
+
+
+def cases_by_method(case: Case, methods: Sequence[str] = COMPARED_METHODS) -> list[Case]:
+    """The case by each of several methods; raises InputError if one cannot be used."""
+    document = case.document
+    for method in methods:
+        if (
+            not method_named(method).may_use_contact
+            and document.has_active_obstacles
+            and next_paint_sentence(document.labels)
+        ):
+            raise InputError(
+                tr("Without contact obstacles move nothing, and {method!r} has none; omit it.").format(
+                    method=method
+                )
+            )
+    if not methods or len(set(methods)) < len(methods):
+        raise InputError(tr("Give at least one method, and each method only once."))
+    return [replace(case, document=document.with_settings(method=method)) for method in methods]
+
+
+def run(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterator[CaseStep]:
+    """Shapes of a case, step by step.
+
+    Parameters
+    ----------
+    case : Case
+    tick : callable
+        Called after every iteration with the share of the work that is done, at a guess; what it raises ends
+        the case.
+    """
+
+    def tell(number: int, k: int) -> None:
+        # Most progress is in the first iterations, and few steps need all of them.
+        tick((number + k / (k + 0.1 * case.iterations)) / len(case.shares))
+
+    tick(0.0)
+    solver = deformation_of(case.document, case.document.constraints())
+    for number, frame in enumerate(_frames(case, solver, tell)):
+        yield _step(case, solver, number, frame)
+
+
+def _step(case: Case, solver: Deformation, number: int, frame: Frame) -> CaseStep:
+    k, share = case.leading_handle, case.shares[number]
+    path, pivot = case.paths[k], case.document.pivot(k)
+    way = 0.0 if pivot is None else np.linalg.norm(transform(path.pose_at(share), pivot[None])[0] - pivot)
+    return CaseStep(
+        solver.method,
+        number,
+        share,
+        float(np.degrees(share * path.angle)),
+        float(way),
+        frame,
+        solver.rest.volume,
+        solver.rest.volume_capped,
+        solver.rest.energy(frame.U),
+        tuple(np.linalg.norm(frame.loads, axis=1).tolist()),
+        document_turns(document_along(case.document, case.paths, share), frame.U),
+    )
+
+
+def document_turns(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:
+    """Turns of the handles from rest, asked and held by the shape ``U`` (n, 3)."""
+    document = document.relative_to_rest
+    return held_turns(
+        document.grip, U, document.mesh.joined_F, document.labels, handle_pose_sequences(document)
+    )
+
+
+def _frames(case: Case, solver: Deformation, tick: Callable[[int, int], object]) -> Iterator[Frame]:
+    """Frame of each step, continued from the one before or beside a walk."""
+    documents = [case.document_at(share) for share in case.shares]
+    # With obstacles each step is solved until it settles, since the loads matter.
+    may_touch = solver.contact is not None and not case.document.has_active_obstacles
+    if may_touch:
+        documents[-1] = case.end_document
+    begun = 0
+    for number, document in enumerate(documents if case.is_gentle or not may_touch else ()):
+        start = None if number else document.grip
+        step = document_iteration(solver, document, start, along_paths=False)
+        frame = step.settle(case.iterations, partial(tick, number))
+        if may_touch and frame.contact is not None and frame.contact.pairs:
+            break
+        yield frame
+        begun = number + 1
+    if begun < len(documents):
+        yield from _frames_beside_path(case, solver, documents, tick, begun)
+
+
+def _frames_beside_path(
+    case: Case,
+    solver: Deformation,
+    documents: Sequence[Document],
+    tick: Callable[[int, int], object],
+    begun: int,
+) -> Iterator[Frame]:
+    """Frames from step ``begun`` on, each beside a walk from rest to the last."""
+    *others, last = documents
+    U = last.grip
+    walk = document_iteration(deformation_of(last, last.constraints(), solver.rest), last, U)
+    for number, document in enumerate(others[begun:], begun):
+        while walk.is_on_its_way:
+            frame = walk.frame()
+            if frame.share_reached > case.shares[number] / case.shares[-1]:
+                break
+            U = frame.U
+            walk.iterate()
+            tick(number, 0)  # the iterations at the step itself are counted
+        beside = document_iteration(solver, document, U, along_paths=False)
+        yield beside.settle(case.iterations, partial(tick, number))
+    yield walk.settle(case.iterations, partial(tick, len(others)))

@@ -1,0 +1,170 @@
+"""Run the cases of a study, each once, whatever becomes of its process.
+
+An engine starts cases and says when they end. It is one of processes on this machine, or of workers
+elsewhere; the runner does not know which.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from concurrent.futures import BrokenExecutor, CancelledError, Future
+from typing import Protocol
+
+from apd_viewer.cases.case_file import case_to_bytes
+from apd_viewer.cases.case_worker import CaseAnswer, CaseTask
+from apd_viewer.cases.run_case import failed_result
+from apd_viewer.cases.study_case import StudyCase
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.regular_files import read_bytes
+from apd_viewer.language import tr
+
+# Others may end a process, who are short of memory, say: a case is tried again before it is blamed.
+MOST_DEATHS = 3
+_TICK = 0.5  # s between two looks at what runs
+
+
+class Engine(Protocol):
+    """Workers for cases.
+
+    Attributes
+    ----------
+    can_blame_case : bool
+        Whether a death is the fault of the one case that is told of it.
+    overdue : set of Future
+        Cases that were ended with their process as they took far too long.
+    """
+
+    can_blame_case: bool
+    overdue: set[Future[CaseAnswer]]
+
+    def free_slots(self) -> int:
+        """Number of cases to be started now."""
+
+    def running_count(self) -> int:
+        """Number of running cases."""
+
+    def start(self, task: CaseTask) -> Future[CaseAnswer]:
+        """Start a case."""
+
+    def check_workers(self) -> None:
+        """End overdue cases; raises InputError if the engine is gone."""
+
+    def close(self, at_once: bool) -> None:
+        """End the workers, or leave them to others."""
+
+
+class CaseRunner:
+    """Runs cases by an engine, until all are finished or it is stopped.
+
+    Parameters
+    ----------
+    cases : mapping of str to StudyCase
+        By their keys.
+    engine : Engine
+    on_result : callable
+        Called with the bytes of each result, on the thread of :meth:`run`.
+    limit : float or None
+        Seconds that a case may take.
+    on_tick : callable
+        Called twice a second, and after every case.
+    """
+
+    def __init__(
+        self,
+        cases: Mapping[str, StudyCase],
+        engine: Engine,
+        on_result: Callable[[bytes], object],
+        limit: float | None = None,
+        on_tick: Callable[[int], object] = lambda _: None,
+    ) -> None:
+        self._cases, self._engine, self._finished = cases, engine, on_result
+        self._limit, self._tick = limit, on_tick
+        self._waiting = deque(cases)
+        self._suspects: deque[str] = deque()
+        self._deaths: dict[str, int] = {}
+        # Cases whose worker does not see their files.
+        self._sent: set[str] = set()
+        self._running: dict[Future[CaseAnswer], str] = {}
+        self._ended: queue.SimpleQueue[Future[CaseAnswer]] = queue.SimpleQueue()
+        self._stopping = False
+
+    def stop(self) -> None:
+        """Start no more cases, and finish the running ones; safe in a signal handler."""
+        self._stopping = True
+
+    def run(self) -> None:
+        """Run the cases; raises InputError if the engine is gone."""
+        looked = time.monotonic()
+        while True:
+            self._fill()
+            if not self._running and (self._stopping or not (self._waiting or self._suspects)):
+                return
+            with contextlib.suppress(queue.Empty):
+                future = self._ended.get(timeout=_TICK)
+                key = self._running.pop(future)
+                self._fill()  # a worker need not wait until its result is written
+                self._end(key, future)
+            self._tick(self._engine.running_count())
+            if time.monotonic() - looked > _TICK:
+                self._engine.check_workers()
+                looked = time.monotonic()
+
+    def _fill(self) -> None:
+        """Start as many as there is room for, unless stopping; suspects alone."""
+        if self._stopping:
+            return
+        while self._waiting and self._engine.free_slots() > 0:
+            self._start(self._waiting.popleft())
+        if self._suspects and not self._running and self._engine.free_slots() > 0:
+            self._start(self._suspects.popleft())
+
+    def _start(self, key: str) -> None:
+        sources = self._cases[key].input_files if key in self._sent else ()
+        sent = {source.digest: read_bytes(source.path) for source in sources}
+        future = self._engine.start(CaseTask(self._cases[key], self._limit, sent))
+        self._running[future] = key
+        future.add_done_callback(self._ended.put)
+
+    def _end(self, key: str, future: Future[CaseAnswer]) -> None:
+        try:
+            answer = future.result()
+        except BrokenExecutor:
+            if future in self._engine.overdue:
+                self._fail(key, tr("It took longer than {limit:g} s.").format(limit=self._limit))
+            else:
+                self._died(key)
+        except CancelledError:
+            self._waiting.appendleft(key)
+        except ImportError as error:
+            raise InputError(
+                tr("The workers or their scheduler cannot load {name}; install apd-viewer there.").format(
+                    name=error.name or error
+                )
+            ) from error
+        except Exception as error:
+            if type(error).__name__ != "KilledWorker":
+                raise
+            self._died(key)
+        else:
+            if answer.missing_inputs:
+                self._sent.add(key)
+                self._waiting.appendleft(key)
+            else:
+                self._finished(answer.content)
+
+    def _died(self, key: str) -> None:
+        """The process of a case, or of one beside it, has died."""
+        self._deaths[key] = deaths = self._deaths.get(key, 0) + 1
+        if self._engine.can_blame_case and deaths < MOST_DEATHS:
+            self._waiting.append(key)
+        elif not self._engine.can_blame_case and deaths == 1:
+            self._suspects.append(key)
+        else:
+            self._fail(key, tr("Its process died each time that it was tried."))
+
+    def _fail(self, key: str, sentence: str) -> None:
+        self._finished(case_to_bytes(failed_result(self._cases[key], sentence)))

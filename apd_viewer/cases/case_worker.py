@@ -1,0 +1,189 @@
+"""The task of a worker: one case, by one core, with its set-up in the task itself.
+
+So a worker needs no environment of its own, whoever started it.
+
+A process that compiles keeps half a gigabyte, so no worker does. The first worker on a machine starts another
+process for it and leaves a mark; the others wait for that.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import getpass
+import hashlib
+import os
+import socket
+import stat
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Mapping
+from functools import cache
+from importlib import metadata
+from itertools import count
+from pathlib import Path
+from typing import NamedTuple
+
+from threadpoolctl import threadpool_limits
+
+from apd_viewer.cases.case_file import case_to_bytes
+from apd_viewer.cases.run_case import CaseDocuments, MissingInputError, run_case
+from apd_viewer.cases.study_case import InputFile, StudyCase
+from apd_viewer.files.storage.lock import acquire_lock
+from apd_viewer.files.storage.regular_files import read_bytes
+from apd_viewer.geometry.analysis.self_intersections import use_one_core_for_search
+from apd_viewer.geometry.linalg.threads import use_one_core
+from apd_viewer.session.processes.freed_memory import give_back_freed_memory, keep_freed_memory
+
+# A process runs one case at a time: memory is measured by it, and kernels run one at a time anyway.
+_ONE_CASE = threading.Lock()
+# Cases after which freed memory is given back: kept in pieces, it grows for hundreds of cases.
+_TRIMMED = 5
+_ended = count(1)
+_sent: dict[str, bytes] = {}
+
+
+class CaseTask(NamedTuple):
+    """A case for a worker.
+
+    Attributes
+    ----------
+    case : StudyCase
+    time_limit : float or None
+        Seconds that it may take.
+    sent_inputs : mapping of str to bytes
+        Content of its sources by digest, for a worker that has not got them; empty at first.
+    """
+
+    case: StudyCase
+    time_limit: float | None = None
+    sent_inputs: Mapping[str, bytes] = {}
+
+
+class CaseAnswer(NamedTuple):
+    """Reply of a worker.
+
+    Attributes
+    ----------
+    content : bytes
+        The result, as its file holds it; empty where sources are missing.
+    missing_inputs : tuple of str
+        Digests of sources that the worker has not got and cannot see: they are to be sent.
+    """
+
+    content: bytes
+    missing_inputs: tuple[str, ...] = ()
+
+
+TaskRunner = Callable[[CaseTask], CaseAnswer]
+
+
+def run_task(task: CaseTask) -> CaseAnswer:
+    """Run a case in this process."""
+    with _ONE_CASE:
+        _prepare_process()
+        use_one_core()
+        _sent.update(task.sent_inputs)
+        try:
+            return CaseAnswer(case_to_bytes(run_case(task.case, _meshes(), task.time_limit)))
+        except MissingInputError:
+            return CaseAnswer(b"", tuple(source.digest for source in task.case.input_files))
+        finally:
+            _sent.clear()
+            if next(_ended) % _TRIMMED == 0:
+                give_back_freed_memory()
+
+
+@cache
+def _prepare_process() -> None:
+    keep_freed_memory()
+    threadpool_limits(1, user_api="blas")
+    use_one_core_for_search()
+    compile_kernels_once()
+
+
+@cache
+def _meshes() -> CaseDocuments:
+    return CaseDocuments(_content)
+
+
+def _content(source: InputFile) -> bytes:
+    if source.digest in _sent:
+        return _sent[source.digest]
+    try:
+        return read_bytes(source.path)
+    except OSError:
+        raise MissingInputError from None
+
+
+_PACKAGE = Path(__file__).parents[1]
+_LONGEST = 600.0  # s; compiling takes about two minutes
+_PAUSE = 0.2  # s
+_PROGRAM = "from apd_viewer.geometry.warmup import warm_up; warm_up()"
+
+
+def compile_kernels_once() -> None:
+    """Return when the kernels are in this machine's cache, or cannot be."""
+    # Whatever is in the way of it: the first case then compiles for itself.
+    with contextlib.suppress(Exception):
+        mark = _mark()
+        mark.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not _is_own(mark.parent):
+            return
+        end = time.monotonic() + _LONGEST
+        while not mark.exists() and time.monotonic() < end:
+            lock = acquire_lock(mark.with_suffix(".lock"))
+            if lock is None:
+                time.sleep(_PAUSE)
+                continue
+            try:
+                if not mark.exists():
+                    _compile()
+                    mark.touch()
+            finally:
+                lock.release()
+
+
+def _compile() -> None:
+    environment = {**os.environ, "NUMBA_NUM_THREADS": "1"}
+    # Where it fails the first case compiles what is missing.
+    subprocess.run(
+        [sys.executable, "-c", _PROGRAM],
+        env={**environment, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        timeout=_LONGEST,
+        check=False,
+    )
+
+
+def _is_own(folder: Path) -> bool:
+    """True if nobody else can write to a folder.
+
+    Anybody may have made it in a place for all.
+    """
+    there = folder.lstat()
+    if sys.platform == "win32":  # whose temporary folders are the user's
+        return True
+    return stat.S_ISDIR(there.st_mode) and there.st_uid == os.getuid() and not there.st_mode & 0o022
+
+
+def _mark() -> Path:
+    """File left on a machine with compiled kernels."""
+    told = hashlib.sha256()
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        there = path.stat()
+        told.update(f"{path} {there.st_size} {there.st_mtime_ns}\n".encode())
+    for word in (
+        sys.version,
+        metadata.version("numba"),
+        socket.gethostname(),
+        os.environ.get("NUMBA_CACHE_DIR", ""),
+    ):
+        told.update(word.encode())
+    return (
+        Path(tempfile.gettempdir()) / f"apd-viewer-{getpass.getuser()}" / f"{told.hexdigest()[:24]}.compiled"
+    )

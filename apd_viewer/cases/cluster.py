@@ -1,0 +1,160 @@
+"""Engine of Dask workers behind a scheduler already running.
+
+Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
+"""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Future
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, TaskRunner
+from apd_viewer.cases.case_worker import run_task as work_on_case
+from apd_viewer.errors import InputError
+from apd_viewer.installation import is_packaged
+from apd_viewer.language import tr
+
+ANSWER_SECONDS = 20  # s that a scheduler may take to answer
+_GONE = 30.0  # s without a scheduler, after which it does not come back
+_LOOK = 2.0  # s between two looks at the workers
+_PROFILE_CALLBACKS = ("profile", "profile-cycle")
+
+
+class Cluster:
+    """Workers of Dask.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    work : callable
+        What they do with a task.
+    """
+
+    # A worker has the next cases at hand already, and Dask blames them too.
+    can_blame_case = False
+
+    def __init__(self, client: Any, work: TaskRunner = work_on_case) -> None:
+        self._client, self._work = client, work
+        self._executor = client.get_executor(pure=False, retries=2)
+        self._futures: set[Future[CaseAnswer]] = set()
+        self.overdue: set[Future[CaseAnswer]] = set()
+        self._threads, self._looked = 0, -_LOOK
+        self._gone_since: float | None = None
+
+    def free_slots(self) -> int:
+        """Number of cases to submit now, keeping one queued per running case."""
+        now = time.monotonic()
+        if now - self._looked > _LOOK:
+            self._looked = now
+            self._threads = self._count()
+        return 2 * self._threads - len(self._futures)
+
+    def _count(self) -> int:
+        """Threads of all workers; 0 without a scheduler."""
+        try:
+            return sum(self._client.nthreads().values()) if self._alive else 0
+        except OSError:
+            return 0
+
+    @property
+    def _alive(self) -> bool:
+        return self._client.status == "running"
+
+    def running_count(self) -> int:
+        """Number of running cases."""
+        return min(self._threads, len(self._futures))
+
+    def start(self, task: CaseTask) -> Future[CaseAnswer]:
+        """Hand a case to the scheduler."""
+        future: Future[CaseAnswer] = self._executor.submit(_undisturbed, self._work, task)
+        self._futures.add(future)
+        # Results are dropped as soon as they are here: a worker that dies would lose them for others.
+        future.add_done_callback(self._futures.discard)
+        return future
+
+    def check_workers(self) -> None:
+        """Raise InputError once the scheduler is gone."""
+        now = time.monotonic()
+        self._gone_since = None if self._alive else self._gone_since or now
+        if self._gone_since is not None and now - self._gone_since > _GONE:
+            raise InputError(
+                tr("The scheduler is gone. What is done is kept; give the same command to go on.")
+            )
+
+    def close(self, at_once: bool) -> None:
+        """Take back cases not begun."""
+        if self._alive:
+            self._executor.shutdown(wait=False)
+        # Dask says that it has not ended in time by an OSError; it ends with this process.
+        with suppress(OSError):
+            self._client.close(timeout=1 if at_once else ANSWER_SECONDS)
+
+
+def _undisturbed(work: TaskRunner, task: CaseTask) -> CaseAnswer:
+    """Do a task in a worker, which may have been started without any setting."""
+    _end_profile()
+    return work(task)
+
+
+@cache
+def _end_profile() -> None:
+    """End Dask's profile of this process.
+
+    Every 10 ms it takes time from the case, and it grows by a quarter of a mebibyte a second.
+    """
+    try:
+        worker = _distributed().get_worker()
+    except ValueError:  # no worker, as in a test
+        return
+    for name in _PROFILE_CALLBACKS:
+        if callback := worker.periodic_callbacks.get(name):
+            worker.loop.add_callback(callback.stop)
+
+
+def connected_cluster(
+    address: str | None, scheduler_file: Path | None, work: TaskRunner = work_on_case
+) -> Cluster:
+    """Dask workers behind a scheduler.
+
+    Parameters
+    ----------
+    address : str or None
+        Such as ``tcp://host:8786`` or ``tls://host:8786``; None with a file.
+    scheduler_file : Path or None
+        What the scheduler has written about itself.
+    work : callable
+
+    Raises
+    ------
+    InputError
+        Without Dask, or if there is no such scheduler.
+    """
+    where = {"scheduler_file": str(scheduler_file)} if scheduler_file else {"address": address}
+    if scheduler_file and not scheduler_file.is_file():
+        raise InputError(tr("There is no file {path}; check the name.").format(path=scheduler_file))
+    distributed = _distributed()
+    try:
+        return Cluster(distributed.Client(**where, timeout=ANSWER_SECONDS), work)
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(
+            tr("No scheduler answers at {where} ({reason}); check the address.").format(
+                where=scheduler_file or address, reason=error or type(error).__name__
+            )
+        ) from error
+
+
+def _distributed() -> Any:
+    try:
+        # Imported here: it takes half a second, and is there only where the user has installed it.
+        import distributed
+    except ImportError as error:
+        if is_packaged():
+            said = tr("This program has no Dask; install apd-viewer[cluster] by pip, or omit the scheduler.")
+        else:
+            said = tr("Dask is not installed; install apd-viewer[cluster], or omit the scheduler.")
+        raise InputError(said) from error
+    return distributed

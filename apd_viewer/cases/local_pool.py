@@ -1,0 +1,167 @@
+"""Engine of processes on this machine.
+
+Each process has an executor of its own. So it is known which case a process died of, a case that takes far
+too long can be ended, and a process is replaced after so many cases without waiting for the others.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
+from multiprocessing import get_context, parent_process
+from threading import Thread
+
+from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, TaskRunner
+from apd_viewer.cases.case_worker import run_task as work_on_case
+from apd_viewer.session.processes.child_boot import set_up_process
+
+# Cases of a process before another one takes its place.
+RECYCLE_AFTER = 300
+# Times its limit, and seconds: a case that native code holds so long is ended with its process.
+_FAR_TOO_LONG = 1.5, 30.0
+
+
+def _begin(owner: int) -> None:
+    """Set a process up, to end with its owner."""
+    set_up_process(owner)
+    Thread(target=_follow_owner, daemon=True).start()
+
+
+def _follow_owner() -> None:
+    owner = parent_process()
+    if owner is not None:
+        owner.join()
+        os._exit(0)
+
+
+class _Lane:
+    """One process, and its case."""
+
+    def __init__(self) -> None:
+        self.executor: ProcessPoolExecutor | None = None
+        self.cases = 0
+        self.future: Future[CaseAnswer] | None = None
+        self.until = float("inf")
+
+    @property
+    def free(self) -> bool:
+        """True if it runs no case."""
+        return self.future is None or self.future.done()
+
+    def start(self, work: TaskRunner, task: CaseTask, recycle: int) -> Future[CaseAnswer]:
+        """Start a case, in a new process if due."""
+        if self.executor is not None and self.cases >= recycle:
+            self.end()
+        factor, more = _FAR_TOO_LONG
+        self.until = (
+            float("inf") if task.time_limit is None else time.monotonic() + factor * task.time_limit + more
+        )
+        try:
+            self.future = self._submitted(work, task)
+        except BrokenExecutor:  # the process died of the last case, or idle
+            self.end()
+            self.future = self._submitted(work, task)
+        self.cases += 1
+        return self.future
+
+    def _submitted(self, work: TaskRunner, task: CaseTask) -> Future[CaseAnswer]:
+        if self.executor is not None:
+            return self.executor.submit(work, task)
+        self.executor = ProcessPoolExecutor(1, get_context("spawn"), _begin, (os.getpid(),))
+        self.cases = 0
+        with starting_workers():  # the first case starts the process
+            return self.executor.submit(work, task)
+
+    def end(self, at_once: bool = False) -> None:
+        """End the process after its case, or with it."""
+        if self.executor is not None:
+            if at_once:
+                self.kill()
+            self.executor.shutdown(wait=at_once, cancel_futures=True)
+            self.executor = None
+
+    def kill(self) -> None:
+        """Kill the process; its case is told of it."""
+        for process in list((getattr(self.executor, "_processes", None) or {}).values()):
+            process.kill()
+
+
+def core_count() -> int:
+    """Number of cores that this program may use."""
+    allowed = getattr(os, "sched_getaffinity", None)
+    return len(allowed(0)) if allowed else os.cpu_count() or 1
+
+
+class LocalPool:
+    """Spawned processes on this machine.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes.
+    work : callable
+        What they do with a task.
+    recycle : int
+        Cases of a process before it is replaced.
+    """
+
+    can_blame_case = True
+
+    def __init__(self, workers: int, work: TaskRunner = work_on_case, recycle: int = RECYCLE_AFTER) -> None:
+        self._lanes = [_Lane() for _ in range(workers)]
+        self._work, self._recycle = work, recycle
+        self.overdue: set[Future[CaseAnswer]] = set()
+
+    def free_slots(self) -> int:
+        """Number of cases to be started now."""
+        return sum(lane.free for lane in self._lanes)
+
+    def running_count(self) -> int:
+        """Number of running cases."""
+        return len(self._lanes) - self.free_slots()
+
+    def start(self, task: CaseTask) -> Future[CaseAnswer]:
+        """Start a case in a free process."""
+        lane = next(lane for lane in self._lanes if lane.free)
+        return lane.start(self._work, task, self._recycle)
+
+    def check_workers(self) -> None:
+        """Kill the processes of overdue cases."""
+        for lane in self._lanes:
+            if lane.future is not None and not lane.free and time.monotonic() > lane.until:
+                self.overdue.add(lane.future)
+                lane.kill()
+
+    def close(self, at_once: bool) -> None:
+        """End the processes, with their cases if at once."""
+        for lane in self._lanes:
+            lane.end(at_once)
+
+
+_ONE_CORE = dict.fromkeys(
+    ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"
+)
+
+
+@contextlib.contextmanager
+def starting_workers() -> Iterator[None]:
+    """Have processes started within use one core, and ignore Ctrl+C."""
+    before = {name: os.environ.get(name) for name in _ONE_CORE}
+    main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None
+    os.environ.update(_ONE_CORE)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+        if main:
+            signal.signal(signal.SIGINT, handler)

@@ -1,0 +1,171 @@
+"""Columns of a plan, and their values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from apd_viewer.cases.case import MOST_STEPS
+from apd_viewer.cases.study_case import CaseSetting
+from apd_viewer.errors import InputError
+from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
+from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, check_no_factor
+from apd_viewer.geometry.solver.convergence import MOST_ITERATIONS
+from apd_viewer.geometry.solver.methods import MOST_VERTICES_IN_CONTACT, method_named
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.expressions import parse_number
+from apd_viewer.session.quantities.units import SYMBOLS
+
+NOTE_PREFIX = "#"
+AUTO = "auto"
+_YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")
+_FACTORS_OF_MOTION = 2.0  # a part of a motion below can be a factor; from 2 on percents are usual
+_SHOWN = 40  # characters quoted from invalid input
+
+
+class PlanColumn(NamedTuple):
+    """A column of a plan.
+
+    Attributes
+    ----------
+    parse : callable
+        Makes a setting of what a cell says; raises InputError.
+    description : str
+        What it is, for the help of the command.
+    """
+
+    parse: Callable[[str], CaseSetting]
+    description: str
+
+
+def _number(least: float, most: float) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        value = parse_number(text, {})
+        if not least <= value <= most:
+            raise InputError(
+                tr("{value:g} is out of range; enter {least:g} to {most:g}.").format(
+                    value=value, least=least, most=most
+                )
+            )
+        return value
+
+    return read
+
+
+def _percent(text: str) -> float:
+    value = _number(LEAST_AREA, MOST_AREA)(text.removesuffix(PERCENT_SIGN))
+    if not text.endswith(PERCENT_SIGN):
+        check_no_factor(value)
+    return value
+
+
+def _part(text: str) -> float:
+    value = _number(0.01, 10_000.0)(text.removesuffix(PERCENT_SIGN))
+    if not text.endswith(PERCENT_SIGN):
+        check_no_factor(value, _FACTORS_OF_MOTION)
+    return value / 100.0
+
+
+def _count(most: int) -> Callable[[str], int]:
+    def read(text: str) -> int:
+        value = parse_number(text, {})
+        if not 1 <= value <= most or value != int(value):
+            raise InputError(
+                tr("“{text}” is no whole number from 1 to {most:,}.").format(text=text[:_SHOWN], most=most)
+            )
+        return int(value)
+
+    return read
+
+
+def _switch(text: str) -> bool:
+    if text.lower() not in (*_YES, *_NO):
+        raise InputError(tr("“{text}” is neither yes nor no.").format(text=text[:_SHOWN]))
+    return text.lower() in _YES
+
+
+def _contact(text: str) -> bool | int:
+    """Yes, no, or the number of vertices up to which contact is on."""
+    if text.lower() == AUTO:
+        return MOST_VERTICES_IN_CONTACT
+    if text.lower() not in (*_YES, *_NO):
+        raise InputError(tr("“{text}” is none of yes, no and auto.").format(text=text[:_SHOWN]))
+    return _switch(text)
+
+
+def _method(text: str) -> str:
+    method_named(text)
+    return text
+
+
+def parse_unit(text: str) -> str:
+    """Symbol of a unit of length; raises InputError."""
+    if text not in SYMBOLS:
+        raise InputError(
+            tr("“{text}” is no unit of length; use {units}.").format(
+                text=text[:_SHOWN], units=", ".join(SYMBOLS)
+            )
+        )
+    return text
+
+
+def _parser(setting: Setting) -> Callable[[str], CaseSetting]:
+    match setting.kind:
+        case SettingKind.METHOD:
+            return _method
+        case SettingKind.NUMBER | SettingKind.TOLERANCE | SettingKind.AMOUNT:
+            return _number(setting.least, setting.most)
+        case SettingKind.PERCENTAGE:
+            return _percent
+        case SettingKind.SWITCH:
+            return _switch
+        case SettingKind.LENGTH | SettingKind.CONVERGENCE:
+            return str
+
+
+def _with_default(name: str, setting: Setting) -> str:
+    """Description of a setting; with its default, unless methods differ in it."""
+    default = getattr(DEFAULT_SETTINGS, name)
+    if default is None or setting.kind is SettingKind.PERCENTAGE:
+        return setting.help
+    if setting.kind is SettingKind.SWITCH:
+        default = tr("yes") if default else tr("no")
+    elif setting.kind is not SettingKind.METHOD:
+        default = f"{default:g}"
+    return tr("{what}; default: {default}").format(what=setting.help, default=default)
+
+
+# What belongs together in a case: files, motion, and the number of its steps.
+CASE_COLUMNS = {
+    "mesh": tr("mesh file, or a session (.apd)"),
+    "session": tr("session (.apd) with its paint, instead of mesh and selection"),
+    "selection": tr("what of the mesh is base and handle"),
+    "motion": tr("of the handles, such as twist 120deg; push 30%; without, that of the session"),
+    "unit": tr("of the mesh: mm, cm, m, in or ft"),
+    "steps": tr("of the motion; default: 10"),
+}
+SETTING_COLUMNS = {
+    **{
+        name: PlanColumn(_parser(setting), _with_default(name, setting))
+        for name, setting in SETTINGS.items()
+        if setting.kind is not SettingKind.CONVERGENCE
+    },
+    "contact": PlanColumn(
+        _contact,
+        tr(
+            "keep walls from passing through each other: yes, no, or auto (up to {most:,} vertices, by "
+            "methods that can); empty: no; of a session auto and empty are what it says"
+        ).format(most=MOST_VERTICES_IN_CONTACT),
+    ),
+    "to": PlanColumn(_part, tr("percent of the motion at the last step; default: 100")),
+    "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
+}
+COLUMNS = (*CASE_COLUMNS, *SETTING_COLUMNS)
+LENGTH_COLUMNS = {name for name, setting in SETTINGS.items() if setting.kind is SettingKind.LENGTH}
+COUNT_COLUMNS = ("steps", "iterations")  # whole numbers
+
+
+def parse_steps(text: str) -> int:
+    """Number of steps; raises InputError."""
+    return _count(MOST_STEPS)(text)

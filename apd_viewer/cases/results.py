@@ -1,0 +1,202 @@
+"""Results of a study as a table: read while it runs, written as CSV and Parquet."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from apd_viewer.cases.case_file import DONE, FAILED, Curves
+from apd_viewer.cases.database import (
+    DATABASE_NAME,
+    checked_value,
+    read_error,
+    reading_database,
+    readings_from_json,
+    value_from_json,
+)
+from apd_viewer.cases.run_case import FINAL_READINGS
+from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.tables import Cell, write_table
+from apd_viewer.language import tr
+
+WAITING, WRONG, DUPLICATE = "waiting", "wrong", "duplicate"
+_STATES = DONE, FAILED, WAITING, WRONG, DUPLICATE
+# Behind the plan's columns; others may rely on these and their order.
+PROMISED_READINGS = ("area_error", "volume", "volume_capped", "energy", "crossings", "seconds")
+READINGS = (*PROMISED_READINGS, *FINAL_READINGS)
+STATUS_COLUMNS = ("status", "sentence")
+KEY_COLUMNS = ("line", "key")
+
+
+def status_text(status: str) -> str:
+    """The state of a row in a word."""
+    words = {
+        DONE: tr("done"),
+        FAILED: tr("failed"),
+        WAITING: tr("not done yet"),
+        WRONG: tr("wrong"),
+        DUPLICATE: tr("duplicate"),
+    }
+    return words[status]
+
+
+@dataclass(frozen=True)
+class ResultRow:
+    """A row of a plan with its result.
+
+    Attributes
+    ----------
+    line : int
+        Of the plan's file, from 1.
+    key : str
+        Of its result; empty where the row is wrong.
+    cells : tuple of str
+        In the order of the plan's columns.
+    status : str
+        "done", "failed", "waiting", "wrong" (no case can be made of the row) or "duplicate".
+    sentence : str
+    readings : dict
+        Numbers by name; empty unless it is done.
+    """
+
+    line: int
+    key: str
+    cells: tuple[str, ...]
+    status: str
+    sentence: str
+    readings: dict[str, float | None]
+
+
+@dataclass(frozen=True)
+class ResultTable:
+    """All rows of a study, in the order of its plan.
+
+    Attributes
+    ----------
+    columns : tuple of str
+        Of the plan.
+    rows : tuple of ResultRow
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[ResultRow, ...]
+
+
+def read_results(folder: Path) -> ResultTable:
+    """Read the results so far; raises InputError without a study."""
+    with reading_database(folder) as base:
+        found = _found(base)
+    # Once the database is closed: as long as rows are read its writer has to wait.
+    try:
+        return _table(*found)
+    except sqlite3.DatabaseError as error:
+        raise read_error(folder, error) from error
+
+
+def read_result_table(connection: sqlite3.Connection) -> ResultTable:
+    """The results in an open database; raises one of DATABASE_ERRORS."""
+    return _table(*_found(connection))
+
+
+def _found(connection: sqlite3.Connection) -> tuple[Any, list[Any]]:
+    columns = connection.execute("select value from facts where name = 'columns'").fetchone()
+    rows = connection.execute(
+        "select line, plan.key, cells, mistake, same_as, status, sentence, readings"
+        " from plan left join cases on plan.key = cases.key order by position"
+    )
+    return columns, rows.fetchall()
+
+
+def _table(columns: Any, rows: list[Any]) -> ResultTable:
+    names = tuple(checked_value(name, str) for name in value_from_json(columns[0], list)) if columns else ()
+    found = tuple(_row(*row) for row in rows)
+    if any(len(row.cells) != len(names) for row in found):
+        raise sqlite3.DatabaseError(DATABASE_NAME)
+    return ResultTable(names, found)
+
+
+def _row(
+    line: int,
+    key: str | None,
+    cells: str,
+    mistake: str,
+    same_as: int | None,
+    status: str | None,
+    sentence: str | None,
+    readings: str | None,
+) -> ResultRow:
+    if key is None:
+        status, sentence = WRONG, mistake
+    elif not checked_value(key, str).isalnum():  # it names a file
+        raise sqlite3.DatabaseError(DATABASE_NAME)
+    elif same_as is not None:
+        status, sentence = DUPLICATE, mistake
+    found = readings_from_json(readings) if readings is not None else {}
+    said = tuple(checked_value(cell, str) for cell in value_from_json(cells, list))
+    if (status or WAITING) not in _STATES:
+        raise sqlite3.DatabaseError(DATABASE_NAME)
+    return ResultRow(
+        checked_value(line, int),
+        key or "",
+        said,
+        status or WAITING,
+        checked_value(sentence or "", str),
+        found,
+    )
+
+
+def write_results(folder: Path, table: ResultTable) -> None:
+    """Write ``results.csv``, and ``results.parquet`` if possible; raises InputError."""
+    columns = [*table.columns, *STATUS_COLUMNS, *READINGS, *KEY_COLUMNS]
+    rows = [_cells(row) for row in table.rows]
+    write_table(folder / "results.csv", columns, rows)
+    _write_parquet(folder, columns, rows, len(table.columns))
+
+
+def write_curves(folder: Path, table: ResultTable, known: Mapping[str, Curves]) -> None:
+    """Write ``curves.csv``, a row a step of every case with known curves.
+
+    Raises InputError where it cannot be written.
+    """
+    rows: list[list[Cell]] = []
+    names: list[str] = []
+    for row in table.rows:
+        if row.status != DONE or row.key not in known:
+            continue
+        curves = known[row.key]
+        names = names or list(curves)
+        rows += [[row.line, step, *values] for step, values in enumerate(zip(*curves.values(), strict=True))]
+    write_table(folder / "curves.csv", ["line", "step", *names], rows)
+
+
+def _cells(row: ResultRow) -> list[Cell]:
+    numbers: list[Cell] = [row.readings.get(name) for name in READINGS]
+    return [*row.cells, row.status, row.sentence, *numbers, row.line, row.key]
+
+
+def _write_parquet(folder: Path, columns: list[str], rows: list[list[Cell]], plan: int) -> None:
+    try:
+        # Imported here: it is slow to import, and there only where the user has installed it.
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        return
+    words = {*range(plan + len(STATUS_COLUMNS)), len(columns) - 1}
+    arrays = [
+        pyarrow.array(
+            [row[k] for row in rows] if k in words else [_number(row[k]) for row in rows],
+            pyarrow.string() if k in words else pyarrow.float64(),
+        )
+        for k in range(len(columns))
+    ]
+    # No name may be there twice: what was asked for gives way to what was found.
+    asked = [f"plan_{name}" if name in columns[plan:] else name for name in columns[:plan]]
+    with replacing_file(folder / "results.parquet") as scratch:
+        parquet.write_table(pyarrow.table(arrays, [*asked, *columns[plan:]]), scratch)
+
+
+def _number(cell: Cell) -> float | None:
+    return None if cell is None else float(cell)

@@ -1,0 +1,367 @@
+"""A study: its plan, its engine and its folder.
+
+======================  ==================================================================
+``cases/KE/KEY.case``   readings, curves and shape of a finished case; what is here is done
+``inputs/``             meshes, selections and sessions, named by their content
+``study.sqlite``        the plan and the readings; made anew from the files if it is lost
+``results.csv``         the same as a table, and ``results.parquet`` where pyarrow is
+``curves.csv``          a row a step of every case
+======================  ==================================================================
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import TypeVar
+
+from apd_viewer.cases.case_file import (
+    FAILED,
+    CaseResult,
+    Curves,
+    case_from_bytes,
+    case_path,
+    case_sizes,
+    write_case,
+)
+from apd_viewer.cases.case_runner import CaseRunner, Engine
+from apd_viewer.cases.database import (
+    DATABASE_ERRORS,
+    case_rows,
+    is_damage,
+    opened_database,
+    rename_damaged,
+    write_error,
+    write_plan,
+    write_result,
+)
+from apd_viewer.cases.plan import Plan, read_plan
+from apd_viewer.cases.results import ResultTable, read_result_table, write_curves, write_results
+from apd_viewer.cases.run_case import INPUTS_FOLDER
+from apd_viewer.cases.study_case import InputFiles, StudyCase
+from apd_viewer.cases.study_progress import CaseCounts, ProgressMeter
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.atomic_file import folder_write_error
+from apd_viewer.files.storage.lock import FileLock, acquire_lock
+from apd_viewer.files.storage.regular_files import read_content
+from apd_viewer.language import tr
+
+# Seconds between two tables written on the way, and how many times longer than writing took that is at least.
+_TABLE, _TIMES = 20.0, 50.0
+# All that is written there, but for the files of cases, which take the place of links.
+_WRITTEN = (
+    ".lock",
+    "study.sqlite*",
+    "results.*",
+    "curves.csv",
+    "cases",
+    "cases/*",
+    "inputs",
+    "inputs/*",
+    "inputs/*/*",
+)
+T = TypeVar("T")
+# Seconds between two commits: what is lost with the program is read from the files again.
+_COMMIT = 1.0
+
+
+class Study:
+    """A plan and the folder of its results.
+
+    Parameters
+    ----------
+    plan : Path
+        Table to read.
+    folder : Path
+    retry_failed : bool
+        Whether failed cases are tried again.
+
+    Raises
+    ------
+    InputError
+        If the plan cannot be read, or the folder not written.
+    """
+
+    def __init__(self, plan: Path, folder: Path, retry_failed: bool = False) -> None:
+        self.folder = folder
+        check_links(folder)
+        self.plan: Plan = read_plan(plan, InputFiles(folder / INPUTS_FOLDER))
+        self._store = StudyStore(folder)
+        try:
+            self._cases = self.plan.cases
+            self._done = self._store.begin_plan(self.plan, retry_failed)
+        except BaseException:
+            self._store.close()
+            raise
+        self._runner: CaseRunner | None = None
+        self._stopping = False
+        self._table, self._took = time.monotonic(), 0.0
+
+    @property
+    def damaged_count(self) -> int:
+        """Number of damaged results; their cases are left, or were run again."""
+        return self._store.damaged_count
+
+    @property
+    def unfinished_cases(self) -> dict[str, StudyCase]:
+        """Unfinished cases by their keys."""
+        return {key: case for key, case in self._cases.items() if key not in self._done}
+
+    def _failed(self, table: ResultTable) -> int:
+        """Number of finished cases that failed."""
+        return sum(row.status == FAILED and row.key in self._done for row in table.rows)
+
+    def run(
+        self,
+        engine: Engine,
+        limit: float | None = None,
+        on_progress: Callable[[CaseCounts], object] = lambda _: None,
+    ) -> ResultTable:
+        """Run the unfinished cases; write and return the results.
+
+        Parameters
+        ----------
+        engine : Engine
+        limit : float, optional
+            Seconds that a case may take.
+        on_progress : callable
+            Called with the progress, twice a second and after every case.
+
+        Raises
+        ------
+        InputError
+            If the engine is gone or the folder cannot be written; what is done is kept.
+        """
+        table = self._round(engine, limit, on_progress)
+        if self.unfinished_cases and not self._stopping:  # files that were found damaged at the end
+            table = self._round(engine, limit, on_progress)
+        return table
+
+    def _round(
+        self, engine: Engine, limit: float | None, on_progress: Callable[[CaseCounts], object]
+    ) -> ResultTable:
+        failed = self._failed(self._store.results())
+        pace = ProgressMeter(len(self._cases), len(self._done), failed)
+
+        def finished(content: bytes) -> None:
+            result = self._store.add_result(content)
+            self._done.add(result.key)
+            pace.count_case(result.status == FAILED)
+
+        def tick(running: int) -> None:
+            on_progress(pace.counts(running))
+            self._write_now_and_then()
+
+        self._runner = CaseRunner(self.unfinished_cases, engine, finished, limit, tick)
+        if self._stopping:
+            self._runner.stop()
+        try:
+            self._runner.run()
+        except InputError:
+            self.write_table()
+            raise
+        return self.finish()
+
+    def finish(self) -> ResultTable:
+        """Write all tables and return the results, without damaged cases."""
+        curves = self._store.curves(self._done)
+        self._done &= curves.keys()
+        table = self.write_table()
+        write_curves(self.folder, table, curves)
+        return table
+
+    def stop(self) -> None:
+        """Start no more cases, and finish the running ones; safe in a signal handler."""
+        self._stopping = True
+        if self._runner is not None:
+            self._runner.stop()
+
+    def write_table(self) -> ResultTable:
+        """Write the table of the results as they are, and return it."""
+        started = time.monotonic()
+        self._store.commit()
+        table = self._store.results()
+        write_results(self.folder, table)
+        self._table = time.monotonic()
+        self._took = self._table - started
+        return table
+
+    def _write_now_and_then(self) -> None:
+        if time.monotonic() - self._table > max(_TABLE, _TIMES * self._took):
+            self.write_table()
+
+    def close(self) -> None:
+        """Let others write into the folder."""
+        self._store.close()
+
+
+def check_links(folder: Path) -> None:
+    """Raise InputError for a link out of the folder."""
+    inside = os.path.realpath(folder)
+    for path in (path for pattern in _WRITTEN for path in folder.glob(pattern)):
+        if path.is_symlink() and not Path(os.path.realpath(path)).is_relative_to(inside):
+            raise InputError(tr("{path} is a link that leads out of the study; remove it.").format(path=path))
+
+
+class StudyStore:
+    """Results of a study, written by one program at a time.
+
+    Parameters
+    ----------
+    folder : Path
+        Made where it is not there.
+
+    Attributes
+    ----------
+    damaged_count : int
+        Number of files that were damaged, whose cases count as not done.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written, or another program is writing there.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.damaged_count = folder, 0
+        self._plan: Plan | None = None
+        try:
+            (folder / "cases").mkdir(parents=True, exist_ok=True)
+            self._lock = self._taken()
+        except OSError as error:
+            raise folder_write_error(folder, error) from error
+        try:
+            self._base = opened_database(folder)
+        except BaseException:
+            self._lock.remove()
+            raise
+        self._committed = time.monotonic()
+
+    def _taken(self) -> FileLock:
+        lock = acquire_lock(self.folder / ".lock")
+        if lock is None:
+            raise InputError(
+                tr(
+                    "Another program is running the study in {folder}; wait for it or choose another folder."
+                ).format(folder=self.folder)
+            )
+        return lock
+
+    def close(self) -> None:
+        """Write the rest, and let others write."""
+        with suppress(*DATABASE_ERRORS):  # the files have it all
+            self._base.commit()
+        self._base.close()
+        self._lock.remove()
+
+    def _safely(self, act: Callable[[], T]) -> T:
+        """Act on the database, and again on a new one if damaged; raises InputError."""
+        try:
+            return act()
+        except DATABASE_ERRORS as error:
+            if not is_damage(error, self.folder):
+                raise write_error(self.folder, error) from error
+        try:
+            self._make_anew()
+            return act()
+        except DATABASE_ERRORS as error:
+            raise write_error(self.folder, error) from error
+
+    def _make_anew(self) -> None:
+        """Make another database, from the files of the cases."""
+        self._base.close()
+        rename_damaged(self.folder)
+        self._base = opened_database(self.folder)
+        if self._plan is not None:
+            self._begun(self._plan)
+
+    def _path(self, key: str) -> Path:
+        return case_path(self.folder, key)
+
+    def begin_plan(self, plan: Plan, retry_failed: bool = False) -> set[str]:
+        """Write down a plan; return the keys of finished cases.
+
+        Parameters
+        ----------
+        plan : Plan
+        retry_failed : bool
+            Whether failed cases count as not done.
+        """
+        self._plan = plan
+        done = self._safely(lambda: self._begun(plan))
+        if retry_failed:  # they stay until there is another result
+            known = self._safely(lambda: case_rows(self._base))
+            done -= {key for key in done if known[key].status == FAILED}
+        return done
+
+    def _begun(self, plan: Plan) -> set[str]:
+        """Keys of finished cases, all in the database then, with the plan."""
+        write_plan(self._base, plan)
+        wanted = set(plan.cases)
+        sizes = case_sizes(self.folder)
+        known = {key: case.size for key, case in case_rows(self._base).items()}
+        done = {key for key in wanted if sizes.get(key) == known.get(key, -1)}
+        # Written just before the program was killed, or damaged.
+        done |= {key for key in (wanted & sizes.keys()) - done if self._read_again(key) is not None}
+        self._forget(wanted & known.keys() - done)
+        self._base.commit()
+        return done
+
+    def _read_again(self, key: str) -> CaseResult | None:
+        """Take the result of a file as the right one; remove a damaged one.
+
+        Raises InputError if it is there and cannot be read now.
+        """
+        path = self._path(key)
+        content = read_content(path) if path.exists() else b""
+        try:
+            result = case_from_bytes(content, with_shape=False)
+            if result.key != key:
+                raise ValueError
+        except ValueError:
+            self.damaged_count += path.exists()
+            self._forget({key})
+            return None
+        write_result(self._base, result, len(content))
+        return result
+
+    def curves(self, keys: Iterable[str]) -> dict[str, Curves]:
+        """Curves of finished cases; their files are compared with the database.
+
+        A case whose file is damaged is not among them, and no longer finished.
+        """
+        found = self._safely(lambda: {key: self._read_again(key) for key in sorted(keys)})
+        self.commit()
+        return {key: result.curves for key, result in found.items() if result is not None}
+
+    def results(self) -> ResultTable:
+        """The results so far."""
+        return self._safely(lambda: read_result_table(self._base))
+
+    def _forget(self, keys: Iterable[str]) -> None:
+        for key in keys:
+            self._path(key).unlink(missing_ok=True)
+            self._base.execute("delete from cases where key = ?", (key,))
+
+    def add_result(self, content: bytes) -> CaseResult:
+        """Write a finished case; return it without its shape.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        result = case_from_bytes(content, with_shape=False)
+        write_case(self._path(result.key), content)
+        self._safely(lambda: write_result(self._base, result, len(content)))
+        if time.monotonic() - self._committed > _COMMIT:
+            self.commit()
+        return result
+
+    def commit(self) -> None:
+        """Commit the results added so far."""
+        self._safely(lambda: self._base.commit())
+        self._committed = time.monotonic()

@@ -1,0 +1,167 @@
+"""Progress of a study: cases done, rate, time left; and the work left of a plan."""
+
+from __future__ import annotations
+
+import errno
+import os
+import time
+from collections import defaultdict, deque
+from pathlib import Path
+from typing import NamedTuple
+
+from apd_viewer.cases.case_file import FAILED, case_sizes, read_case
+from apd_viewer.cases.database import CaseRow, case_rows, reading_database
+from apd_viewer.cases.plan import Plan
+from apd_viewer.cases.study_case import StudyCase
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.atomic_file import folder_write_error
+
+_WINDOW = 600.0  # s over which the rate is measured
+_LEAST = 2  # cases, of which one may have had to compile
+
+
+class CaseCounts(NamedTuple):
+    """State of a running study, as the lines of its command tell it.
+
+    Attributes
+    ----------
+    cases : int
+        All different ones of the plan.
+    finished : int
+        The failed among them.
+    running, failed : int
+    rate : float or None
+        Cases a second; None while it is not known.
+    seconds_left : float or None
+    """
+
+    cases: int
+    finished: int
+    running: int
+    failed: int
+    rate: float | None = None
+    seconds_left: float | None = None
+
+    @property
+    def share(self) -> float:
+        """Part of the cases that is finished."""
+        return self.finished / max(1, self.cases)
+
+
+class ProgressMeter:
+    """Counts finished cases and measures their rate.
+
+    Parameters
+    ----------
+    cases : int
+    done, failed : int
+        So many were there already.
+    """
+
+    def __init__(self, cases: int, done: int, failed: int) -> None:
+        self._cases, self._done, self._failed = cases, done, failed
+        self._started = time.monotonic()
+        self._times: deque[float] = deque()
+        self._new = 0
+
+    def count_case(self, failed: bool) -> None:
+        """Count one more."""
+        now = time.monotonic()
+        self._done, self._new, self._failed = self._done + 1, self._new + 1, self._failed + failed
+        self._times.append(now)
+        while now - self._times[0] > _WINDOW:
+            self._times.popleft()
+
+    def counts(self, running: int) -> CaseCounts:
+        """The state now."""
+        rate = self._rate()
+        left = None if not rate else (self._cases - self._done) / rate
+        return CaseCounts(self._cases, self._done, running, self._failed, rate, left)
+
+    def _rate(self) -> float | None:
+        if self._new < _LEAST:
+            return None
+        begin = max(self._started, time.monotonic() - _WINDOW)
+        return len(self._times) / max(time.monotonic() - begin, 1e-3)
+
+
+class StudyForecast(NamedTuple):
+    """Remaining work of a study.
+
+    Attributes
+    ----------
+    cases : int
+        Different ones of the plan.
+    done, failed : int
+        Finished ones, and the failed among them.
+    wrong : int
+        Rows that no case can be made of.
+    seconds : float or None
+        That the rest takes one process, by what was measured so far; None if nothing was.
+    """
+
+    cases: int
+    done: int
+    failed: int
+    wrong: int
+    seconds: float | None
+
+
+def study_forecast(plan: Plan, folder: Path, retry_failed: bool = False) -> StudyForecast:
+    """Work left of a plan, and its time; the folder of its results need not be there.
+
+    Raises
+    ------
+    InputError
+        If the folder is a file.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise folder_write_error(folder, NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR)))
+    cases, known = plan.cases, _known(folder)
+    sizes = case_sizes(folder)
+    done = {key for key in cases if key in sizes and _sound(folder, key, sizes[key], known)}
+    failed = {key for key in done if key in known and known[key].status == FAILED}
+    if retry_failed:
+        done, failed = done - failed, set()
+    wrong = sum(row.case is None for row in plan.rows)
+    left = [case for key, case in cases.items() if key not in done]
+    timed = [(cases[key], each.readings.get("seconds")) for key, each in known.items() if key in cases]
+    return StudyForecast(len(cases), len(done), len(failed), wrong, _seconds(left, timed))
+
+
+def _known(folder: Path) -> dict[str, CaseRow]:
+    """Finished cases in the database, by their keys; none if it cannot be read."""
+    try:
+        with reading_database(folder) as base:
+            return case_rows(base)
+    except InputError:
+        return {}
+
+
+def _sound(folder: Path, key: str, size: int, known: dict[str, CaseRow]) -> bool:
+    """True if a file matches its database record or can be read in full."""
+    if key in known and known[key].size == size:
+        return True
+    try:
+        return bool(read_case(folder, key))
+    except InputError:
+        return False
+
+
+def _seconds(left: list[StudyCase], timed: list[tuple[StudyCase, float | None]]) -> float | None:
+    """Seconds of the rest, from those of a step on the same mesh, or on any."""
+    if not left:
+        return 0.0
+    measured: dict[object, list[float]] = defaultdict(list)
+    for case, seconds in timed:
+        if seconds is not None:
+            for kind in (_kind(case), None):
+                measured[kind].append(seconds / (case.steps + 1))
+    if not measured:
+        return None
+    mean = {kind: sum(each) / len(each) for kind, each in measured.items()}
+    return sum(mean.get(_kind(case), mean[None]) * (case.steps + 1) for case in left)
+
+
+def _kind(case: StudyCase) -> tuple[str, object]:
+    return case.mesh.digest, dict(case.settings).get("method")

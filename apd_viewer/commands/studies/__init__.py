@@ -1,1 +1,0 @@
-"""The command ``apd-viewer study`` and its design of plans."""

@@ -1,0 +1,362 @@
+"""The commands ``study`` and ``study design``: cases of a plan, and a plan."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from apd_viewer.cases.case_file import FAILED
+from apd_viewer.cases.case_runner import Engine
+from apd_viewer.cases.cluster import connected_cluster
+from apd_viewer.cases.design import DESIGNS, LATIN, DesignVariable, design_table, parse_variable
+from apd_viewer.cases.local_pool import LocalPool, core_count
+from apd_viewer.cases.plan import Plan, read_plan
+from apd_viewer.cases.plan_columns import AUTO, CASE_COLUMNS, COLUMNS, NOTE_PREFIX, SETTING_COLUMNS
+from apd_viewer.cases.results import ResultTable, status_text
+from apd_viewer.cases.run_case import INPUTS_FOLDER
+from apd_viewer.cases.study import Study
+from apd_viewer.cases.study_case import InputFiles
+from apd_viewer.cases.study_progress import CaseCounts, StudyForecast, study_forecast
+from apd_viewer.commands.terminal.parser import Parser, add_option
+from apd_viewer.commands.terminal.progress import Progress
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import check_writable
+from apd_viewer.files.tables import write_table
+from apd_viewer.language import comma_separated, localize_numbers, tr, trn
+from apd_viewer.presentation.number_format import format_grouped
+from apd_viewer.presentation.time_left import duration_text
+from apd_viewer.session.model.view import SESSION_SUFFIX
+
+_INTERRUPTED = 130
+_LOG = 30.0  # s between two lines of a log
+_MOST_SAID = 20  # sentences; the table has all of them
+_FILES = ("mesh", "session", "selection")
+_CONTACT = "contact"  # written in every new plan, since plans without it are from a time when there was none
+
+
+def study_parser() -> Parser:
+    """Parser of the command."""
+    parser = Parser(
+        prog="apd-viewer study",
+        description=tr(
+            "Run the cases of a plan: each walks its motion in steps, as “sweep” does. What is interrupted "
+            "goes on with the same command. “apd-viewer study design” writes plans."
+        ),
+        epilog=_columns(),
+    )
+    add_option(parser, "PLAN.csv", tr("table with a case a row"), type=Path)
+    add_option(parser, "-o, --output FOLDER", tr("folder of the results"), type=Path, required=True)
+    engine = parser.add_mutually_exclusive_group()
+    add_option(
+        engine, "--processes, --workers N", tr("on this machine; default: one for each core"), type=int
+    )
+    add_option(
+        engine, "--scheduler ADDRESS", tr("workers behind a scheduler of Dask, such as tcp://host:8786")
+    )
+    add_option(engine, "--scheduler-file F.json", tr("the same, by the file that it has written"), type=Path)
+    add_option(parser, "--limit SECONDS", tr("that a case may take"), type=float)
+    add_option(parser, "--retry-failed", tr("run cases again that failed before"))
+    add_option(parser, "--dry-run", tr("say what there is to do, and how long it takes"))
+    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
+    parser.set_defaults(run=_study)
+    return parser
+
+
+def _columns() -> str:
+    words = [*CASE_COLUMNS.items(), *((name, column.description) for name, column in SETTING_COLUMNS.items())]
+    said = "; ".join(f"{name} ({about})" for name, about in words)
+    return tr("Columns of a plan, besides notes that begin with #: {columns}.").format(columns=said)
+
+
+def _study(options: argparse.Namespace) -> None:
+    localize_numbers(False)  # its sentences stand in files, which are the same however it is run
+    if options.limit is not None and not options.limit > 0.0:
+        raise InputError(tr("--limit must be greater than 0 seconds."))
+    if options.processes is not None and not 1 <= options.processes <= 1000:
+        raise InputError(tr("--processes must be 1 to 1000."))
+    if options.dry_run:
+        plan = read_plan(options.plan, InputFiles(options.output / INPUTS_FOLDER, keeps_copies=False))
+        left = study_forecast(plan, options.output, options.retry_failed)
+        print(mistake_lines(plan), end="", file=sys.stderr)
+        print(work_left_lines(left, _processes(options)))
+        return
+    study = Study(options.plan, options.output, options.retry_failed)
+    try:
+        print(mistake_lines(study.plan), end="", file=sys.stderr)
+        _run(study, options)
+    finally:
+        study.close()
+
+
+def _run(study: Study, options: argparse.Namespace) -> None:
+    progress = StudyProgress(options.progress_lines)
+    at_once = True
+    engine: Engine | None = None
+    try:
+        if not study.unfinished_cases:
+            table = study.finish()
+        if study.unfinished_cases:
+            engine = _engine(options)
+            with _interruptible(study):
+                table = study.run(engine, options.limit, progress.show)
+        at_once = False
+    except KeyboardInterrupt:
+        table = study.write_table()
+    finally:
+        progress.end()
+        if engine is not None:
+            engine.close(at_once)
+    print(study_summary(table, options.output))
+    print(damaged_results_line(study.damaged_count), end="", file=sys.stderr)
+    if study.unfinished_cases:
+        print(tr("interrupted; the same command goes on"), file=sys.stderr)
+        raise SystemExit(_INTERRUPTED)
+
+
+def _engine(options: argparse.Namespace) -> Engine:
+    if options.scheduler or options.scheduler_file:
+        return connected_cluster(options.scheduler, options.scheduler_file)
+    return LocalPool(_processes(options))
+
+
+def _processes(options: argparse.Namespace) -> int:
+    """Number of cases at a time; 1 for workers of others."""
+    if options.scheduler or options.scheduler_file:
+        return 1
+    return int(options.processes or core_count())
+
+
+@contextmanager
+def _interruptible(study: Study) -> Iterator[None]:
+    """Finish running cases at the first Ctrl+C, and end at once at the second."""
+
+    def first(*_: Any) -> None:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        study.stop()
+        print(tr("\nfinishing the running cases; Ctrl+C again ends at once"), file=sys.stderr)
+
+    before = signal.signal(signal.SIGINT, first)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class StudyProgress:
+    """Says how far a study is, to whoever reads.
+
+    Parameters
+    ----------
+    is_json : bool
+        As lines of JSON on the standard output. Beside ``done``, a share, and ``doing`` they have
+        ``cases``, ``finished``, ``running``, ``failed``, ``rate`` (cases a second) and ``seconds_left``.
+    """
+
+    def __init__(self, is_json: bool = False) -> None:
+        self._display = Progress(is_json)
+        self._log = not is_json and not sys.stderr.isatty()
+        self._logged = time.monotonic()
+
+    def show(self, counts: CaseCounts) -> None:
+        """Show the state of the study."""
+        self._display.show(counts.share, counts_text(counts), **counts._asdict())
+        if self._log and time.monotonic() - self._logged > _LOG:
+            self._logged = time.monotonic()
+            print(counts_text(counts), file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Remove the line."""
+        self._display.end()
+
+
+def counts_text(counts: CaseCounts) -> str:
+    """The state of a study in a few words."""
+    words = [tr("{done:,} of {cases:,}").format(done=counts.finished, cases=counts.cases)]
+    words.append(tr("{running} running").format(running=counts.running))
+    if counts.failed:
+        words.append(tr("{failed} failed").format(failed=counts.failed))
+    if counts.rate is not None and counts.seconds_left is not None:
+        words.append(tr("{rate:.3g}/min").format(rate=60.0 * counts.rate))
+        words.append(tr("{time} left").format(time=duration_text(counts.seconds_left)))
+    return comma_separated(words)
+
+
+def mistake_lines(plan: Plan) -> str:
+    """A line for each wrong or repeated row."""
+    lines = [_on_line(row.line, row.mistake) for row in plan.rows if row.mistake]
+    return "".join(f"{line}\n" for line in _first(lines))
+
+
+def work_left_lines(work_left: StudyForecast, processes: int) -> str:
+    """Lines on the work left."""
+    lines = [
+        trn(
+            "{cases:,} case, {done:,} done, {left:,} to do",
+            "{cases:,} cases, {done:,} of them done, {left:,} to do",
+            work_left.cases,
+        ).format(cases=work_left.cases, done=work_left.done, left=work_left.cases - work_left.done)
+    ]
+    if work_left.failed:
+        lines.append(
+            tr("failed so far: {failed:,}; --retry-failed tries again").format(failed=work_left.failed)
+        )
+    if work_left.wrong:
+        said = trn(
+            "{wrong:,} row is wrong and is left out",
+            "{wrong:,} rows are wrong and are left out",
+            work_left.wrong,
+        )
+        lines.append(said.format(wrong=work_left.wrong))
+    if work_left.seconds is None:
+        lines.append(tr("No case was timed yet, so nobody knows how long they take."))
+    elif work_left.cases > work_left.done:
+        lines.append(
+            tr("about {time} by {processes} processes, as measured so far").format(
+                time=duration_text(work_left.seconds / processes), processes=processes
+            )
+        )
+    return "\n".join(lines)
+
+
+def study_summary(table: ResultTable, folder: Path) -> str:
+    """Lines on the results."""
+    count = Counter(row.status for row in table.rows)
+    words = comma_separated(
+        f"{format_grouped(number, 0)} {status_text(status)}" for status, number in count.items()
+    )
+    lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
+    failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
+    return "\n".join([*lines, *_first(failed)])
+
+
+def damaged_results_line(count: int) -> str:
+    """A line on damaged results; empty without any."""
+    said = trn(
+        "{count:,} damaged result is computed again", "{count:,} damaged results are computed again", count
+    )
+    return said.format(count=count) + "\n" if count else ""
+
+
+def _on_line(line: int, sentence: str) -> str:
+    return tr("line {line}: {sentence}").format(line=line, sentence=sentence)
+
+
+def _first(lines: list[str]) -> list[str]:
+    """The first lines, and how many more there are."""
+    more = len(lines) - _MOST_SAID
+    return lines if more <= 0 else [*lines[:_MOST_SAID], tr("... and {more:,} more").format(more=more)]
+
+
+def design_parser() -> Parser:
+    """Parser of the command."""
+    parser = Parser(
+        prog="apd-viewer study design",
+        description=tr(
+            "Write the plan of a study: a table with a case a row, for a spreadsheet or for “study”."
+        ),
+    )
+    add_option(parser, "--mesh MESH", tr("meshes or sessions to try"), nargs="+", default=[])
+    add_option(parser, "--selection SEL", tr("what of a mesh is base and handle"))
+    add_option(
+        parser, "--motion WORDS", tr("such as “twist {twist}; move 0 {way} 0”: what is in braces varies")
+    )
+    add_option(
+        parser,
+        "--vary NAME=RANGE",
+        tr(
+            "a column, a name in the motion, or twist, push, bend or scale: “twist=0..180deg”, "
+            "“push=0..40%%”, “stiffness=1e-4..0.1:log” (by factors), “method=arap,exact”"
+        ),
+        action="append",
+        default=[],
+    )
+    add_option(
+        parser,
+        "--set COLUMN=TEXT",
+        tr("the same in all cases, such as steps=6"),
+        action="append",
+        default=[],
+        dest="given",
+    )
+    add_option(
+        parser,
+        "--samples N",
+        tr("cases, or of a grid levels of a range; default: %(default)s"),
+        type=int,
+        default=100,
+    )
+    add_option(
+        parser,
+        "--method",
+        tr("Latin hypercube, Sobol sequence or all combinations; default: %(default)s"),
+        choices=DESIGNS,
+        default=LATIN,
+    )
+    add_option(parser, "--seed N", tr("of the samples; default: %(default)s"), type=int, default=0)
+    add_option(parser, "-o, --output PLAN.csv", tr("table to write"), type=Path, required=True)
+    parser.set_defaults(run=_design)
+    return parser
+
+
+def _design(options: argparse.Namespace) -> None:
+    check_writable(options.output)
+    given = _given(options)
+    vary = [parse_variable(text) for text in options.vary]
+    if len(options.mesh) > 1:
+        vary.insert(0, DesignVariable("mesh", tuple(options.mesh)))
+    columns, rows = design_table(given, vary, options.method, options.samples, options.seed)
+    folder = options.output.absolute().parent
+    rows = [
+        [_found(cell, folder) if name in _FILES else cell for name, cell in zip(columns, row, strict=True)]
+        for row in rows
+    ]
+    write_table(options.output, columns, rows)
+    print(tr("{path}: {count:,} cases").format(path=options.output, count=len(rows)))
+
+
+def _given(options: argparse.Namespace) -> dict[str, str]:
+    """Cells common to all rows; raises InputError."""
+    given = {"mesh": options.mesh[0]} if len(options.mesh) == 1 else {}
+    given |= {name: getattr(options, name) for name in ("selection", "motion") if getattr(options, name)}
+    for text in options.given:
+        name, equals, said = (part.strip() for part in text.partition("="))
+        if not equals or (name not in COLUMNS and not name.startswith(NOTE_PREFIX)):
+            raise InputError(
+                tr(
+                    "--set {text}: give a column and its text, such as steps=6; columns are {columns}."
+                ).format(text=text, columns=", ".join(COLUMNS))
+            )
+        if name in given:
+            raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
+        given[name] = said
+    if not any(text.partition("=")[0].strip() == _CONTACT for text in [*options.vary, *options.given]):
+        given[_CONTACT] = AUTO
+    if (
+        "mesh" not in given
+        and len(options.mesh) < 2
+        and not any(
+            text.partition("=")[0].strip() in ("mesh", "session") for text in [*options.vary, *options.given]
+        )
+    ):
+        raise InputError(
+            tr("There is no mesh; give --mesh with a mesh or a session ({suffix}).").format(
+                suffix=SESSION_SUFFIX
+            )
+        )
+    return given
+
+
+def _found(name: str, folder: Path) -> str:
+    """Path of a file relative to the folder of the plan."""
+    try:
+        return Path(os.path.relpath(name, folder)).as_posix()
+    except ValueError:  # on another drive
+        return str(Path(name).absolute())

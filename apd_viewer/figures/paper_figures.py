@@ -1,0 +1,223 @@
+"""Curves beside the paper's tables: ARAP's loss by angle, Eq. 8's handle drift."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from apd_viewer.cases.case import case_of, run
+from apd_viewer.figures.style import BLUE, INK, ORANGE, QUIET, VERMILION, draw_figure, zero_line
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.transforms import translation
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.posing.motion import TWIST, Motion
+from apd_viewer.session.posing.motion_path import MotionStep
+
+# Iteration counts from rest at which ARAP is measured.
+LOSS_ITERATIONS = (1, 2, 3, 5, 20)
+_WIDEST = 180.0  # degrees
+_TWIST = MotionStep(0, Motion(TWIST), (np.radians(_WIDEST),))
+_PUSH, _PULL = 0.2, 0.4  # of the height
+_STEPS_OF_A_PULL = 4
+
+ProgressCallback = Callable[[float], object]
+_LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
+# From few iterations to many: one hue, increasingly dark.
+_SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
+
+
+class LossCurvePoint(NamedTuple):
+    """The area after a twist.
+
+    Attributes
+    ----------
+    degrees : float
+    iterations : int
+        Plain ones from rest; 0 is a shape that was left to settle, twisted from the one before.
+    area_error : float
+    """
+
+    degrees: float
+    iterations: int
+    area_error: float
+
+
+class HandleCurvePoint(NamedTuple):
+    """Requested and actual position of a handle under the paper's method.
+
+    Attributes
+    ----------
+    motion : str
+        "twist" or "pull".
+    asked : float
+        Degrees of a twist; of a pull the way along the axis by the height of the mesh.
+    got : float
+        Of a pull likewise; of a twist the drift by the height.
+    """
+
+    motion: str
+    asked: float
+    got: float
+
+
+def loss_curve(
+    document: Document, steps: int = 18, tick: ProgressCallback = lambda _: None
+) -> list[LossCurvePoint]:
+    """ARAP's area change for twists of 0 to 180 degrees, in ``steps`` steps."""
+    found = []
+    document = document.with_settings(method="arap", contact=False)  # of which the paper knows nothing
+    held = document.constraints()
+    mesh = document.mesh
+    solver = Deformation(mesh.V, mesh.F, held.fixed, method="arap", handle=held.handles, plain=True)
+    case = case_of(document, steps, motion=[_TWIST])
+    for number, part in enumerate(case.shares):
+        tick(0.1 * number / steps)
+        solver.aim(case.document_at(part).constraints().targets, mesh.V)
+        for iteration in range(1, max(LOSS_ITERATIONS) + 1):
+            solver.iterate()
+            if iteration in LOSS_ITERATIONS:
+                found.append(LossCurvePoint(_WIDEST * part, iteration, solver.frame().area_error))
+    for step in run(case, lambda done: tick(0.1 + 0.9 * done)):
+        found.append(LossCurvePoint(step.degrees, 0, step.frame.area_error))
+    return found
+
+
+def handle_curve(
+    document: Document, steps: int = 12, tick: ProgressCallback = lambda _: None
+) -> list[HandleCurvePoint]:
+    """Handle drift of the paper's method in twists up to 180 degrees, pulls, pushes."""
+    found = []
+    height = float(np.linalg.norm(_line(document)))
+    document = document.with_settings(method="paper")
+    for step in run(case_of(document, steps, motion=[_TWIST]), lambda done: tick(0.6 * done)):
+        found.append(HandleCurvePoint("twist", step.degrees, step.frame.handle_drift / height))
+    ways = [
+        *_pulls(document, -_PUSH, lambda done: tick(0.6 + 0.2 * done)),
+        *_pulls(document, _PULL, lambda done: tick(0.8 + 0.2 * done)),
+    ]
+    return found + sorted(set(ways), key=lambda held: held.asked)
+
+
+def _pulls(document: Document, share: float, tick: ProgressCallback) -> Iterator[HandleCurvePoint]:
+    line = _line(document)
+    case = case_of(document.with_pose(0, translation(share * line)), _STEPS_OF_A_PULL)
+    handle = document.labels == HANDLE
+    for step in run(case, tick):
+        away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)
+        got = float(away @ line / (line @ line))
+        yield HandleCurvePoint("pull", share * step.share + 0.0, round(got, 12) + 0.0)
+
+
+def _line(document: Document) -> np.ndarray:
+    """Vector from base to handle centre, as long as the mesh in this direction."""
+    base, handle = (document.grip[document.labels == label].mean(axis=0) for label in (BASE, HANDLE))
+    axis = (handle - base) / np.linalg.norm(handle - base)
+    whole: np.ndarray = axis * np.ptp(document.mesh.V @ axis)
+    return whole
+
+
+def draw_loss_curves(
+    points: Sequence[LossCurvePoint], published: Sequence[tuple[float, float]], folder: Path
+) -> None:
+    """Draw ARAP's area change against the angle, beside the paper's values.
+
+    Parameters
+    ----------
+    points : sequence of LossCurvePoint
+    published : sequence of (float, float)
+        Degrees, and change of the area as a share.
+    folder : Path
+    """
+
+    def fill(figure: Figure) -> None:
+        axes = figure.subplots()
+        axes.set_title(tr("Area change by ARAP, %"))
+        axes.set_xlabel(tr("twist of the bottle, degrees"))
+        axes.xaxis.set_major_locator(MultipleLocator(30))
+        axes.set_xlim(0, 180)
+        zero_line(axes)
+        stops = sorted({loss.iterations for loss in points if loss.iterations})
+        for stop, shade in zip(stops, _SHADES, strict=False):
+            words = tr("stopped after 1 iteration") if stop == 1 else tr("after {n}").format(n=stop)
+            _loss(axes, points, stop, words, shade, 1.4)
+        _loss(axes, points, 0, tr("converged, step by step"), BLUE, 2.2)
+        axes.plot(
+            [degrees for degrees, _ in published],
+            [100 * error for _, error in published],
+            linestyle="none",
+            marker="D",
+            markersize=6.5,
+            color=INK,
+            label=tr("the paper's Table 1"),
+            zorder=5,
+        )
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+
+    draw_figure(fill, _LOSS_SIZE, folder, "loss-against-angle")
+
+
+def _loss(
+    axes: Axes, losses: Sequence[LossCurvePoint], stop: int, words: str, color: str, width: float
+) -> None:
+    own = [loss for loss in losses if loss.iterations == stop]
+    axes.plot(
+        [loss.degrees for loss in own],
+        [100 * loss.area_error for loss in own],
+        color=color,
+        linewidth=width,
+        marker="o" if not stop else "",
+        label=words,
+    )
+
+
+def draw_handle_curves(points: Sequence[HandleCurvePoint], folder: Path) -> None:
+    """Draw the paper method's handle positions against the targets."""
+
+    def fill(figure: Figure) -> None:
+        left, right = figure.subplots(1, 2)
+        twists = [held for held in points if held.motion == "twist"]
+        left.set_title(tr("Twist: drift of the handle"))
+        left.set_xlabel(tr("twist, degrees"))
+        left.set_ylabel(tr("drift, % of the height"))
+        left.xaxis.set_major_locator(MultipleLocator(30))
+        left.plot(*_curve(twists, 1.0), color=ORANGE, marker="^")
+        left.set_ylim(bottom=0.0)
+        pulls = [held for held in points if held.motion == "pull"]
+        right.set_title(tr("Pull and push: displacement reached"))
+        right.set_xlabel(tr("requested, % of the height"))
+        right.set_ylabel(tr("reached, % of the height"))
+        asked, _ = _curve(pulls, 100.0)
+        right.plot(asked, asked, color=QUIET, linewidth=1.0, linestyle=(0, (4, 3)))
+        right.annotate(
+            tr("requested"),
+            (asked[-1], asked[-1]),
+            (-6, 0),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            color=QUIET,
+        )
+        right.plot(*_curve(pulls, 100.0), color=ORANGE, marker="^")
+        right.annotate(
+            tr("reached with Eq. 8"),
+            (asked[-1], _curve(pulls, 100.0)[1][-1]),
+            (-6, 8),
+            textcoords="offset points",
+            ha="right",
+            va="bottom",
+            color=INK,
+        )
+
+    draw_figure(fill, _HANDLE_SIZE, folder, "handle")
+
+
+def _curve(points: Sequence[HandleCurvePoint], unit: float) -> tuple[list[float], list[float]]:
+    return [unit * held.asked for held in points], [100 * held.got for held in points]

@@ -1,1 +1,0 @@
-"""Pressing: surfaces between moving obstacles, and what that takes."""

@@ -1,0 +1,373 @@
+"""Two plates that close on a mesh in steps, each at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.contact.contact_obstacles import Obstacle, plate, shifted_obstacles
+from apd_viewer.geometry.contact.mesh_contact import contact_thickness
+from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
+from apd_viewer.geometry.energy.membrane import Membrane
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import (
+    as_float,
+    check_argument,
+    checked_direction,
+    diagonal,
+    is_whole_number,
+)
+from apd_viewer.geometry.solver.contact_descent import ContactDescent
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.held_vertices import checked_start
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, method_named
+from apd_viewer.language import tr
+
+DEFAULT_STEPS, MOST_STEPS = 20, 1000
+# For each step.
+DEFAULT_ITERATIONS = 10_000
+# Plates that are stopped try again so many times.
+_RETRIES = 5
+# Plates that open touch while they carry this part of what they carried.
+_TOUCHES = 1e-9
+# Of the area: less energy is rounding, strains of a millionth.
+_NO_ENERGY = 1e-12
+
+
+class PlatePress:
+    """Two parallel plates that close on a mesh in equal steps.
+
+    They touch it at first. With nothing held the mesh may slide between them, but not turn as a whole.
+
+    Parameters
+    ----------
+    rest : RestMesh
+    axis : (3,) float array
+        Direction in which they press.
+    to : float
+        Their distance in the end, mesh units; less than the extent of the mesh.
+    steps, iterations : int
+        Number of steps, and at most so many iterations for each.
+    fixed : (k,) ints
+        Vertices that are held where they are at rest; none need be.
+    start : (n, 3) float array or None
+        Shape to begin from, such as a twisted one; None for the shape at rest.
+    settings
+        Other arguments of :class:`Deformation`.
+
+    Attributes
+    ----------
+    travel : PlateTravel
+    solver : Deformation
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+
+    def __init__(
+        self,
+        rest: RestMesh,
+        axis: np.ndarray,
+        to: float,
+        steps: int = DEFAULT_STEPS,
+        iterations: int = DEFAULT_ITERATIONS,
+        *,
+        fixed: Sequence[int] | np.ndarray = (),
+        start: np.ndarray | None = None,
+        **settings: Any,
+    ) -> None:
+        _check_count(steps, MOST_STEPS, tr("The number of steps must be a whole number from 1 to {most:,}."))
+        check_argument("iterations", iterations)
+        if not method_named(settings.get("method", DEFAULT_METHOD)).may_use_contact:
+            raise InputError(tr("Only the methods Exact, Local and ARAP press; choose one of them."))
+        apart = contact_thickness(rest.diagonal, settings.get("thickness"))
+        self._rest, self._asked = rest, (axis, to, apart)
+        self._count, self._iterations = steps, iterations
+        self._relaxes = start is not None
+        U = rest.solve_mesh.V if start is None else checked_start(start, rest)[rest.weld.first]
+        # A shape to begin from springs back first; until then the plates stand aside.
+        plates = self._plates_around(U, aside=rest.diagonal if self._relaxes else 0.0)
+        settings |= {"rest": rest, "contact": True, "calm": False, "obstacles": plates}
+        self.solver = Deformation(rest.V, rest.F, fixed, **settings)
+        self._targets = (rest.V if start is None else start)[self.solver.fixed]
+        self._from = self._to = 0.0
+        if start is None:
+            self._contact.restart(U)
+            return
+        if not self._contact.contact.can_start_at(U):
+            raise InputError(tr("The shape to begin from crosses itself; deform it with walls kept apart."))
+        self.solver.aim(self._targets, start)
+
+    def _plates_around(self, U: np.ndarray, aside: float = 0.0) -> list[Obstacle]:
+        """Plates at a local shape ``U`` (k, 3) of the solve, or ``aside`` of it."""
+        X = U[np.unique(self._rest.solve_mesh.F)]
+        self.travel = way = plate_travel(X, *self._asked)
+        # The middle of the bounding box: plates need a place across their axis, too.
+        middle, size = 0.5 * (X.min(axis=0) + X.max(axis=0)), diagonal(X)
+        middle = middle - (middle @ way.axis) * way.axis
+        self._shifts = 0.5 * way.length * np.array([way.axis, -way.axis])
+        plates = [
+            plate(middle + (way.low - aside) * way.axis, way.axis, size),
+            plate(middle + (way.high + aside) * way.axis, -way.axis, size),
+        ]
+        return list(shifted_obstacles(plates, self._rest.centre))
+
+    @property
+    def _contact(self) -> ContactDescent:
+        assert self.solver.contact is not None
+        return self.solver.contact
+
+    @property
+    def share(self) -> float:
+        """Share of their way that the plates have gone."""
+        return self._from + self._contact.share * (self._to - self._from)
+
+    @property
+    def is_stopped(self) -> bool:
+        """True if the plates can go no farther."""
+        return self._contact.is_stopped
+
+    @property
+    def load_excess(self) -> float | None:
+        """Expected excess of the loads, see :func:`load_excess`."""
+        shape = self._rest.solve_mesh
+        return load_excess(self._contact.elastic.material, cell_stiffness(shape.V, shape.F))
+
+    def steps(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
+        """Press: the shapes at rest, from the first touch on.
+
+        A shape to begin from comes to rest by itself before the plates touch it.
+
+        Parameters
+        ----------
+        tick : callable
+            Called after every iteration with the share of the work that is done, at a guess; what it raises
+            ends the work.
+        """
+        if self._relaxes:
+            self.settle_at(0.0, partial(_tick_at, tick, 0, self._count))
+            if not self._contact.progress.has_met_goals:
+                raise InputError(
+                    tr("The shape to begin from has another area or volume; deform it with the same targets.")
+                )
+            U = self._contact.progress.U
+            self.solver.replace_obstacles(self._plates_around(U))
+            self._contact.restart(U)
+        yield self._step(settled=True)
+        for k in range(self._count):
+            self.settle_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
+            yield self._step(self.solver.settled)
+            if self.is_stopped:
+                return
+
+    def release(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
+        """Open the plates again: the shapes at rest, until the plates no longer touch.
+
+        Parameters
+        ----------
+        tick : callable
+            As of :meth:`steps`.
+        """
+        share, k = self.share, 0
+        touching = _TOUCHES * self._largest_load
+        while share > 0.0 and self._largest_load > touching:
+            share = max(0.0, share - 1.0 / self._count)
+            self.settle_at(share, partial(_tick_at, tick, k, self._count))
+            k += 1
+            yield self._step(self.solver.settled)
+
+    @property
+    def _largest_load(self) -> float:
+        return float(np.abs(self.solver.frame().loads).max())
+
+    def settle_at(self, share: float, tick: Callable[[float], object] = lambda _: None) -> None:
+        """Go to a share of the way, and come to rest there, as far as iterations suffice.
+
+        Walls in the way of the plates may give way once they have come to rest.
+        """
+        self._go_to(share, tick)
+        for _ in range(_RETRIES):
+            if not self.is_stopped:
+                return
+            self._go_to(self.share, tick)
+            self._go_to(share, tick)
+
+    def aim(self, share: float) -> None:
+        """Let the plates go to a share of their way with the next iterations."""
+        self._from, self._to = self.share, share
+        self.solver.aim(self._targets, shifts=share * self._shifts)
+
+    def _go_to(self, share: float, tick: Callable[[float], object]) -> None:
+        self.aim(share)
+        solver, count = self.solver, 0
+        while not solver.settled and count < self._iterations and not self.is_stopped:
+            solver.iterate()
+            count += 1
+            tick(count / (count + 200.0))
+
+    def _step(self, settled: bool) -> PressStep:
+        frame, rest = self.solver.frame(), self._rest
+        crossed = crossings(self._contact.progress.U, rest.solve_mesh.F)
+        low, high = frame.loads @ self.travel.axis
+        gone = self.share * self.travel.length
+        return PressStep(
+            U=frame.U,
+            distance=self.travel.first_distance - gone,
+            deflection=gone,
+            load_low=float(-low),
+            load_high=float(high),
+            stretching=self._stretching,
+            energy=self._contact.energy_in_contact,
+            volume=frame.volume,
+            volume_capped=frame.volume_capped,
+            area_error=frame.area_error,
+            crossings=None if crossed is None else len(crossed),
+            settled=settled,
+            iterations=frame.iteration,
+        )
+
+    @property
+    def _stretching(self) -> float:
+        """Share of the wall's energy in its stretching, 0 to 1."""
+        elastic = self._contact.elastic
+        if elastic.energy <= _NO_ENERGY * self._rest.area:
+            return 0.0
+        self._membrane.local_step(elastic.U)
+        return min(1.0, self._membrane.energy / elastic.energy)
+
+    @cached_property
+    def _membrane(self) -> Membrane:
+        """Stretching alone: cells without bending are triangles of a membrane."""
+        shape, material = self._rest.solve_mesh, self._contact.elastic.material
+        return Membrane(shape.V, shape.all_triangles, 2.0 * material.rigidity + material.shear, material.area)
+
+
+def _tick_at(tick: Callable[[float], object], step: int, count: int, done: float) -> None:
+    tick((step + done) / count)
+
+
+def _check_count(given: int, most: int, otherwise: str) -> None:
+    if not is_whole_number(given) or not 1 <= given <= most:
+        raise InputError(otherwise.format(most=most))
+
+
+@dataclass(frozen=True, eq=False)
+class PressStep:
+    """Shape between two plates at rest, and its readings.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Positions in the order of the file, mesh units, read-only.
+    distance : float
+        Of the plates from each other, mesh units.
+    deflection : float
+        How much nearer they are than at the first touch.
+    load_low, load_high : float
+        Force on the plate below and on the one above, energy per length: that of a material of stiffness 1.
+        At rest, unless something is held, they are the same, and the slope of the energy as the plates close.
+    stretching : float
+        Share of the wall's energy that is in its stretching, 0 to 1; the rest bends it.
+    energy : float
+        Of the method, with that of the gaps; squared lengths.
+    volume, volume_capped : float or None
+        Enclosed volume; None if the surface is open. With flat caps over its openings; None without any.
+    area_error : float
+        ``area / rest area - 1``.
+    crossings : int or None
+        Triangles that cross others; None where that cannot be found.
+    settled : bool
+        The shape is at rest.
+    iterations : int
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import trimesh
+    >>> ball = trimesh.creation.icosphere(2)
+    >>> plates = {"axis": (0, 0, 1), "to": 1.8, "steps": 1}
+    >>> first, last = apd_viewer.press(ball.vertices, ball.faces, **plates, stiffness=0.01).steps
+    >>> bool(last.load_low > first.load_low), bool(last.volume < first.volume)
+    (True, True)
+    """
+
+    U: np.ndarray
+    distance: float
+    deflection: float
+    load_low: float
+    load_high: float
+    stretching: float
+    energy: float
+    volume: float | None
+    volume_capped: float | None
+    area_error: float
+    crossings: int | None
+    settled: bool
+    iterations: int
+
+
+class PlateTravel(NamedTuple):
+    """Way of two parallel plates.
+
+    Attributes
+    ----------
+    axis : (3,) float array
+        Direction in which they press, of length 1.
+    low, high : float
+        Places of the plates along the axis at the first touch, mesh units.
+    last_distance : float
+        Their distance in the end, mesh units.
+    """
+
+    axis: np.ndarray
+    low: float
+    high: float
+    last_distance: float
+
+    @property
+    def first_distance(self) -> float:
+        """Distance at the first touch."""
+        return self.high - self.low
+
+    @property
+    def length(self) -> float:
+        """Distance by which they close."""
+        return self.first_distance - self.last_distance
+
+
+def plate_travel(points: np.ndarray, axis: np.ndarray, to: float, thickness: float | None) -> PlateTravel:
+    """Way of plates that touch ``points`` at first, and are ``to`` apart in the end.
+
+    Parameters
+    ----------
+    points : (k, 3) float array
+        Vertices of a mesh, without loose ones.
+    axis : (3,) float array
+    to : float
+        Mesh units; less than the extent of the points.
+    thickness : float or None
+        Distance that plates and walls keep, mesh units; None for a thousandth of the diagonal.
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+    axis, apart = checked_direction(axis), contact_thickness(diagonal(points), thickness)
+    height = points @ axis
+    way = PlateTravel(axis, float(height.min()) - apart, float(height.max()) + apart, to)
+    if not 0.0 < as_float(to) < way.first_distance:
+        raise InputError(
+            tr(
+                "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
+            ).format(first=way.first_distance)
+        )
+    return way

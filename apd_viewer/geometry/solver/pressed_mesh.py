@@ -1,0 +1,248 @@
+"""Press a mesh between two plates in one call.
+
+The words are those of the column crush test [ASTM D2659, Standard test method for column crush properties
+of blown thermoplastic containers]: crushing yield load, deflection at it, apparent stiffness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import checked
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+)
+from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress, PressStep
+
+# Share of the time that plates take to close, where they open again.
+_PRESSING = 0.7
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """A pressed mesh.
+
+    Attributes
+    ----------
+    steps : tuple of PressStep
+        From the first touch on.
+    released : tuple of PressStep
+        As the plates open again, until they no longer touch; empty if they stay.
+    curve : LoadCurve
+        Of the mean of both loads as the plates close.
+    stopped : bool
+        The plates could go no farther.
+    load_excess : float or None
+        Expected excess of the loads, 0.1 for 10 %, as the cells of the mesh bend, too; None without
+        stiffness, where loads are those of the cells alone.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import trimesh
+    >>> ball = trimesh.creation.icosphere(2)
+    >>> pressed = apd_viewer.press(ball.vertices, ball.faces, axis=(0, 0, 1), to=1.8, steps=2, stiffness=0.01)
+    >>> len(pressed.steps), pressed.U.shape, pressed.stopped
+    (3, (162, 3), False)
+    """
+
+    steps: tuple[PressStep, ...]
+    released: tuple[PressStep, ...]
+    curve: LoadCurve
+    stopped: bool
+    load_excess: float | None
+
+    @property
+    def stretching(self) -> float:
+        """Largest share of the wall's energy in its stretching as the plates close."""
+        return max(step.stretching for step in self.steps)
+
+    @property
+    def last(self) -> PressStep:
+        """The end of all."""
+        return (self.steps + self.released)[-1]
+
+    @property
+    def U(self) -> np.ndarray:
+        """The last shape, (n, 3) float array."""
+        return self.last.U
+
+
+@checked
+def press(
+    V: np.ndarray,
+    F: np.ndarray,
+    axis: Sequence[float] | np.ndarray,
+    to: float,
+    steps: int = DEFAULT_STEPS,
+    *,
+    fixed: Sequence[int] | np.ndarray = (),
+    method: str = DEFAULT_METHOD,
+    stiffness: float = 0.0,
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS,
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+    area: float | None = None,
+    volume: float | None = None,
+    thickness: float | None = None,
+    yield_radius: float | None = None,
+    start: np.ndarray | None = None,
+    gas: float | None = None,
+    release: bool = False,
+    iterations: int = DEFAULT_ITERATIONS,
+    weld: bool = False,
+    progress: Callable[[float], object] = lambda _: None,
+) -> Pressed:
+    """Press a mesh between two plates that close along ``axis``.
+
+    Parameters
+    ----------
+    V, F : (n, 3) float and (m, 3) int arrays
+    axis : (3,) floats
+    to : float
+        Distance of the plates in the end, mesh units.
+    steps : int
+        The plates close in so many equal steps; after each the mesh comes to rest.
+    fixed : (k,) ints
+        Vertices that are held where they are; none need be.
+    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness, weld
+        See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
+    yield_radius : float, optional
+        Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; without it
+        they spring back from everything.
+    start : (n, 3) float array, optional
+        Shape to begin from, such as a twisted one. It springs back first, since nothing but ``fixed`` is
+        held; creases that it has by its ``yield_radius`` stay.
+    gas : float, optional
+        Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at one
+        temperature, as much outside as inside at rest. Openings are capped. Without it gas leaves freely.
+    release : bool
+        Open the plates again in the end, to see what remains.
+    iterations : int
+        At most so many for each step.
+    progress : callable
+        Called with the share of the work that is done.
+
+    Returns
+    -------
+    Pressed
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> import trimesh
+    >>> ball = trimesh.creation.icosphere(2)
+    >>> pressed = apd_viewer.press(ball.vertices, ball.faces, axis=(0, 0, 1), to=1.8, steps=2, stiffness=0.01)
+    >>> [f"{step.distance:.2f}" for step in pressed.steps[1:]]  # the first is at the touch
+    ['1.90', '1.80']
+    """
+    plates = PlatePress(
+        RestMesh.from_arrays(V, F, weld),
+        np.asarray(axis),
+        to,
+        steps,
+        iterations,
+        fixed=fixed,
+        start=start,
+        method=method,
+        stiffness=stiffness,
+        area_stiffness=area_stiffness,
+        shear_stiffness=shear_stiffness,
+        area=area,
+        volume=volume,
+        thickness=thickness,
+        yield_radius=yield_radius,
+        gas=gas,
+    )
+    return press_between(plates, release, progress)
+
+
+def press_between(
+    plates: PlatePress, release: bool, progress: Callable[[float], object] = lambda _: None
+) -> Pressed:
+    """Press with plates that are in place; see :func:`press`."""
+    part = _PRESSING if release else 1.0
+    steps = list(plates.steps(lambda done: progress(part * done)))
+    stopped = plates.is_stopped
+    released = list(plates.release(lambda done: progress(part + (1.0 - part) * done))) if release else []
+    return pressed_mesh(steps, released, stopped, plates.load_excess)
+
+
+def pressed_mesh(
+    steps: Sequence[PressStep], released: Sequence[PressStep], is_stopped: bool, excess: float | None
+) -> Pressed:
+    """Steps of a press with the readings of their loads."""
+    loads = [0.5 * (step.load_low + step.load_high) for step in steps]
+    curve = load_curve(np.array([step.deflection for step in steps]), np.array(loads))
+    return Pressed(tuple(steps), tuple(released), curve, is_stopped, excess)
+
+
+# A load that falls by this part after its maximum has yielded: less is the noise of shapes nearly at rest.
+_FALLS = 0.01
+# The apparent stiffness is the slope of the line through the first points up to this part of the yield load.
+_STRAIGHT = 0.5
+
+
+class LoadCurve(NamedTuple):
+    """Readings of a curve of loads.
+
+    Attributes
+    ----------
+    yield_load : float or None
+        The first maximum, from which the load falls; None if it only rises.
+    yield_deflection : float or None
+        Deflection at it, mesh units.
+    apparent_stiffness : float or None
+        Load per deflection at the beginning: of the line through 0 nearest to the points up to half of the
+        yield load, or of the last load. None if the plates have not moved.
+    work : float
+        Work of the load along the whole way.
+    """
+
+    yield_load: float | None
+    yield_deflection: float | None
+    apparent_stiffness: float | None
+    work: float
+
+
+def load_curve(deflection: np.ndarray, load: np.ndarray) -> LoadCurve:
+    """Readings of the loads (s,) at deflections (s,), both from 0 on.
+
+    Parameters
+    ----------
+    deflection : (s,) float array
+        Ascending, from 0 at the first touch on; at least two.
+    load : (s,) float array
+    """
+    x, y = np.asarray(deflection, dtype=float), np.asarray(load, dtype=float)
+    top = _first_maximum(y)
+    most = y[top] if top is not None else y[-1]
+    straight = (y <= _STRAIGHT * most) & (np.arange(len(y)) <= (len(y) if top is None else top))
+    straight[1] = True
+    slope = float(x[straight] @ y[straight] / (x[straight] @ x[straight])) if x[-1] > 0.0 else None
+    work = float(np.trapezoid(y, x))
+    if top is None:
+        return LoadCurve(None, None, slope, work)
+    return LoadCurve(float(y[top]), float(x[top]), slope, work)
+
+
+def _first_maximum(y: np.ndarray) -> int | None:
+    """Place of the first maximum that is followed by a fall; None without one."""
+    top = 0
+    for k in range(1, len(y)):
+        if y[k] > y[top]:
+            top = k
+        elif y[k] < (1.0 - _FALLS) * y[top]:
+            return top
+    return None

@@ -1,1 +1,0 @@
-"""Sweeps, comparisons, replays and the paper's curves."""

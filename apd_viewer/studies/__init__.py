@@ -1,1 +1,0 @@
-"""Studies: plans of many deformations, run by many processes into one folder."""

@@ -1,1 +1,0 @@
-"""Plans of studies: cases, the files that they need, and designs."""

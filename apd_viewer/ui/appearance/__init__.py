@@ -1,1 +1,0 @@
-"""Appearance of drawn surfaces: shading, arrays, antialiasing."""

@@ -1,1 +1,0 @@
-"""Studies of many cases in the window: set up, run, looked at."""

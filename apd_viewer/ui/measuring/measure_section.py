@@ -1,0 +1,83 @@
+"""Section of the panel with distances, angles, geodesics and sections."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton
+
+from apd_viewer.language import tr, trc
+from apd_viewer.presentation import measurement_text as words
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.widgets.fields import CheckBox
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
+from apd_viewer.ui.widgets.part_row import PartList, PartRow
+from apd_viewer.ui.widgets.theme import Theme, icon
+
+if TYPE_CHECKING:
+    from apd_viewer.session.measurement_readings import MeasurementReading
+
+_COLOR = (122, 130, 142)
+
+
+class MeasureSection(Section):
+    """List of the measurements, each with its value and its change.
+
+    Attributes
+    ----------
+    list : PartList
+    shown : CheckBox
+        Whether they are drawn in the view.
+    copy, clear : QPushButton
+    """
+
+    def __init__(self) -> None:
+        super().__init__(tr("Measure"))
+        self.empty = quiet_label(tr("About measuring"))
+        self.empty.setText(
+            tr("Take the tool Measure and click the mesh: distances, angles, geodesics and sections.")
+        )
+        self.list = PartList([_COLOR], self._row)
+        self.shown = CheckBox(tr("Show in the view"), toolTip=tr("Draw the measurements over the mesh"))
+        self.shown.setChecked(True)
+        self.copy = QPushButton(tr("Copy"), toolTip=tr("Copy all values as text, for a spreadsheet"))
+        self.copy.setAccessibleName(tr("Copy measurements"))
+        self.clear = QPushButton(tr("Remove all"), toolTip=tr("Remove all measurements"))
+        self.clear.setAccessibleName(tr("Remove all measurements"))
+        buttons = QHBoxLayout(spacing=8)
+        for button in (self.copy, self.clear):
+            buttons.addWidget(button)
+        for part in (self.empty, self.list, self.shown):
+            self.column.addWidget(part)
+        self.column.addSpacing(4)
+        self.column.addLayout(buttons)
+        self.show_readings((), Unit.NONE, 0)
+
+    def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
+        details = quiet_label(tr("Values of {name}").format(name=name))
+        details.setIndent(22)
+        row = PartRow("measurement", name, color, details)
+        row.buttons.hide()
+        return row
+
+    def show_readings(self, readings: Sequence[MeasurementReading], unit: Unit, active: int) -> None:
+        """Show other measurements, or other values of the same."""
+        self.list.show_names([reading.measurement.name for reading in readings], active)
+        for reading, row in zip(readings, self.list.rows, strict=True):
+            assert isinstance(row.details, QLabel)
+            row.reading.setText(words.short_text(reading, unit))
+            row.reading.setToolTip(words.detail_text(reading, unit))
+            row.details.setText(words.detail_text(reading, unit))
+        self.empty.setVisible(not readings)
+        for part in (self.shown, self.copy, self.clear):
+            part.setVisible(bool(readings))
+        self.heading.show_reading(
+            f"{len(readings)}" if readings else trc("measurements", "none"), only_folded=True
+        )
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.list.set_theme(theme)
+        self.copy.setIcon(icon("copy", theme))

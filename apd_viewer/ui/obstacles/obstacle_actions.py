@@ -1,0 +1,101 @@
+"""Actions to add obstacles, and to reset or remove the one in the hand."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu
+
+from apd_viewer.language import tr
+from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
+from apd_viewer.ui.obstacles.obstacle_section import FLOOR_TIP, SIDES_TIP, TIPS
+from apd_viewer.ui.preferences.action_maker import ActionMaker
+
+_KINDS = {
+    ObstacleKind.PLATE: (tr("Add &plate"), "obstacle-plate"),
+    ObstacleKind.SPHERE: (tr("Add &sphere"), "obstacle-sphere"),
+    ObstacleKind.CYLINDER: (tr("Add &cylinder"), "obstacle-cylinder"),
+}
+
+
+class ObstacleActions:
+    """Actions of the obstacles.
+
+    Parameters
+    ----------
+    maker : ActionMaker
+    obstacles : ObstacleController
+
+    Attributes
+    ----------
+    kinds : dict of ObstacleKind to QAction
+    floor, reset, remove : QAction
+    side_plates : list of QAction
+    """
+
+    def __init__(self, maker: ActionMaker, obstacles: ObstacleController) -> None:
+        make = maker.make
+        self.kinds = {
+            kind: make(
+                f"add_obstacle:{kind.name}",
+                title,
+                image,
+                TIPS[kind],
+                None,
+                partial(obstacles.begin_placing, kind),
+            )
+            for kind, (title, image) in _KINDS.items()
+        }
+        self.floor = make(
+            "add_floor", tr("Add &floor"), "obstacle-floor", FLOOR_TIP, None, obstacles.add_floor
+        )
+        self.side_plates = [
+            make(
+                f"plates:{letter}",
+                tr("Plates on both sides along &{axis}").format(axis=letter),
+                "press",
+                SIDES_TIP,
+                None,
+                partial(obstacles.add_plates, axis),
+            )
+            for axis, letter in enumerate("XYZ")
+        ]
+        self.reset = make(
+            "reset_obstacle",
+            tr("&Reset obstacle"),
+            "reset",
+            tr("Move the obstacle in the hand back to where it was put"),
+            None,
+            obstacles.reset,
+        )
+        self.remove = make(
+            "remove_obstacle",
+            tr("Re&move obstacle"),
+            "remove",
+            tr("Remove the obstacle in the hand"),
+            None,
+            obstacles.remove,
+        )
+        self.set_available(False, False)
+        obstacles.availability_changed.connect(self.set_available)
+
+    @property
+    def mesh_actions(self) -> list[QAction]:
+        """Obstacle actions available only with an open mesh."""
+        return [*self.kinds.values(), self.floor, *self.side_plates]
+
+    def fill(self, menu: QMenu) -> None:
+        """Put all of them into a menu of their own."""
+        own = menu.addMenu(tr("Obstac&les"))
+        own.addActions([*self.kinds.values(), self.floor])
+        own.addSeparator()
+        own.addActions(self.side_plates)
+        own.addSeparator()
+        own.addActions([self.reset, self.remove])
+
+    def set_available(self, in_hand: bool, moved: bool) -> None:
+        """Offer what can be done with the obstacle in the hand."""
+        self.reset.setEnabled(in_hand and moved)
+        self.remove.setEnabled(in_hand)

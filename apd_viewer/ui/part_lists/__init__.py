@@ -1,1 +1,0 @@
-"""Lists of named rows: parts with their buttons, and what else has names."""

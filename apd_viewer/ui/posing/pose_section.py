@@ -1,0 +1,285 @@
+"""Fields of the panel for poses: named ones, typed motions, symmetry."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QTimer, Signal
+from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr, trc
+from apd_viewer.notation import editable_number
+from apd_viewer.session.posing.motion import LINE, MOTIONS, Motion
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField, return_focus, small_button
+from apd_viewer.ui.widgets.folding_section import Section, quiet_label
+from apd_viewer.ui.widgets.named_rows import NamedList, NamedRow
+from apd_viewer.ui.widgets.theme import Theme, icon
+
+
+class PoseRow(NamedRow):
+    """Row of a named pose.
+
+    Attributes
+    ----------
+    update_pose : QToolButton
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, tr("Remove this pose"))
+        self.setToolTip(tr("Click to move the handles there, double-click or F2 to rename, Delete to remove"))
+        tip = tr("Update this pose: keep the present places of all handles under its name")
+        self.update_pose = small_button(tr("Update this pose"), tip)
+        line = QHBoxLayout(self, spacing=4)
+        line.setContentsMargins(8, 3, 4, 3)
+        line.addWidget(self.name, 1)
+        line.addWidget(self.update_pose)
+        line.addWidget(self.remove)
+
+    def set_active(self, on: bool) -> None:
+        """Show whether the handles are there: then there is nothing to update."""
+        super().set_active(on)
+        self.update_pose.setVisible(not on)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.update_pose.setIcon(icon("save", theme))
+
+
+class PoseList(NamedList[PoseRow]):
+    """The rows of the named poses.
+
+    Attributes
+    ----------
+    update_requested : Signal(int)
+    """
+
+    update_requested = Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__(self._row)
+
+    def _row(self, k: int, name: str) -> PoseRow:
+        row = PoseRow(name)
+        row.update_pose.clicked.connect(lambda: self.update_requested.emit(k))
+        return row
+
+
+class PoseSection(Section):
+    """Named poses of all handles, to go to and fro between.
+
+    Attributes
+    ----------
+    list : PoseList
+    keep_requested : Signal()
+        The present pose is to be kept under a new name.
+    """
+
+    keep_requested = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(tr("Poses"))
+        self.empty = quiet_label(tr("About poses"))
+        self.empty.setText(tr("Keep where all handles are now, and return to it with a click."))
+        self.list = PoseList()
+        self.add = QPushButton(
+            tr("Keep pose"), toolTip=tr("Keep the present places of all handles under a name")
+        )
+        self.add.clicked.connect(self.keep_requested)
+        for part in (self.empty, self.list):
+            self.column.addWidget(part)
+        self.column.addSpacing(4)
+        self.column.addWidget(self.add)
+        self.show_poses((), None)
+
+    def show_poses(self, names: Sequence[str], active: int | None) -> None:
+        """Show the poses, and the one that the handles are in."""
+        self.list.show_names(names, active)
+        self.empty.setVisible(not names)
+        self.heading.show_reading(f"{len(names)}" if names else trc("poses", "none"), only_folded=True)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.list.set_theme(theme)
+        self.add.setIcon(icon("add", theme))
+
+
+_TIP = tr("Move each handle together with its mirror image on the other side of the mesh")
+_AXIS = tr("Axis to mirror along, through the middle of the mesh at rest")
+
+
+class SymmetryRow(QWidget):
+    """Switches symmetric posing, and says which handle moves along.
+
+    Attributes
+    ----------
+    axis_chosen : Signal(object)
+        The axis to mirror along, 0, 1 or 2, or None.
+    paint_requested : Signal()
+        The mirror image of the active handle is to be painted.
+    """
+
+    axis_chosen = Signal(object)
+    paint_requested = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.box = CheckBox(tr("Symmetric"), toolTip=_TIP)
+        self.axis = ComboBox(accessibleName=tr("Axis of symmetry"), toolTip=_AXIS)
+        for number, letter in enumerate("xyz"):
+            self.axis.addItem(tr("along {axis}").format(axis=letter), number)
+        self.partner = quiet_label(tr("Mirror partner of the handle"))
+        self.partner.hide()
+        self.paint = QPushButton(
+            tr("Paint mirror handle"),
+            toolTip=tr("Add a handle on the free vertices at the mirror image of the active one"),
+        )
+        self.paint.hide()
+        line = QHBoxLayout(spacing=8)
+        line.addWidget(self.box, 1)
+        line.addWidget(self.axis)
+        column = QVBoxLayout(self, spacing=4)
+        column.setContentsMargins(0, 0, 0, 4)
+        column.addLayout(line)
+        column.addWidget(self.partner)
+        column.addWidget(self.paint)
+        self.box.toggled.connect(self._choose)
+        self.axis.currentIndexChanged.connect(self._choose)
+        self.paint.clicked.connect(self.paint_requested)
+
+    def show_settings(self, axis: int | None, sentence: str, may_paint: bool) -> None:
+        """Show the axis, what is said of the partner, and the button to paint one."""
+        for control in (self.box, self.axis):
+            control.blockSignals(True)
+        self.box.setChecked(axis is not None)
+        if axis is not None:
+            self.axis.setCurrentIndex(axis)
+        for control in (self.box, self.axis):
+            control.blockSignals(False)
+        self.partner.setText(sentence)
+        self.partner.setVisible(bool(sentence))
+        self.paint.setVisible(may_paint)
+
+    def _choose(self) -> None:
+        self.axis_chosen.emit(self.axis.currentData() if self.box.isChecked() else None)
+
+
+_LINE_TIP = tr("Click two points of the mesh: the bend is about the line through them")
+_PAUSE = 600  # ms; before, a half-typed amount is no error
+_RELATION = tr("“by” adds to the current pose, “to” sets the total from rest")
+
+
+class MotionField(QWidget):
+    """Moves the handle by a typed amount, one step of undo.
+
+    Attributes
+    ----------
+    motion_entered : Signal(Motion, str, bool)
+        The motion, what was typed, and whether it is the total to go to.
+    edited : Signal(Motion, str, bool)
+        The same while it is typed, to be previewed.
+    editing_ended : Signal()
+        Nothing is being typed any more.
+    line_requested : Signal()
+        The line to bend about is to be picked on the mesh.
+    problem : QLabel
+        What is wrong with the amount.
+    """
+
+    motion_entered = Signal(Motion, str, bool)
+    edited = Signal(Motion, str, bool)
+    editing_ended = Signal()
+    line_requested = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.choice = ComboBox(accessibleName=tr("Handle motion"))
+        for name, motion in MOTIONS.items():
+            self.choice.addItem(motion.title, name)
+        self.relation = ComboBox(accessibleName=tr("By an amount or to a total"), toolTip=_RELATION)
+        self.relation.addItem(trc("amount", "by"), False)
+        self.relation.addItem(trc("amount", "to"), True)
+        self.pick = QPushButton(tr("Pick line"), toolTip=_LINE_TIP)
+        self.pick.clicked.connect(self.line_requested)
+        self.amount = TextField(accessibleName=tr("Amount"))
+        self.amount.returnPressed.connect(self._type)
+        self.amount.textEdited.connect(self.request_preview)
+        self.amount.focus_gained.connect(self.request_preview)
+        self.amount.focus_lost.connect(self._leave)
+        self.choice.currentIndexChanged.connect(self._choose)
+        self.problem = quiet_label(tr("Error in the amount"))
+        self.problem.setObjectName("unreached")
+        self.problem.setWordWrap(True)
+        self.problem.hide()
+        self._later = QTimer(self, singleShot=True, interval=_PAUSE)
+        self._later.timeout.connect(self._show_problem)
+        line = QHBoxLayout(spacing=8)
+        line.addWidget(self.relation)
+        line.addWidget(self.amount, 1)
+        column = QVBoxLayout(self, spacing=4)
+        column.setContentsMargins(0, 4, 0, 4)
+        column.addWidget(self.choice)
+        column.addLayout(line)
+        column.addWidget(self.pick)
+        column.addWidget(self.problem)
+        self._choose()
+
+    @property
+    def motion(self) -> Motion:
+        """The chosen motion."""
+        return MOTIONS[self.choice.currentData()]
+
+    @property
+    def is_about_line(self) -> bool:
+        """True for a motion about a line picked on the mesh."""
+        return self.motion.axis == LINE
+
+    def clear(self) -> None:
+        """Begin anew, for another mesh."""
+        self.choice.setCurrentIndex(0)
+        self.relation.setCurrentIndex(0)
+        self.amount.clear()
+        self.problem.hide()
+
+    def show_error_later(self, sentence: str) -> None:
+        """Show an error in what is being typed once the typing pauses; empty is none."""
+        self.problem.setText(sentence)
+        if sentence:
+            self._later.start()
+        else:
+            self._later.stop()
+            self.problem.hide()
+
+    def finish_entry(self) -> None:
+        """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
+        self.problem.hide()
+        return_focus(self.amount)
+
+    def show_error(self, sentence: str) -> None:
+        """Show an input error and keep the text for correction."""
+        self.problem.setText(sentence)
+        self.problem.show()
+        self.amount.selectAll()
+
+    def _type(self) -> None:
+        self.motion_entered.emit(self.motion, self.amount.text(), self.relation.currentData())
+
+    def request_preview(self) -> None:
+        """Have what is typed previewed."""
+        self.edited.emit(self.motion, self.amount.text(), self.relation.currentData())
+
+    def _leave(self) -> None:
+        self._later.stop()
+        self.editing_ended.emit()
+
+    def _show_problem(self) -> None:
+        self.problem.show()
+
+    def _choose(self) -> None:
+        tip = _LINE_TIP if self.is_about_line else self.motion.kind.tip
+        self.pick.setVisible(self.is_about_line)
+        self.amount.setToolTip(tip)
+        self.choice.setToolTip(tip)
+        self.amount.setPlaceholderText(editable_number(self.motion.kind.example))
+        self.problem.hide()

@@ -1,0 +1,351 @@
+"""Curves and scatter plot of the cases of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QVBoxLayout,
+    QWidget,
+)
+
+from apd_viewer.cases.case_file import DONE, FAILED, read_case
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.presentation.axis import Axis, linear_axis, magnitude_axis, rounded_axis
+from apd_viewer.presentation.color_maps import SEQUENTIAL
+from apd_viewer.ui.plots.chart_drawing import Chart, ColorBar, Curve, Dots
+from apd_viewer.ui.plots.plots import ChartTexts, ChartView
+from apd_viewer.ui.plots.scatter_view import ScatterView
+from apd_viewer.ui.studies.result_columns import ResultColumn, reading_words
+from apd_viewer.ui.studies.result_table import ResultModel
+from apd_viewer.ui.widgets.fields import ComboBox
+
+_NARROWEST, _AROUND = 72, 44  # px, of a choice and around its title
+_ABSCISSA = "part"
+_OFFERED = (
+    "volume_error",
+    "area_error",
+    "energy",
+    "local_change",
+    "handle_drift",
+    "volume",
+    "volume_capped",
+    "area",
+    "share_reached",
+)
+_LOWEST = QSize(200, 120)
+_Curves = Mapping[str, list[float | None]]
+# Okabe and Ito's, those first that stand out on light and dark.
+_CHOSEN = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a63c9", "#8c8c1e")
+MOST_CHOSEN = len(_CHOSEN)
+# Where the largest value is so many times the least, and half of all values lie in this lower share of the
+# range, a logarithmic axis parts them.
+_MANY, _CROWDED = 50.0, 0.25
+_FINEST = 0.01  # percent: two decimals are shown
+_NOTHING = "#b8bcc4"
+_SHADES = 100  # of dots: more cannot be told apart
+
+
+class ColumnChoice(ComboBox):
+    """Combo box of columns; it keeps its choice while there is such a column.
+
+    Parameters
+    ----------
+    name : str
+        For those who do not see it.
+    may_be_none : bool
+        Whether no column can be chosen too.
+
+    Attributes
+    ----------
+    chosen : Signal()
+    """
+
+    chosen = Signal()
+
+    def __init__(self, name: str, may_be_none: bool = False) -> None:
+        super().__init__(accessibleName=name, toolTip=name)
+        self._may_be_none = may_be_none
+        self._own = False  # until somebody chooses, the columns so far tell what is shown
+        self.activated.connect(self._choose)
+
+    def _choose(self) -> None:
+        self._own = True
+        self.chosen.emit()
+        self._tell()
+
+    def _tell(self) -> None:
+        """Tell the whole title where there is no room for it."""
+        self.setToolTip(f"{self.accessibleName()}: {self.currentText()}")
+        self.updateGeometry()
+
+    @property
+    def name(self) -> str:
+        """Name of the column; empty for none."""
+        return str(self.currentData() or "")
+
+    def set_columns(self, columns: Sequence[ResultColumn], preferred: Sequence[ResultColumn]) -> None:
+        """Offer other columns; the first of ``preferred`` until one is chosen."""
+        names = [column.name for column in columns]
+        before = self.currentData() if self._own else None
+        offered = [self.itemData(k) for k in range(self.count())]
+        if offered == [*([""] if self._may_be_none else []), *names]:
+            return
+        self.clear()
+        if self._may_be_none:
+            self.addItem(tr("none"), "")
+        for column in columns:
+            self.addItem(column.title, column.name)
+            self.setItemData(self.count() - 1, column.tip, Qt.ItemDataRole.ToolTipRole)
+        wanted = before if before in names or before == "" else preferred[0].name if preferred else ""
+        self.setCurrentIndex(max(0, self.findData(wanted)))
+        widest = self.view().sizeHintForColumn(0) if self.count() else 0
+        self.view().setMinimumWidth(widest + 24)
+        self._tell()
+
+    def sizeHint(self) -> QSize:
+        """Room for the chosen title, and not for the longest."""
+        text = self.fontMetrics().horizontalAdvance(self.currentText())
+        return QSize(max(_NARROWEST, text + _AROUND), super().sizeHint().height())
+
+    def minimumSizeHint(self) -> QSize:
+        """A few letters: the list shows the whole."""
+        return QSize(_NARROWEST, self.sizeHint().height())
+
+
+class CaseCurves(QWidget):
+    """A measurement along the motion of each chosen case.
+
+    Parameters
+    ----------
+    model : ResultModel
+
+    Attributes
+    ----------
+    reading : ColumnChoice
+    view : ChartView
+    """
+
+    def __init__(self, model: ResultModel) -> None:
+        super().__init__()
+        self._model = model
+        self._folder: Path | None = None
+        self._kept: dict[str, _Curves] = {}
+        self._shown: Mapping[int, str] = {}
+        self.reading = ColumnChoice(tr("Measurement along the motion"))
+        nothing = np.empty(0)
+        offered = [
+            ResultColumn(name, reading_words(name).title, reading_words(name).tip, nothing, ())
+            for name in _OFFERED
+        ]
+        self.reading.set_columns(offered, offered)
+        self.reading.chosen.connect(self._redraw)
+        self.view = ChartView(ChartTexts(tr("Curves of the chosen cases"), ""), self._chart)
+        self.view.setMinimumSize(_LOWEST)
+        head = QHBoxLayout(spacing=6)
+        head.setContentsMargins(8, 4, 8, 0)
+        head.addWidget(self.reading)
+        head.addWidget(QLabel(tr("by motion"), objectName="quiet"))
+        head.addStretch(1)
+        column = QVBoxLayout(self, spacing=0)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addLayout(head)
+        column.addWidget(self.view, 1)
+
+    def show_study(self, folder: Path) -> None:
+        """Show cases of another study."""
+        self._folder, self._kept, self._shown = folder, {}, {}
+        self._redraw()
+
+    def show_cases(self, colors: Mapping[int, str]) -> None:
+        """Show the curves of rows of the plan, each in a colour."""
+        self._shown = dict(colors)
+        self._redraw()
+
+    def _redraw(self) -> None:
+        self.view.update()
+
+    def _curves(self, row: int) -> _Curves:
+        """Curves of a case; none if it is not done or its file cannot be read."""
+        found = self._model.rows[row]
+        if found.status != DONE or self._folder is None:
+            return {}
+        if found.key not in self._kept:
+            try:
+                self._kept[found.key] = read_case(self._folder, found.key).curves
+            except InputError:
+                return {}
+        return self._kept[found.key]
+
+    def _chart(self) -> Chart:
+        name = self.reading.name
+        scale = 100.0 if reading_words(name).percent else 1.0
+        curves, legend = [], []
+        for row, color in self._shown.items():
+            found = self._curves(row)
+            y = scale * np.array(found.get(name, []), dtype=float)
+            if np.isfinite(y).any():
+                curves.append(Curve(100.0 * np.array(found[_ABSCISSA], dtype=float), y, color))
+                legend += [("━", color), (f"{self._model.rows[row].line}", "quiet")]
+        if not curves:
+            return Chart("", empty_text=tr("Choose finished cases to see their curves; Ctrl adds one."))
+        every = np.concatenate([curve.y for curve in curves])
+        end = max(float(curve.x[-1]) for curve in curves)
+        y_axis = rounded_axis(float(np.nanmin(every)), float(np.nanmax(every)), " %" if scale > 1.0 else "")
+        return Chart("", tuple(legend), linear_axis(0.0, end, " %"), y_axis, tuple(curves))
+
+
+class ScatterPlot(QWidget):
+    """The plot, and the choices of its columns.
+
+    Parameters
+    ----------
+    model : ResultModel
+
+    Attributes
+    ----------
+    across, upright, color : ColumnChoice
+    view : ScatterView
+    """
+
+    def __init__(self, model: ResultModel) -> None:
+        super().__init__()
+        self._model = model
+        self._drawn: Chart | None = None
+        self.upright = ColumnChoice(tr("Upright axis"))
+        self.across = ColumnChoice(tr("Axis across"))
+        self.color = ColumnChoice(tr("Colour"), may_be_none=True)
+        self.view = ScatterView(self._chart, self._about)
+        for choice in (self.across, self.upright, self.color):
+            choice.chosen.connect(self.redraw)
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        head = QGridLayout(horizontalSpacing=6, verticalSpacing=0)
+        head.setContentsMargins(8, 4, 8, 0)
+        for k, (word, choice) in enumerate(
+            ((tr("y"), self.upright), (tr("x"), self.across), (tr("colour"), self.color))
+        ):
+            label = QLabel(word, objectName="quiet")
+            label.setBuddy(choice)
+            head.addWidget(label, 0, 2 * k)
+            head.addWidget(choice, 0, 2 * k + 1)
+        head.setColumnStretch(head.columnCount(), 1)
+        column = QVBoxLayout(self, spacing=0)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addLayout(head)
+        column.addWidget(self.view, 1)
+
+    def refresh(self) -> None:
+        """Offer the columns of the model, and draw them."""
+        columns = self._model.numeric_columns
+        asked = [column for column in columns if column.is_from_plan]
+        found = [column for column in columns if not column.is_from_plan]
+        volume, energy = ([c for c in found if c.name == name] for name in ("volume_error", "energy"))
+        self.across.set_columns(columns, [*asked, *found])
+        self.upright.set_columns(columns, [*volume, *found, *asked[1:], *asked])
+        # The area is the same in all cases, as a rule; the energy is not.
+        self.color.set_columns(columns, [*asked[1:2], *energy, *found[:1]])
+        self.redraw()
+
+    def mark_rows(self, rings: Mapping[int, str]) -> None:
+        """Mark rows of the plan by rings of these colours."""
+        self.view.rings = rings
+        self.view.update()
+
+    def redraw(self) -> None:
+        """Draw anew."""
+        self._drawn = None
+        self.view.update()
+
+    def _chart(self) -> Chart:
+        if self._drawn is None:
+            self._drawn = self._made()
+        return self._drawn
+
+    def _made(self) -> Chart:
+        columns = {column.name: column for column in self._model.columns}
+        x, y = columns.get(self.across.name), columns.get(self.upright.name)
+        if x is None or y is None or not (x.is_numeric and y.is_numeric):
+            return Chart("", empty_text=tr("Finished cases appear here."))
+        (across, at_x), (upright, at_y) = axis_of(x), axis_of(y)
+        color = columns.get(self.color.name)
+        ramp, colors = None, uniform_colors(len(at_x))
+        if color is not None and color.is_numeric:
+            axis, places = axis_of(color)
+            ramp, colors = ColorBar(axis, color_bar_colors()), dot_colors(axis, places)
+        failed = np.array([row.status == FAILED for row in self._model.rows], dtype=bool)
+        crosses = np.column_stack([at_x, np.where(np.isfinite(at_y), at_y, upright.low)])[failed]
+        dots = Dots(
+            at_x,
+            np.where(failed, np.nan, at_y),
+            colors,
+            crosses[np.isfinite(crosses).all(axis=1)],
+        )
+        return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
+
+    def _about(self, row: int) -> str:
+        """Line of the plan and the values of the axes."""
+        named = {self.upright.name, self.across.name, self.color.name}
+        shown: list[ResultColumn] = [self._model.columns[0]]
+        shown += [column for column in self._model.columns if column.name in named]
+        return "\n".join(f"{column.title}: {column.texts[row]}" for column in shown)
+
+
+class CaseColors:
+    """Colours of chosen cases, each of which keeps its own while it is chosen."""
+
+    def __init__(self) -> None:
+        self._given: dict[int, str] = {}
+
+    def colors_of(self, rows: Sequence[int]) -> dict[int, str]:
+        """Colours of the first rows of the plan."""
+        rows = rows[:MOST_CHOSEN]
+        kept = {row: color for row, color in self._given.items() if row in rows}
+        free = [color for color in _CHOSEN if color not in kept.values()]
+        self._given = {row: kept[row] if row in kept else free.pop(0) for row in rows}
+        return self._given
+
+
+def axis_of(column: ResultColumn) -> tuple[Axis, np.ndarray]:
+    """Axis of a column with numbers, and the places (n,) of its values on it."""
+    known = column.values[np.isfinite(column.values)]
+    low, high = float(known.min()), float(known.max())
+    if column.suffix.strip() == "%" and high - low < _FINEST:
+        # Apart by less than what is shown: an area that is kept, but for rounding.
+        low, high = (round((low + high) / 2.0 + side * _FINEST, 2) for side in (-1.0, 1.0))
+    crowded = float(np.median(known)) < low + _CROWDED * (high - low)
+    if low > 0.0 and high > _MANY * low and crowded:
+        with np.errstate(invalid="ignore"):
+            return magnitude_axis(low, high, column.suffix), np.log10(column.values)
+    return rounded_axis(low, high, column.suffix), column.values
+
+
+def color_bar_colors() -> tuple[str, ...]:
+    """Colours of the scale, from its lower end to its upper."""
+    return tuple(_hex(color) for color in SEQUENTIAL.knots)
+
+
+def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
+    """Colour of each of the places (n,) on an axis, grey where there is none."""
+    share = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
+    shades = [*map(_hex, SEQUENTIAL.colors(np.linspace(0.0, 1.0, _SHADES)).tolist()), _NOTHING]
+    chosen = np.where(np.isfinite(share), np.rint((_SHADES - 1) * np.nan_to_num(share)), _SHADES)
+    return tuple(shades[k] for k in chosen.astype(int).tolist())
+
+
+def uniform_colors(count: int) -> tuple[str, ...]:
+    """One colour for all dots."""
+    return (_hex(SEQUENTIAL.knots[3]),) * count
+
+
+def _hex(color: Sequence[int]) -> str:
+    red, green, blue = color
+    return f"#{red:02x}{green:02x}{blue:02x}"

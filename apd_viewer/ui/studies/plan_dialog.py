@@ -1,0 +1,388 @@
+"""Dialog that designs a study of the current document, and begins it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from PySide6.QtCore import QObject, QSize, Qt, Signal
+from PySide6.QtWidgets import (
+    QDialog,
+    QFileDialog,
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLayout,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from apd_viewer.cases.case import MOST_STEPS
+from apd_viewer.cases.design import GRID, LATIN, MOST_SAMPLES, SOBOL
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.atomic_file import unused_folder
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.view import View
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.session import Session
+from apd_viewer.ui.posing.motion_ghost import MotionGhost
+from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.studies.engine_fields import EngineFields
+from apd_viewer.ui.studies.run_dialog import count_field, widget_row
+from apd_viewer.ui.studies.study_run import (
+    PlanRows,
+    StudyDesign,
+    document_with_values,
+    path_from_text,
+    write_study,
+)
+from apd_viewer.ui.studies.varied_fields import TITLE_COLUMN_WIDTH, VariedFields
+from apd_viewer.ui.widgets.display_names import window_title_text
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.help_button import HelpButton
+
+_WIDTH = 720  # px
+_CASES, _LEVELS = 100, 5
+
+
+class PlanDialog(QDialog):
+    """Designs a study of the document that is open when the dialog opens.
+
+    Parameters
+    ----------
+    window : QWidget
+    session : Session
+        On whose mesh the ends of ranges are shown.
+    handle : int
+        That typed motions move.
+    view : View
+    preferences : Preferences
+    ghost : MotionGhost
+        Shows handles at once where the mesh follows.
+
+    Attributes
+    ----------
+    study_designed : Signal(object, object)
+        The folder with its plan, and the options of the command that runs it.
+    """
+
+    study_designed = Signal(object, object)
+
+    def __init__(
+        self,
+        window: QWidget,
+        session: Session,
+        handle: int,
+        view: View,
+        preferences: Preferences,
+        ghost: MotionGhost,
+    ) -> None:
+        super().__init__(window, objectName="study")
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self._state, self._handle, self._view, self._memory = (
+            session.store.required_state(),
+            handle,
+            view,
+            preferences,
+        )
+        self._preview = EndPreview(session, ghost)
+        mesh = self._state.document.mesh
+        self.setWindowTitle(tr("Study – {name}").format(name=window_title_text(mesh.name)))
+        self.varied = VariedFields(self._state, Unit(view.unit))
+        self.varied.changed.connect(self._count)
+        self.varied.end_focused.connect(self._look)
+        self.varied.focus_lost.connect(self._preview.hide)
+        self.methods = MethodFields(self._state.document)
+        self.methods.changed.connect(self._count)
+        self.engine = EngineFields()
+        self.engine.engine_ready.connect(self._begin)
+        self.engine.check.failed.connect(self._say_unreached)
+        self._lay_out(unused_folder(preferences.last_folder, f"{mesh.stem}-study"))
+        self._count()
+        self._move_aside(window)
+
+    # Laying out
+
+    def _move_aside(self, window: QWidget) -> None:
+        """Move to the right of the window, so that its view shows the ends of ranges."""
+        there = window.frameGeometry().intersected(window.screen().availableGeometry())
+        self.move(there.right() + 1 - self.width(), there.center().y() - self.height() // 2)
+
+    def _lay_out(self, folder: Path) -> None:
+        column = QVBoxLayout(self, spacing=12)
+        column.setContentsMargins(20, 16, 20, 16)
+        about = tr(
+            "Computes many variants of this deformation, each walked in steps, and collects their "
+            "measurements in a table. While you edit an end of a range, the view shows it."
+        )
+        column.addWidget(QLabel(about, objectName="quiet", wordWrap=True))
+        column.addWidget(QLabel(self._named, objectName="heading"))
+        column.addWidget(self.varied)
+        column.addWidget(QFrame(objectName="rule", frameShape=QFrame.Shape.HLine))
+        column.addLayout(self._make_rows(folder))
+        column.addStretch(1)
+        column.addLayout(self._make_foot())
+        column.activate()
+        resize_on_screen(self, QSize(_WIDTH, column.totalHeightForWidth(_WIDTH)))
+
+    @property
+    def _named(self) -> str:
+        handles = self._state.document.handles
+        if len(handles) == 1:
+            return tr("Vary")
+        return tr("Vary – typed motions move “{name}”").format(name=handles[self._handle].name)
+
+    def _make_rows(self, folder: Path) -> QGridLayout:
+        rows: tuple[tuple[str, QLayout], ...] = (
+            (tr("Methods"), self.methods.layout_),
+            (tr("Cases"), self._make_design()),
+            (tr("Run"), self.engine.layout_),
+            (tr("Limit"), self.engine.limit_layout),
+            (tr("Folder"), self._make_folder(folder)),
+        )
+        grid = QGridLayout(horizontalSpacing=16, verticalSpacing=8)
+        grid.setColumnStretch(1, 1)
+        grid.setColumnMinimumWidth(0, TITLE_COLUMN_WIDTH - 16)
+        for number, (title, row) in enumerate(rows):
+            grid.addWidget(QLabel(title, objectName="heading"), number, 0)
+            grid.addLayout(row, number, 1)
+        return grid
+
+    def _make_design(self) -> QHBoxLayout:
+        self.design = ComboBox(accessibleName=tr("Design"))
+        for method, title, tip in (
+            (LATIN, tr("Latin hypercube"), tr("Each range is covered evenly, by any number of cases")),
+            (SOBOL, tr("Sobol sequence"), tr("Covers the ranges most evenly with 64, 128, 256 … cases")),
+            (GRID, tr("grid"), tr("Every combination of so many values of each range")),
+        ):
+            self.design.addItem(title, method)
+            self.design.setItemData(self.design.count() - 1, tip, Qt.ItemDataRole.ToolTipRole)
+        self.samples = count_field(tr("Number of cases"), 1, MOST_SAMPLES, _CASES)
+        self.steps = count_field(tr("Steps of a case"), 1, MOST_STEPS, 10)
+        self.design.currentIndexChanged.connect(self._choose_design)
+        self.samples.valueChanged.connect(self._count)
+        self.count = QLabel(objectName="quiet")
+        self._of_samples = QLabel()
+        each = QLabel(tr("steps each"))
+        return widget_row(
+            self.samples, self._of_samples, self.design, self.count, self.steps, each, spacing=8
+        )
+
+    def _make_folder(self, folder: Path) -> QHBoxLayout:
+        self.folder = TextField(toolTip=tr("New folder of the plan and the results"))
+        self.folder.setAccessibleName(tr("Folder"))
+        self.folder.setText(str(folder))
+        self.browse = QPushButton(tr("Choose…"), clicked=self._browse, autoDefault=False)
+        row = QHBoxLayout(spacing=8)
+        row.addWidget(self.folder, 1)
+        row.addWidget(self.browse)
+        return row
+
+    def _make_foot(self) -> QHBoxLayout:
+        self.words = QLabel(objectName="quiet", wordWrap=True)
+        self.cancel = QPushButton(tr("Cancel"), clicked=self.reject, autoDefault=False)
+        self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)
+        self.start.setDefault(True)
+        self.help = HelpButton()
+        row = QHBoxLayout(spacing=8)
+        row.addWidget(self.help)
+        row.addWidget(self.words, 1)
+        row.addWidget(self.cancel)
+        row.addWidget(self.start)
+        return row
+
+    # Choice of design, methods and ranges
+
+    def _choose_design(self) -> None:
+        grid = self.design.currentData() == GRID
+        levels = round(self.samples.value())
+        if grid is (levels == _CASES):
+            self.samples.setValue(_LEVELS if grid else _CASES)
+        self._count()
+
+    def _count(self) -> None:
+        """Say how many cases there will be."""
+        grid = self.design.currentData() == GRID
+        self._of_samples.setText(tr("values of each,") if grid else tr("cases,"))
+        varying = sum(row.is_checked and row.has_two_ends for row in self.varied.rows.values())
+        total = self.methods.chosen_count * math.pow(self.samples.value(), varying) if grid else 0.0
+        self.count.setText(tr("= {n:,.0f} cases,").format(n=total) if grid else "")
+        self.count.setVisible(grid)
+        self.words.setText("")
+
+    def _look(self, name: str, upper: bool) -> None:
+        """Show an end of a range on the mesh."""
+        try:
+            said = self.varied.values_at_end(name, upper)
+            document = document_with_values(self._state, Unit(self._view.unit), self._handle, said)
+        except InputError as error:
+            self.words.setText(str(error))
+            self._preview.hide()
+        else:
+            self.words.setText("")
+            self._preview.show(document)
+
+    def _browse(self) -> None:
+        folder = QFileDialog.getExistingDirectory(
+            self, tr("Choose a folder to save in"), str(Path(self.folder.text()).parent)
+        )
+        if folder:
+            self.folder.setText(str(unused_folder(Path(folder), Path(self.folder.text()).name)))
+
+    # Beginning
+
+    def begin(self) -> None:
+        """Start the study as soon as its engine is available."""
+        self._preview.hide()
+        try:
+            self._asked = self._designed()
+            self.words.setText("")
+            self.engine.check_engine()
+        except InputError as error:
+            self.words.setText(str(error))
+        if self.engine.check.is_waiting:
+            self.start.setEnabled(False)
+            self.words.setText(tr("Connecting to the scheduler …"))
+
+    def _say_unreached(self, sentence: str) -> None:
+        self.start.setEnabled(True)
+        self.words.setText(sentence)
+
+    def _designed(self) -> tuple[Path, PlanRows, list[str]]:
+        """Folder, rows of the plan and options of the command; raises InputError."""
+        folder = path_from_text(self.folder.text())
+        options = self.engine.options()
+        design = StudyDesign(
+            self.varied.ranges(),
+            self.methods.chosen_methods(),
+            self.design.currentData(),
+            round(self.samples.value()),
+            round(self.steps.value()),
+            self._handle,
+        )
+        rows = design.plan_rows(self._state.document.settings.method)
+        self._check(folder, design)
+        return folder, rows, options
+
+    def _begin(self) -> None:
+        """Write plan and session as they were asked for, and announce them."""
+        self.start.setEnabled(True)
+        folder, rows, options = self._asked
+        try:
+            write_study(folder, rows, self._state, self._view)
+        except InputError as error:
+            self.words.setText(str(error))
+            return
+        self.study_designed.emit(folder, options)
+        self.accept()
+
+    def _check(self, folder: Path, design: StudyDesign) -> None:
+        """Raise InputError without a folder, for one in use, or where nothing would move."""
+        if not self.folder.text().strip():
+            raise InputError(tr("Enter a new folder for the plan and the results."))
+        if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+            raise InputError(tr("This folder is in use; enter a new one."))
+        if not design.has_motion and not self._state.document.relative_to_rest.is_posed:
+            raise InputError(tr("No handle moves; tick a motion as well, with one end or with both."))
+
+    def done(self, result: int) -> None:
+        """Close the dialog, and show the mesh as it was."""
+        self._preview.hide()
+        self.engine.check.stop()
+        super().done(result)
+
+
+class EndPreview:
+    """Shows documents within a gesture that is taken back.
+
+    Parameters
+    ----------
+    session : Session
+    ghost : MotionGhost
+        Shows the handles at once; the mesh follows.
+    """
+
+    def __init__(self, session: Session, ghost: MotionGhost) -> None:
+        self._session, self._ghost = session, ghost
+        self._before: State | None = None
+
+    @property
+    def is_showing(self) -> bool:
+        """True while it shows anything."""
+        return self._before is not None and self._session.gestures.state_before is self._before
+
+    def show(self, document: Document) -> None:
+        """Show a document, if its mesh is open and no other gesture is under way."""
+        gestures, state = self._session.gestures, self._session.store.state
+        if state is None or state.document.mesh is not document.mesh:
+            return
+        if not self.is_showing:
+            if gestures.state_before is not None:
+                return
+            gestures.begin()
+            self._before = gestures.state_before
+        self._ghost.show_handles(document)
+        self._session.handles.solve_poses(document)
+
+    def hide(self) -> None:
+        """Return to the state before."""
+        self._ghost.hide()
+        gestures, before, self._before = self._session.gestures, self._before, None
+        if before is None:
+            return
+        if gestures.state_before is before:
+            gestures.cancel()
+        elif (
+            gestures.state_before is not None and gestures.state_before.document.mesh is before.document.mesh
+        ):
+            gestures.state_before = before  # a drag that began on what was shown is undone to what was before
+
+
+class MethodFields(QObject):
+    """A box for each method; that of the document is ticked.
+
+    Parameters
+    ----------
+    document : Document
+
+    Attributes
+    ----------
+    changed : Signal()
+    checks : dict of str to CheckBox
+        By the names of methods.
+    layout_ : QHBoxLayout
+        The row of the boxes.
+    """
+
+    changed = Signal()
+
+    def __init__(self, document: Document) -> None:
+        super().__init__()
+        self.checks = {name: CheckBox(method.short_title) for name, method in METHODS.items()}
+        for name, check in self.checks.items():
+            method = METHODS[name]
+            slow = tr("Takes several times as long as the others")
+            check.setToolTip(f"{method.description}\n{slow}" if method.is_slow else method.description)
+            # Obstacles push by contact only.
+            check.setEnabled(method.may_use_contact or not document.has_active_obstacles)
+            check.setChecked(name == document.settings.method)
+            check.toggled.connect(self.changed)
+        self.layout_: QHBoxLayout = widget_row(*self.checks.values())
+
+    @property
+    def chosen_count(self) -> int:
+        """Number of ticked methods."""
+        return sum(check.isChecked() for check in self.checks.values())
+
+    def chosen_methods(self) -> tuple[str, ...]:
+        """Names of the ticked methods; raises InputError if there is none."""
+        found = tuple(name for name, check in self.checks.items() if check.isChecked())
+        if not found:
+            raise InputError(tr("No method is ticked; tick one, or several to compare them."))
+        return found

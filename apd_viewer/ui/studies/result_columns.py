@@ -1,0 +1,302 @@
+"""Columns of the results of a study: titles, numbers, texts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from heapq import nlargest
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.cases.case_file import DONE, FAILED
+from apd_viewer.cases.plan_columns import COLUMNS, NOTE_PREFIX
+from apd_viewer.cases.results import DUPLICATE, READINGS, WAITING, WRONG, ResultTable, status_text
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.solver.settings import SETTINGS
+from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import format_grouped, format_short, format_significant
+from apd_viewer.session.posing.motion import Motion
+from apd_viewer.session.posing.motion_text import parse_motion
+
+LINE_COLUMN, MOTION_COLUMN, STATUS_COLUMN, REMARK_COLUMN = "line", "motion", "status", "sentence"
+_ASKED_FOR = "plan "  # before the name of a column of the plan
+_NOTE = f"{_ASKED_FOR}{NOTE_PREFIX}"
+_ORDER = (DONE, FAILED, WRONG, DUPLICATE, WAITING)
+_AMOUNT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%°]*)\s*")
+_MOST_KINDS = 12  # of motions: more columns would hide the rest
+_LONGEST = 20  # texts that are measured: letters differ in their width
+# Handle, motion, and which of the amounts.
+_Amount = tuple[int, Motion, int]
+_DEGREES = {"deg": "°"}
+
+
+class ReadingWords(NamedTuple):
+    """Words of a reading, and how its number is written.
+
+    Attributes
+    ----------
+    title, tip : str
+    percent : bool
+        Whether it is a fraction, written in percent.
+    whole : bool
+    """
+
+    title: str
+    tip: str
+    percent: bool = False
+    whole: bool = False
+
+
+# Titles of a plan's columns; notes have their own.
+PLAN_TITLES = {
+    "mesh": tr("Mesh"),
+    "session": tr("Session"),
+    "selection": tr("Selection"),
+    "unit": tr("Unit"),
+    "to": tr("Share of the motion"),
+    "steps": tr("Steps"),
+    "iterations": tr("Most iterations"),
+    **{name: setting.title for name, setting in SETTINGS.items() if name in COLUMNS},
+}
+READING_WORDS = {
+    "area_error": ReadingWords(tr("Area change"), tr("Of the total area, from rest"), percent=True),
+    "volume_error": ReadingWords(tr("Volume change"), tr("Of the enclosed volume, from rest"), percent=True),
+    "local_change": ReadingWords(tr("Local change"), tr("Largest area change of a triangle"), percent=True),
+    "energy": ReadingWords(tr("Energy"), tr("ARAP energy of the deformation")),
+    "crossings": ReadingWords(tr("Self-intersections"), tr("Triangles that pass through others"), whole=True),
+    "handle_drift": ReadingWords(tr("Handle drift"), tr("Largest distance of a handle from its place")),
+    "share_reached": ReadingWords(
+        tr("Motion reached"), tr("Share of the way on which contact let the handle go"), percent=True
+    ),
+    "least_gap": ReadingWords(tr("Least gap"), tr("Between walls in contact")),
+    "volume": ReadingWords(tr("Volume"), tr("Enclosed volume, mesh units")),
+    "volume_capped": ReadingWords(tr("Capped volume"), tr("With caps on its openings, mesh units")),
+    "packed_volume": ReadingWords(tr("Smallest box"), tr("Volume of the smallest box around it, any way up")),
+    "box_volume": ReadingWords(tr("Box"), tr("Volume of the box around it along the axes")),
+    "hull_volume": ReadingWords(tr("Convex hull"), tr("Volume of the convex hull")),
+    "area": ReadingWords(tr("Area"), tr("Total area, mesh units")),
+    "area_rest": ReadingWords(tr("Area at rest"), tr("Total area, mesh units")),
+    "volume_rest": ReadingWords(tr("Volume at rest"), tr("Enclosed volume, mesh units")),
+    "iterations": ReadingWords(tr("Iterations"), tr("Of all steps together"), whole=True),
+    "unsettled_steps": ReadingWords(
+        tr("Unsettled steps"), tr("Steps that stopped before they converged"), whole=True
+    ),
+    "turned": ReadingWords(
+        tr("Turn asked"), tr("Of a handle against the base, degrees, whole turns counted")
+    ),
+    "turned_held": ReadingWords(
+        tr("Turn held"), tr("By the surface between base and handle, degrees, whole turns counted")
+    ),
+    "seconds": ReadingWords(tr("Time (s)"), tr("Of the case, seconds")),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ResultColumn:
+    """A column of results.
+
+    Attributes
+    ----------
+    name : str
+    title, tip : str
+    values : (n,) float array
+        NaN where there is no number.
+    texts : tuple of str
+    suffix : str
+        Behind a number on an axis.
+    is_from_plan : bool
+        Whether it comes from the plan.
+    ranks : (n,) float array or None
+        By which its texts are sorted, if not by the alphabet.
+    """
+
+    name: str
+    title: str
+    tip: str
+    values: np.ndarray
+    texts: tuple[str, ...]
+    suffix: str = ""
+    is_from_plan: bool = False
+    ranks: np.ndarray | None = None
+
+    @cached_property
+    def is_numeric(self) -> bool:
+        """True if it has any number."""
+        return bool(np.isfinite(self.values).any())
+
+    @cached_property
+    def sort_keys(self) -> np.ndarray:
+        """Numbers (n,) to sort by; NaN where there is none."""
+        if self.is_numeric:
+            return self.values
+        if self.ranks is not None:
+            return self.ranks
+        places = {text: float(k) for k, text in enumerate(sorted(set(self.texts)))}
+        return np.array([places[text] for text in self.texts])
+
+    @cached_property
+    def longest_texts(self) -> list[str]:
+        """Its texts with most letters, of which one is the widest."""
+        return nlargest(_LONGEST, set(self.texts), key=len)
+
+    @property
+    def varies(self) -> bool:
+        """True if not all are alike."""
+        return len(set(self.texts)) > 1
+
+
+class ReadResults(NamedTuple):
+    """Results with their columns, as read at a moment."""
+
+    table: ResultTable
+    columns: list[ResultColumn]
+
+
+def shown_columns(table: ResultTable) -> list[ResultColumn]:
+    """Columns of the table in the window, ready to be sorted and laid out."""
+    line, *found = result_columns(table)
+    asked = [column for column in found if column.is_from_plan]
+    readings = [column for column in found if not column.is_from_plan]
+    shown = [line, *asked, _statuses(table), *readings, _sentences(table)]
+    for column in shown:
+        _ = column.sort_keys, column.longest_texts
+    return shown
+
+
+def result_columns(table: ResultTable) -> list[ResultColumn]:
+    """The line, what varies of the plan, and all readings with a number."""
+    found = [_plain(LINE_COLUMN, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows])]
+    for k in sorted(range(len(table.columns)), key=lambda k: table.columns[k] != MOTION_COLUMN):
+        cells = [row.cells[k] for row in table.rows]
+        found += _motions(cells) if table.columns[k] == MOTION_COLUMN else [_asked(table.columns[k], cells)]
+    readings = [_reading(table, name) for name in sorted(READINGS, key=_place)]
+    asked = [each for each in _told_once(found[1:]) if each.varies]
+    return [found[0], *asked, *(each for each in readings if each.is_numeric)]
+
+
+def _told_once(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
+    """All columns but notes with the numbers of another one."""
+    notes = [each for each in columns if each.name.startswith(_NOTE)]
+    others = [each for each in columns if each not in notes]
+    repeated = [note for note in notes if any(_agree(note.values, each.values) for each in others)]
+    return [each for each in columns if each not in repeated]
+
+
+def _agree(one: np.ndarray, other: np.ndarray) -> bool:
+    """True if both have the same numbers, apart from gaps."""
+    both = np.isfinite(one) & np.isfinite(other)
+    return bool(both.any() and (one[both] == other[both]).all())
+
+
+def _place(name: str) -> int:
+    """Place of a reading among the columns; unknown ones come last."""
+    return list(READING_WORDS).index(name) if name in READING_WORDS else len(READING_WORDS)
+
+
+def reading_words(name: str) -> ReadingWords:
+    """Words of a reading; its name where there are none."""
+    return READING_WORDS.get(name, ReadingWords(name, ""))
+
+
+def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultColumn:
+    return ResultColumn(name, title, tip, np.array(values), tuple(f"{value:.0f}" for value in values))
+
+
+def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
+    """Column of a plan; numbers with one unit, or texts."""
+    title = PLAN_TITLES.get(name, name.lstrip(NOTE_PREFIX).replace("_", " ").strip().capitalize())
+    tip = tr("Column “{name}” of the plan").format(name=name)
+    return _amounts(f"{_ASKED_FOR}{name}", title, tip, cells)
+
+
+def _amounts(name: str, title: str, tip: str, cells: Sequence[str]) -> ResultColumn:
+    found = [_AMOUNT.fullmatch(cell) for cell in cells]
+    units = {match[2] for match in found if match}
+    if len(units) != 1 or any(cell.strip() and not match for cell, match in zip(cells, found, strict=True)):
+        return ResultColumn(name, title, tip, np.full(len(cells), np.nan), tuple(cells), "", True)
+    unit = units.pop()
+    suffix = _DEGREES.get(unit, f" {unit}" if unit else "")
+    values = np.array([float(match[1]) if match else np.nan for match in found])
+    texts = tuple(f"{format_short(v)}{suffix}".replace("-", "−") if np.isfinite(v) else "" for v in values)
+    return ResultColumn(name, title, tip, values, texts, suffix, True)
+
+
+def _motions(cells: Sequence[str]) -> list[ResultColumn]:
+    """Columns of the motion amounts; one of text if a row repeats a motion."""
+    tip = tr("Motion of the plan")
+    nothing = np.full(len(cells), np.nan)
+    as_text = [ResultColumn(MOTION_COLUMN, tr("Motion"), tip, nothing, tuple(cells), "", True)]
+    found: list[dict[_Amount, str]] = []
+    for cell in cells:
+        try:
+            steps = parse_motion(cell) if cell else ()
+        except InputError:  # the row is wrong
+            steps = ()
+        amounts = {
+            (step.handle, step.motion, place): text
+            for step in steps
+            for place, text in enumerate(step.amounts)
+        }
+        if len(amounts) < sum(len(step.amounts) for step in steps):
+            return as_text
+        found.append(amounts)
+    kinds = list(dict.fromkeys(kind for amounts in found for kind in amounts))
+    if len(kinds) > _MOST_KINDS:
+        return as_text
+    several = len({handle for handle, *_ in kinds}) > 1
+    return [
+        _amounts(
+            _motion_column(*kind),
+            _motion_title(*kind, several),
+            tip,
+            [amounts.get(kind, "") for amounts in found],
+        )
+        for kind in kinds
+    ]
+
+
+def _motion_column(handle: int, motion: Motion, place: int) -> str:
+    return f"{MOTION_COLUMN} {handle} {motion.kind.word} {motion.axis} {place}"
+
+
+def _motion_title(handle: int, motion: Motion, place: int, several: bool) -> str:
+    axis = "xyz"[place] if motion.kind.has_all_axes else motion.axis.lower()
+    parts = [motion.kind.title, axis, tr("(handle {n})").format(n=handle + 1) if several else ""]
+    return " ".join(filter(None, parts))
+
+
+def _reading(table: ResultTable, name: str) -> ResultColumn:
+    words = reading_words(name)
+    numbers = [row.readings.get(name) for row in table.rows]
+    values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
+    values = 100.0 * values if words.percent else values
+    write = _writer(words)
+    texts = tuple(write(value) if np.isfinite(value) else "" for value in values.tolist())
+    return ResultColumn(name, words.title, words.tip, values, texts, " %" if words.percent else "")
+
+
+def _writer(words: ReadingWords) -> Callable[[float], str]:
+    if words.percent:
+        return lambda value: f"{format_grouped(value, 2)} %"
+    if words.whole:
+        return lambda value: format_grouped(value, 0)
+    return lambda value: format_significant(value, 4)
+
+
+def _statuses(table: ResultTable) -> ResultColumn:
+    ranks = np.array([_ORDER.index(row.status) for row in table.rows], dtype=float)
+    texts = tuple(status_text(row.status) for row in table.rows)
+    return ResultColumn(STATUS_COLUMN, tr("State"), tr("Of the case"), _no_numbers(texts), texts, ranks=ranks)
+
+
+def _sentences(table: ResultTable) -> ResultColumn:
+    texts = tuple(row.sentence for row in table.rows)
+    tip = tr("Why it failed, or what to know of it")
+    return ResultColumn(REMARK_COLUMN, tr("Remark"), tip, _no_numbers(texts), texts)
+
+
+def _no_numbers(texts: Sequence[str]) -> np.ndarray:
+    return np.full(len(texts), np.nan)

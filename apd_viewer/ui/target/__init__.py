@@ -1,0 +1,1 @@
+"""Target shape: its section, and the comparison with it."""

@@ -1,0 +1,62 @@
+"""Label elided to its width, and thin progress bar."""
+
+from __future__ import annotations
+
+import time
+
+from PySide6.QtCore import QEvent, QSize, Qt
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QApplication, QLabel, QProgressBar
+
+_SCALE = 1000
+_PAUSE = 0.2  # s; between two draws of a bar of unknown length, where the processor draws
+
+
+class ElidedLabel(QLabel):
+    """Label elided to its width, with all of its text in the tip."""
+
+    def show_text(self, text: str) -> None:
+        """Show a text."""
+        self.setText(text)
+        self.setToolTip(text)
+
+    def minimumSizeHint(self) -> QSize:
+        """Give way to all others."""
+        return QSize(0, super().minimumSizeHint().height())
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw as much as there is room for."""
+        room = self.rect().adjusted(8, 0, -8, 0)
+        painter = QPainter(self)
+        painter.setPen(self.palette().windowText().color())
+        text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())
+        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
+
+
+class ThinBar(QProgressBar):
+    """Thin progress bar without text.
+
+    A bar of unknown length moves, and the whole window is composed for each of its draws. Qt goes on with
+    that while the bar is empty, though its length is known by then.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(maximum=_SCALE, textVisible=False, objectName="thin")
+        self._drawn = 0.0
+
+    def show_share(self, share: float | None) -> None:
+        """Show a share of the work; None is an unknown one."""
+        self.setMaximum(0 if share is None else _SCALE)
+        self.setValue(round(_SCALE * (share or 0.0)))
+
+    def event(self, event: QEvent) -> bool:
+        """Stop the busy animation once progress is known; slow it if cursors are steady."""
+        if event.type() == QEvent.Type.StyleAnimationUpdate:
+            if self.maximum():
+                event.ignore()
+                return True
+            if not QApplication.cursorFlashTime() and time.monotonic() - self._drawn < _PAUSE:
+                event.accept()
+                return True
+            self._drawn = time.monotonic()
+        return super().event(event)
