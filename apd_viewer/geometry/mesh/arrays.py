@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Sequence
 from functools import wraps
 from numbers import Integral, Real
-from typing import NamedTuple, NoReturn, ParamSpec, TypeVar
+from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -285,16 +285,3 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         return function(*args, **named)
 
     return checking
-
-
-class Uncopyable:
-    """Object with a factor, refusing to be copied or pickled."""
-
-    def __reduce_ex__(self, _: object) -> NoReturn:
-        """Raise InputError."""
-        raise InputError(
-            tr(
-                "A Deformation cannot be copied or pickled; make another one with the same arguments, and "
-                "aim it with the U of its last frame."
-            )
-        )
