@@ -36,7 +36,8 @@ from apd_viewer.session.model.handles_and_regions import (
 )
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.model.view import CameraPose, UpAxis, View
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.session_file import save_session
 
@@ -294,7 +295,8 @@ KEYS = {
         mesh: name vertices faces digest path sample relative embedded
         target: name vertices faces digest path sample relative embedded
         document: handles regions method stiffness area_stiffness shear_stiffness area volume tolerance
-            hold_area calm contact thickness convergence obstacles staying measurements base poses mirror
+            hold_area calm contact thickness yield_radius gas convergence obstacles staying
+            measurements base poses mirror
         document.handles: name pose pivot locked hidden waypoints earlier line falloff
         document.regions: name area locked hidden
         document.convergence: most_iterations energy_tolerance step_tolerance
@@ -316,7 +318,7 @@ KEYS = {
 
 @pytest.mark.parametrize("writer", KEYS)
 def test_file_keys_are_those_that_others_rely_on(writer, folder, monkeypatch, capsys):
-    monkeypatch.setattr("apd_viewer.commands.studies.study_command.LocalPool", lambda _: Here(computed))
+    monkeypatch.setattr("apd_viewer.commands.study_command.LocalPool", lambda _: Here(computed))
     monkeypatch.setattr("apd_viewer.figures.curves.draw_sweep_curves", lambda *_, **__: None)
     promised = re.sub(r"\n {12}", " ", KEYS[writer])
     assert writer(folder, capsys) == [line.strip() for line in promised.strip().splitlines()]

@@ -17,7 +17,7 @@ import pyvista as pv
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.presentation.palette import DIVERGING
+from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.ui.scene.surface_shading import headlight, shade
 
 _LIMIT = 10.0  # area change in percent at the ends of the colour scale

@@ -13,8 +13,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.formats.obj import read_obj
 from apd_viewer.files.formats.off import read_off
 from apd_viewer.files.formats.package_3mf import read_3mf
-from apd_viewer.files.formats.parsed_mesh import EncodedMeshOrigin, ParsedMesh
 from apd_viewer.files.formats.ply import read_ply
+from apd_viewer.files.formats.polygon_mesh import EncodedMeshOrigin, ParsedMesh
 from apd_viewer.files.formats.stl import is_binary_stl, read_stl
 from apd_viewer.files.formats.text import decoded_text
 from apd_viewer.files.gltf.gltf_reader import read_gltf

@@ -15,7 +15,7 @@ from typing import Any
 from numba import types
 from numba.core import event
 
-from apd_viewer.geometry.analysis import area_change, defects, deviation, deviation_kernels, double_wall
+from apd_viewer.geometry.analysis import area_change, defects, deviation, double_wall
 from apd_viewer.geometry.linalg import atomic_access
 from apd_viewer.geometry.linalg.kernels import KERNELS
 from apd_viewer.geometry.measuring import sections
@@ -25,7 +25,7 @@ from apd_viewer.geometry.solver import deformation
 
 # Importing these modules imports all modules with kernels.
 _IMPORTERS = (
-    *(area_change, atomic_access, defects, deformation, deviation, double_wall, deviation_kernels),
+    *(area_change, atomic_access, defects, deformation, deviation, double_wall),
     *(operators, sections, surface_index, vertex_sets),
 )
 # Table sections needed by a first drag, suitable for compilation in other processes.

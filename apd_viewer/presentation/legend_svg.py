@@ -17,12 +17,10 @@ _STOPS = 33
 _LETTERS = 'font-family="system-ui, sans-serif" font-size="12"'
 
 
-def legend_svg(
-    scale: Scale, unit: Unit, span: tuple[float, float] | None, ink: str = "currentColor", name: str = "scale"
-) -> str:
+def legend_svg(scale: Scale, unit: Unit, span: tuple[float, float] | None, ink: str = "currentColor") -> str:
     """Draw a scale with its labels, title and largest value of a ``span`` as SVG.
 
-    ``name`` is that of the colours in the drawing; a page must have it only once.
+    Its colours are named "scale"; a page must have that name only once.
     """
     wide, low = WIDTH - 2 * _LEFT, _TOP + _BAR
     offsets = np.linspace(0.0, 1.0, _STOPS)
@@ -44,9 +42,9 @@ def legend_svg(
     title = escape(scale.measure.traits.title)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img">'
-        f'<defs><linearGradient id="{name}">{stops}</linearGradient></defs>'
+        f'<defs><linearGradient id="scale">{stops}</linearGradient></defs>'
         f'<text x="{_LEFT}" y="18" {_LETTERS} font-weight="600" fill="{ink}">{title}</text>{largest}'
-        f'<rect x="{_LEFT}" y="{_TOP}" width="{wide}" height="{_BAR}" fill="url(#{name})" '
+        f'<rect x="{_LEFT}" y="{_TOP}" width="{wide}" height="{_BAR}" fill="url(#scale)" '
         f'stroke="#808894" stroke-width="0.75"/>{figures}</svg>'
     )
 

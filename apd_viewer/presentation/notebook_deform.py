@@ -19,13 +19,14 @@ from apd_viewer.geometry.solver.deformation_result import Result
 from apd_viewer.geometry.solver.deformation_result import deform as quietly_deform
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
+from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.presentation.number_format import (
     format_length,
     format_short,
     format_signed,
     format_significant,
 )
-from apd_viewer.presentation.palette import DIVERGING, FREE_COLOR
+from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.progress_line import ProgressLine
 from apd_viewer.presentation.shape_picture import shape_picture
 
@@ -38,12 +39,12 @@ def _is_asked(progress: object) -> bool:
     return isinstance(progress, bool | np.bool_) and bool(progress)
 
 
-def _shown(deform: Callable[P, Result]) -> Callable[P, PicturedResult]:
+def _shown(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     """Wrap ``deform`` with a progress line and a result with pictures."""
     signature = inspect.signature(deform)
 
     @wraps(deform, assigned=_SAME)
-    def shown(*given: P.args, **named: P.kwargs) -> PicturedResult:
+    def shown(*given: P.args, **named: P.kwargs) -> NotebookResult:
         arguments = signature.bind(*given, **named).arguments
         line = ProgressLine(arguments.get("iterations")) if _is_asked(arguments.get("progress")) else None
         if line is not None:
@@ -57,7 +58,7 @@ def _shown(deform: Callable[P, Result]) -> Callable[P, PicturedResult]:
             checked_floats(arguments["V"], tr("Vertices")),
             checked_integers(arguments["F"], tr("Faces")),
         )
-        return PicturedResult.of(result, frozen(rest), frozen(triangles))
+        return NotebookResult.of(result, frozen(rest), frozen(triangles))
 
     return shown
 
@@ -72,7 +73,7 @@ _CELL = "text-align:left;padding:2px 12px 2px 0;border-bottom:1px solid rgba(128
 
 
 @dataclass(frozen=True, eq=False)
-class PicturedResult(Result):
+class NotebookResult(Result):
     """Result with a picture and a table of readings for notebooks.
 
     Attributes
@@ -86,7 +87,7 @@ class PicturedResult(Result):
     triangles: np.ndarray
 
     @classmethod
-    def of(cls, result: Result, rest: np.ndarray, triangles: np.ndarray) -> PicturedResult:
+    def of(cls, result: Result, rest: np.ndarray, triangles: np.ndarray) -> NotebookResult:
         """Result with the mesh for its pictures, from a plain result."""
         given = {field.name: getattr(result, field.name) for field in fields(result)}
         return cls(**given, rest=rest, triangles=triangles)
@@ -103,7 +104,7 @@ class PicturedResult(Result):
         return f'<img src="data:image/png;base64,{source}" alt="{caption}" title="{caption}">'
 
 
-def change_colors(result: PicturedResult) -> np.ndarray:
+def change_colors(result: NotebookResult) -> np.ndarray:
     """Colours (m, 3) uint8 of the triangles by their relative area change."""
     areas, now = (face_areas(X, result.triangles) for X in (result.rest, result.U))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -111,7 +112,7 @@ def change_colors(result: PicturedResult) -> np.ndarray:
     return DIVERGING.colors(0.5 + 0.5 * change / _END)
 
 
-def result_rows(result: PicturedResult) -> list[tuple[str, str]]:
+def result_rows(result: NotebookResult) -> list[tuple[str, str]]:
     """Names and texts of the readings of a result."""
     ended = tr("{n:,} iterations, converged") if result.converged else tr("{n:,} iterations, not converged")
     region = tr("Region “{name}”")

@@ -16,8 +16,8 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.language import tr
+from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL, ColorMap
 from apd_viewer.presentation.number_format import format_short, round_step
-from apd_viewer.presentation.palette import DIVERGING, SEQUENTIAL, ColorMap
 from apd_viewer.session.quantities.units import Unit
 
 _NOTHING = 5e-5  # fraction of the scale displayed as zero

@@ -39,7 +39,7 @@ class VolumeRow(NamedTuple):
     rest: TextWithRange
     now: TextWithRange
     change: str
-    published: tuple[PublishedFigure, ...]
+    published: tuple[PublishedVolume, ...]
 
 
 def volume_rows(
@@ -171,7 +171,7 @@ class VolumeName(Enum):
     MATERIAL = "material_volume"
 
 
-class PublishedFigure(NamedTuple):
+class PublishedVolume(NamedTuple):
     """Published figure with its text, source and range of values.
 
     Attributes
@@ -200,9 +200,9 @@ _AMCOR = tr("Amcor, in Packaging Insights, 17 November 2021; read here as the mi
 _COLA = tr("Coca-Cola Japan, press release on I LOHAS, 23 April 2009")
 
 # No published figures were found for the other quantities.
-PUBLISHED_FIGURES: dict[VolumeName, tuple[PublishedFigure, ...]] = {
+PUBLISHED_FIGURES: dict[VolumeName, tuple[PublishedVolume, ...]] = {
     VolumeName.SIDES: (
-        PublishedFigure(
+        PublishedVolume(
             tr("width of a collapsed bottle that can be sorted: above 5 cm (bottles of 50 ml)"),
             _AMCOR,
             "cm",
@@ -211,30 +211,30 @@ PUBLISHED_FIGURES: dict[VolumeName, tuple[PublishedFigure, ...]] = {
         ),
     ),
     VolumeName.BULK: (
-        PublishedFigure(tr("bottles of 2 l, crushed by hand: to 0.50"), _YOKOHAMA, _RATIO, 15 / 30, 15 / 30),
-        PublishedFigure(
+        PublishedVolume(tr("bottles of 2 l, crushed by hand: to 0.50"), _YOKOHAMA, _RATIO, 15 / 30, 15 / 30),
+        PublishedVolume(
             tr("bottles of 1.5 l, with the air sucked out: to 0.56"), _SUCKED, _RATIO, 18 / 32, 18 / 32
         ),
     ),
     VolumeName.COUNT: (
-        PublishedFigure(tr("15 bottles of 2 l; crushed by hand, 30"), _YOKOHAMA, _RATIO, 30 / 15, 30 / 15),
-        PublishedFigure(
+        PublishedVolume(tr("15 bottles of 2 l; crushed by hand, 30"), _YOKOHAMA, _RATIO, 30 / 15, 30 / 15),
+        PublishedVolume(
             tr("18 bottles of 1.5 l; with the air sucked out, 32"), _SUCKED, _RATIO, 32 / 18, 32 / 18
         ),
     ),
     VolumeName.DENSITY: (
-        PublishedFigure(
+        PublishedVolume(
             tr("PET, uncompacted: 18 to 24 kg/m³ (30 to 40 lb/yd³)"),
             _EPA,
             _KG_M3,
             30 * _LB,
             40 * _LB,
         ),
-        PublishedFigure(tr("PET, compacted: 71 kg/m³ (120 lb/yd³)"), _EPA, _KG_M3, 120 * _LB, 120 * _LB),
-        PublishedFigure(tr("bales: at least 160 kg/m³ (10 lb/ft³)"), _ISRI, _KG_M3, 270 * _LB, math.inf),
+        PublishedVolume(tr("PET, compacted: 71 kg/m³ (120 lb/yd³)"), _EPA, _KG_M3, 120 * _LB, 120 * _LB),
+        PublishedVolume(tr("bales: at least 160 kg/m³ (10 lb/ft³)"), _ISRI, _KG_M3, 270 * _LB, math.inf),
     ),
     VolumeName.MATERIAL: (
-        PublishedFigure(
+        PublishedVolume(
             tr("a bottle to be twisted: 40 % less plastic than before (often retold as volume)"),
             _COLA,
             _RATIO,

@@ -14,7 +14,7 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.status_text import about_lost_file
 from apd_viewer.session.state_store import Listener, StateStore
-from apd_viewer.session.storage.session_meshes import has_mesh
+from apd_viewer.session.storage.session_file import has_mesh
 
 _PATIENCE = 1.0  # maximum wait in seconds for a slow disk
 

@@ -16,7 +16,8 @@ from apd_viewer.files.picture_files import png_content
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.model.view import UpAxis, View
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
 
 

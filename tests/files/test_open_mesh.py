@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mesh_contents import CORNERS, POLYGONS, binary_stl, glb, obj, off, ply, rows, stl
 from meshes import box, grid, soup
 
-from apd_viewer.files.formats.parsed_mesh import Polygons
+from apd_viewer.files.formats.polygon_mesh import Polygons
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import resource_path
 

@@ -17,7 +17,7 @@ import numpy as np
 from pathlib import Path
 import apd_viewer
 from apd_viewer.files import meshes
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 
 def chatty(content, path):
     warnings.warn("a warning of a library")

@@ -69,7 +69,7 @@ def result(compiled):
     return replace(bent(regions=[region], iterations=2), warnings=(f"Look at {NAME}.",))
 
 
-def test_pictured_result_is_a_result_and_can_be_sent(result):
+def test_notebook_result_is_a_result_and_can_be_sent(result):
     assert isinstance(result, apd_viewer.Result)
     assert pickle.loads(pickle.dumps(apd_viewer.deform)) is apd_viewer.deform
     again = pickle.loads(pickle.dumps(result))
@@ -77,7 +77,7 @@ def test_pictured_result_is_a_result_and_can_be_sent(result):
     assert again._repr_html_() == result._repr_html_()
 
 
-def test_pictured_result_has_readings_in_a_table_in_which_names_stay_names(result):
+def test_notebook_result_has_readings_in_a_table_in_which_names_stay_names(result):
     page = Page(result._repr_html_())
     assert page.tags == {"div", "img", "table", "tr", "th", "td"}
     rows = page.rows
@@ -91,7 +91,7 @@ def test_pictured_result_has_readings_in_a_table_in_which_names_stay_names(resul
     assert rows["Warning"] == f"Look at {NAME}."
 
 
-def test_pictured_result_of_an_open_surface_has_its_volume_with_caps(compiled):
+def test_notebook_result_of_an_open_surface_has_its_volume_with_caps(compiled):
     V, F = meshes.box(1, 1, 4)
     base, end = meshes.ends(V)
     open_end = F[~np.isin(F, end).all(axis=1)]
@@ -102,7 +102,7 @@ def test_pictured_result_of_an_open_surface_has_its_volume_with_caps(compiled):
     assert rows["Volume, capped"].startswith(f"{result.volume_capped:.5f} of 4.00000 (")
 
 
-def test_pictured_result_has_its_picture_in_the_page_and_on_nothing(result):
+def test_notebook_result_has_its_picture_in_the_page_and_on_nothing(result):
     (image,) = Page(result._repr_html_()).images
     assert "Rest shape and deformed shape" in image["alt"]
     kind, content = image["src"].split(",", 1)
@@ -114,13 +114,13 @@ def test_pictured_result_has_its_picture_in_the_page_and_on_nothing(result):
     assert not np.array_equal(left, right)
 
 
-def test_pictured_result_has_pictures_of_bounded_size(result):
+def test_notebook_result_has_pictures_of_bounded_size(result):
     (image,) = Page(result._repr_html_()).images
     with Image.open(io.BytesIO(base64.b64decode(image["src"].split(",")[1]))) as picture:
         assert max(picture.size) <= 2 * 280
 
 
-def test_pictured_result_gives_nothing_a_color_of_its_own_but_lines():
+def test_notebook_result_gives_nothing_a_color_of_its_own_but_lines():
     """What a page of any colour shows: text in its own colour, and lines that are half transparent."""
     text = re.sub(r'src="[^"]*"', "", bent(iterations=1)._repr_html_())
     assert set(re.findall(r"(?<![-\w])(?:color|background):([^;\"]+)", text)) == {"inherit", "none"}

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.presentation.number_format import round_step
-from apd_viewer.presentation.palette import BASE_COLOR, DIVERGING, HANDLE_COLORS, SEQUENTIAL
+from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS
 from apd_viewer.presentation.scales import Measure, Scale, default_scale
 from apd_viewer.session.quantities.units import Unit
 

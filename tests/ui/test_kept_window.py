@@ -16,7 +16,7 @@ from whole_state import differences, whole_state
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.settings_page import preference_table

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh, Polygons, text_colors_to_uint8, updated_normals
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh, Polygons, text_colors_to_uint8, updated_normals
 from apd_viewer.files.formats.text import TextEdits, decoded_text, parse_numbers, with_line_feeds
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
 from apd_viewer.files.storage.regular_files import sibling_content

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed_mesh import (
+from apd_viewer.files.formats.ply_elements import PlyElement, one_row_a_line
+from apd_viewer.files.formats.polygon_mesh import (
     ParsedMesh,
     Polygons,
     text_colors_to_uint8,
     trailing_bytes_remark,
     updated_normals,
 )
-from apd_viewer.files.formats.ply_elements import PlyElement, one_row_a_line
 from apd_viewer.files.formats.text import (
     TextEdits,
     content_lines,

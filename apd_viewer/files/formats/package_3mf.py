@@ -20,7 +20,7 @@ from xml.parsers import expat
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 from apd_viewer.files.storage.archive import ARCHIVE_ERRORS, largest_unpacked_size
 from apd_viewer.files.storage.regular_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
@@ -103,7 +103,7 @@ class _Package:
 
     Attributes
     ----------
-    main : Model
+    main : PackageModel
         The part that the package begins with.
     """
 
@@ -118,7 +118,7 @@ class _Package:
             raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
         # Part names are case-insensitive (ECMA-376, part 2, 6.2.2).
         self._names = {entry.filename.lower(): entry.filename for entry in entries}
-        self._models: dict[str, Model] = {}
+        self._models: dict[str, PackageModel] = {}
         self._main = self._start()
         self.main = self._model(self._main)
 
@@ -157,9 +157,9 @@ class _Package:
             read_xml(self._content("_rels/.rels"), begin)
         return _part_name(targets[0] if targets else _USUAL)
 
-    def _model(self, name: str) -> Model:
+    def _model(self, name: str) -> PackageModel:
         if name not in self._models:
-            model = self._models[name] = Model(self._content(name))
+            model = self._models[name] = PackageModel(self._content(name))
             if model.unit != self._models[self._main].unit:
                 raise ValueError(tr("its parts have different units"))
         return self._models[name]
@@ -240,7 +240,7 @@ class ModelObject:
         return F
 
 
-class Model:
+class PackageModel:
     """Parsed model part: its unit, objects and build items.
 
     Attributes
@@ -309,12 +309,12 @@ class Model:
 
 
 _ELEMENTS = {
-    "model": Model._read_model,
-    "object": Model._read_object,
-    "vertex": Model._read_vertex,
-    "triangle": Model._read_triangle,
-    "component": Model._read_component,
-    "item": Model._read_item,
+    "model": PackageModel._read_model,
+    "object": PackageModel._read_object,
+    "vertex": PackageModel._read_vertex,
+    "triangle": PackageModel._read_triangle,
+    "component": PackageModel._read_component,
+    "item": PackageModel._read_item,
 }
 
 

@@ -9,13 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed_mesh import (
-    ParsedMesh,
-    colors_to_uint8,
-    concatenated,
-    trailing_bytes_remark,
-    updated_normals,
-)
 from apd_viewer.files.formats.ply_elements import (
     AXES,
     INDEX_PROPERTIES,
@@ -30,6 +23,13 @@ from apd_viewer.files.formats.ply_elements import (
     truncation_message,
     uniform_rows,
     walk_rows,
+)
+from apd_viewer.files.formats.polygon_mesh import (
+    ParsedMesh,
+    colors_to_uint8,
+    concatenated,
+    trailing_bytes_remark,
+    updated_normals,
 )
 from apd_viewer.files.formats.text import TextEdits, parse_numbers
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image

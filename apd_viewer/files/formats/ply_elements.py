@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed_mesh import Polygons, strip_triangles
+from apd_viewer.files.formats.polygon_mesh import Polygons, strip_triangles
 from apd_viewer.files.formats.text import excerpt, parse_integers
 from apd_viewer.language import tr
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh, trailing_bytes_remark
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh, trailing_bytes_remark
 from apd_viewer.files.formats.text import TextEdits, parse_numbers, with_line_feeds
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr

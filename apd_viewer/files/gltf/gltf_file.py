@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed_mesh import linear_to_srgb, updated_normals
+from apd_viewer.files.formats.polygon_mesh import linear_to_srgb, updated_normals
 from apd_viewer.files.gltf.accessors import (
     accessor_array,
     accessor_colors,

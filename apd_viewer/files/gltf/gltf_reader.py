@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 from apd_viewer.files.gltf.accessors import (
     FAN,
     STRIP,
@@ -85,7 +85,7 @@ class _Scene:
         self.pieces: list[PrimitiveTriangles] = []
         self._count = 0
 
-    def add(self, place: MeshInstance) -> None:
+    def add(self, place: GltfInstance) -> None:
         """Append the triangles of a mesh instance in world coordinates."""
         blocks: dict[object, VertexBlock] = {}
         for part in mesh_primitives(self._document, place.mesh):
@@ -102,7 +102,7 @@ class _Scene:
             self.F.append(F + block.first_vertex)
             self.pieces.append(PrimitiveTriangles(block.first_vertex, len(F), part))
 
-    def _block(self, place: MeshInstance, primitive: dict[str, Any]) -> VertexBlock:
+    def _block(self, place: GltfInstance, primitive: dict[str, Any]) -> VertexBlock:
         """Vertex block of a primitive, following the vertices added so far."""
         given = self._document, self._buffers, primitive
         position, normal = (
@@ -144,7 +144,7 @@ def _outwards(F: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 _ABSENT = np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), np.ones(3)  # default translation, rotation and scale
 
 
-class MeshInstance(NamedTuple):
+class GltfInstance(NamedTuple):
     """Instance of a mesh at a node, with its matrix, joints and morph weights.
 
     Attributes
@@ -205,7 +205,7 @@ class MeshInstance(NamedTuple):
 
 def mesh_instances(
     document: dict[str, Any], buffers: list[Any], world: dict[int, np.ndarray]
-) -> Iterator[MeshInstance]:
+) -> Iterator[GltfInstance]:
     """Mesh instances of a scene, ordered by mesh, node and instance."""
     shown = [(whole_number(document["nodes"][k], "mesh"), k) for k in world if "mesh" in document["nodes"][k]]
     for mesh, k in sorted(shown):
@@ -214,10 +214,10 @@ def mesh_instances(
         joints = _joints(document, buffers, node["skin"], world) if "skin" in node else None
         instances = extension_fields(node, "EXT_mesh_gpu_instancing")
         if instances is None:
-            yield MeshInstance(mesh, world[k], joints, weights)
+            yield GltfInstance(mesh, world[k], joints, weights)
             continue
         for each in _instances(document, buffers, instances):
-            yield MeshInstance(mesh, world[k] @ each, joints, weights)
+            yield GltfInstance(mesh, world[k] @ each, joints, weights)
 
 
 def _weights(entry: dict[str, Any]) -> list[float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed_mesh import Polygons, strip_triangles
+from apd_viewer.files.formats.polygon_mesh import Polygons, strip_triangles
 from apd_viewer.language import tr
 
 # VTK cell type numbers.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.parsed_mesh import ParsedMesh, Polygons, concatenated
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh, Polygons, concatenated
 from apd_viewer.files.formats.text import Splice, spliced_content
 from apd_viewer.files.vtk.cells import POLYGON, STRIP, cell_faces, cells_to_polygons, point_positions
 from apd_viewer.files.vtk.xml_arrays import XmlArray, XmlArrays

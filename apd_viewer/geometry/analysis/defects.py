@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.adjacency import join, root
+from apd_viewer.geometry.mesh.components import join, root
 
 # Number of preceding faces at an edge that each face is compared with.
 _MOST_AT_AN_EDGE = 64

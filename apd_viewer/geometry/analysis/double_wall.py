@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.adjacency import join, opposite_half_edges, root
 from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
+from apd_viewer.geometry.mesh.components import join, opposite_half_edges, root
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.operators import missing_volume_reason, volume
 from apd_viewer.geometry.picking.picking import block_boxes, ray_hit

@@ -18,7 +18,7 @@ from apd_viewer.geometry.analysis.mesh_findings import (
     vertex_findings,
 )
 from apd_viewer.geometry.analysis.shape_check import double_wall_findings, seam_findings
-from apd_viewer.geometry.mesh.adjacency import vertex_components
+from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas, missing_volume_reason, volume

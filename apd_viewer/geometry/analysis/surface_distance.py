@@ -170,3 +170,13 @@ def _to_side(dx: float, dy: float, dz: float, ex: float, ey: float, ez: float) -
     s = min(max(along / ee, 0.0), 1.0) if ee > 0.0 else 0.0
     x, y, z = dx - s * ex, dy - s * ey, dz - s * ez
     return x * x + y * y + z * z
+
+
+@parallel()
+def displacements(U: np.ndarray, V: np.ndarray) -> np.ndarray:
+    """Distances between corresponding vertices, (n,)."""
+    out = np.empty(len(U))
+    for v in prange(len(U)):
+        x, y, z = U[v, 0] - V[v, 0], U[v, 1] - V[v, 1], U[v, 2] - V[v, 2]
+        out[v] = np.sqrt(x * x + y * y + z * z)
+    return out

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.deviation_kernels import displacements
 from apd_viewer.geometry.analysis.surface_distance import (
     SurfaceDistance,
     cancellable_distances,
+    displacements,
     distance_summary,
     surface_distance,
 )

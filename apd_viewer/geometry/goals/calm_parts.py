@@ -21,7 +21,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.linalg.parallel_ops import inner_product
-from apd_viewer.geometry.mesh.adjacency import vertex_components
+from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, SoftConstraints, next_paint_sentence

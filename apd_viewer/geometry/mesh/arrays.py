@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Sequence
 from functools import wraps
 from numbers import Integral, Real
-from typing import NamedTuple, NoReturn, ParamSpec, TypeVar
+from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def checked_floats(value: object, name: str) -> np.ndarray:
     """Float64 copy of a caller's array; raises InputError for anything else."""
     try:
         array = np.asarray(value)
-    except ValueError:  # NumPy rejects NumPy rejects rows of different lengths
+    except ValueError:  # NumPy rejects rows of different lengths
         array = np.array(None)
     if array.dtype.kind not in "iuf":
         raise InputError(
@@ -97,7 +97,7 @@ def checked_direction(value: object) -> np.ndarray:
 def _three(value: object) -> np.ndarray | None:
     try:
         x = np.asarray(value)
-    except ValueError:  # NumPy rejects NumPy rejects rows of different lengths
+    except ValueError:  # NumPy rejects rows of different lengths
         return None
     x = x.astype(float) if x.dtype.kind in "iuf" else np.empty(0)
     return x if x.shape == (3,) and np.isfinite(x).all() else None
@@ -285,16 +285,3 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         return function(*args, **named)
 
     return checking
-
-
-class Uncopyable:
-    """Base class of objects with a matrix factor, neither copied nor pickled."""
-
-    def __reduce_ex__(self, _: object) -> NoReturn:
-        """Raise InputError instead of copying or pickling the object."""
-        raise InputError(
-            tr(
-                "A Deformation cannot be copied or pickled; make another one with the same arguments, and "
-                "aim it with the U of its last frame."
-            )
-        )

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.adjacency import vertex_components
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.operators import edge_defect_counts, volume
 
 # Fraction of the cubed diagonal: a smaller volume is the rounding error of a flat sheet.

@@ -14,8 +14,8 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
-from apd_viewer.geometry.mesh.adjacency import flood_fill, opposite_half_edges
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.components import flood_fill, opposite_half_edges
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.bounding_hierarchy import (

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.adjacency import BOUNDARY, vertex_components
-from apd_viewer.geometry.pose.transforms import MirrorPlane
+from apd_viewer.geometry.mesh.components import BOUNDARY, vertex_components
+from apd_viewer.geometry.pose.mirror import MirrorPlane
 
 # Smoothing changes nothing beyond this many rings from the border.
 RINGS = 5

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from functools import partial
+from typing import NoReturn
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.linalg.linear_solver import Factorizer
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import Uncopyable, checked, frozen
+from apd_viewer.geometry.mesh.arrays import checked, frozen
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.contact_descent import (
@@ -57,7 +58,20 @@ from apd_viewer.geometry.solver.restarts import make_solver
 from apd_viewer.language import tr
 
 
-class Deformation(Uncopyable):
+class UncopyableDeformation:
+    """Deformation with a factor, refusing to be copied or pickled."""
+
+    def __reduce_ex__(self, _: object) -> NoReturn:
+        """Raise InputError instead of copying or pickling the object."""
+        raise InputError(
+            tr(
+                "A Deformation cannot be copied or pickled; make another one with the same arguments, and "
+                "aim it with the U of its last frame."
+            )
+        )
+
+
+class Deformation(UncopyableDeformation):
     """A mesh with some vertices held, deformed one iteration at a time.
 
     Parameters

@@ -10,7 +10,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.vertex_sets import nearest_mirror_vertices
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.geometry.pose.transforms import MirrorPlane
+from apd_viewer.geometry.pose.mirror import MirrorPlane
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_handles_reset
 from apd_viewer.session.model.handles_and_regions import Handle

@@ -23,8 +23,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr, trn
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.session.storage.session_meshes import JSON_MEMBER
+from apd_viewer.session.storage.session_file import JSON_MEMBER, open_session
 
 _NAME = re.compile(r"\d+-\d+")
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # seconds

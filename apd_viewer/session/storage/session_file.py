@@ -14,18 +14,27 @@ from dataclasses import replace
 from functools import cache
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.known_file import FileState, KnownFile
-from apd_viewer.files.mesh_location import find_mesh
+from apd_viewer.files.mesh_location import (
+    MissingMesh,
+    find_mesh,
+    is_mesh_in_file,
+    mesh_location_to_json,
+    mesh_members,
+)
 from apd_viewer.files.storage.archive import Archive, npy_content, write_archive
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import open_regular, read_content
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.storage.session_json import (
@@ -36,7 +45,6 @@ from apd_viewer.session.storage.session_json import (
     view_from_json,
     view_to_json,
 )
-from apd_viewer.session.storage.session_meshes import JSON_MEMBER, mesh_to_json, target_to_json, with_target
 
 SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
@@ -290,3 +298,50 @@ def save_if_unchanged(
     check()
     embedded = save_session(path, state, view, embed, picture=picture, finish=finish)
     return embedded, written[0]
+
+
+JSON_MEMBER = "session.json"  # archive member with everything except arrays
+_OF_TARGET = "target-"  # prefix of the archive members of the target shape
+
+
+def mesh_to_json(
+    mesh: Mesh, session: Path, embed: bool, prefix: str = ""
+) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """JSON location of a mesh, and the archive members of its copy, if any."""
+    copy = mesh_members(mesh, prefix) if embed or not is_mesh_in_file(mesh) else {}
+    return {**mesh_location_to_json(mesh, session), "embedded": list(copy) or None}, copy
+
+
+def target_to_json(
+    document: Document, session: Path, embed: bool
+) -> tuple[dict[str, Any] | None, dict[str, bytes]]:
+    """Location and copy of the target shape; the old location if it is missing."""
+    if document.target_shape is not None:
+        return mesh_to_json(document.target_shape.mesh, session, embed, _OF_TARGET)
+    missing = document.missing_target_shape
+    return None if missing is None else missing.description, {}
+
+
+def has_mesh(path: Path, mesh: Mesh) -> bool:
+    """True if the session at ``path`` contains the mesh, or still finds it."""
+    if is_mesh_in_file(mesh):
+        return True
+    try:
+        with open_regular(path) as stream:
+            archive = Archive(stream)
+            said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER).nested_fields("mesh")
+            return said.has_value("embedded") or find_mesh(said, path, archive).digest == mesh.digest
+    except (OSError, ValueError):
+        return False
+
+
+def with_target(document: Document, fields: JsonFields, path: Path, archive: Archive) -> Document:
+    """Document with its target shape, or with the reason for a missing one."""
+    if not fields.has_value("target"):
+        return document
+    told = fields.nested_fields("target")
+    try:
+        target = TargetShape(find_mesh(told, path, archive, _OF_TARGET))
+    except InputError as error:
+        return replace(document, missing_target_shape=MissingMesh(told.raw, str(error)))
+    return replace(document, target_shape=target)

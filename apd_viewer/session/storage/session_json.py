@@ -25,7 +25,8 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NO_FLAGS
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle
 from apd_viewer.session.model.state import State, shape_frame
-from apd_viewer.session.model.view import CameraPose, Point3, UpAxis, View
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.model.view import CameraPose, Point3, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText

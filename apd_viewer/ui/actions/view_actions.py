@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMenu
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.window_menus import WindowMenus
 from apd_viewer.ui.overlays.display_options import DisplayOptions

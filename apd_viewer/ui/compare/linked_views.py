@@ -11,8 +11,7 @@ from PySide6.QtCore import QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
-from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.analysis.deviation_kernels import write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
 from apd_viewer.session.model.state import State

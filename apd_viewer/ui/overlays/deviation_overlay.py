@@ -9,8 +9,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRect, QTimer, Signal
 from PySide6.QtGui import QMouseEvent
 
-from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.analysis.deviation_kernels import write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.contact.contact_pressure import ContactPressure
 from apd_viewer.geometry.mesh.arrays import diagonal

@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
-from apd_viewer.geometry.analysis.deviation_kernels import extreme_vertices
+from apd_viewer.geometry.analysis.deviation import extreme_vertices
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.quantities.units import Unit

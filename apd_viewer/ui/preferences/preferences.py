@@ -16,7 +16,7 @@ from apd_viewer.files.samples import resource_path
 from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNITS, Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.ui.preferences.preference_values import PreferenceValues

@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import QPointF
 from pyvistaqt import QtInteractor
 
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.scene.camera import ORTHOGRAPHIC, PERSPECTIVE, Camera
 
 HOME_DIRECTION = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])

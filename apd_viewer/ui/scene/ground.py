@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_position, format_short, round_step
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.scene.ghost import RestActor
 from apd_viewer.ui.scene.navigation import MouseTool

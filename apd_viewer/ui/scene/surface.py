@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF
@@ -11,7 +11,8 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
-from apd_viewer.presentation.palette import ColorMap
+from apd_viewer.geometry.picking.surface_index import SurfaceIndex
+from apd_viewer.presentation.color_maps import ColorMap
 from apd_viewer.ui.scene.surface_shading import (
     Shading,
     SurfaceArrays,
@@ -22,9 +23,6 @@ from apd_viewer.ui.scene.surface_shading import (
     shade,
 )
 from apd_viewer.ui.scene.viewport import Viewport
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 # Placeholder before the first mesh; it gets one vertex, as PyVista rejects empty arrays.
 _NOTHING = PreviewSurface(np.empty((0, 3), dtype=np.int32))

@@ -14,7 +14,8 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkTexture
 
 from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
-from apd_viewer.presentation.palette import FREE_COLOR, ColorMap
+from apd_viewer.presentation.color_maps import ColorMap
+from apd_viewer.presentation.palette import FREE_COLOR
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.picking.render_mesh import RenderMesh

@@ -136,7 +136,7 @@ class Viewport(QtInteractor):
             return
         self.is_stale = True
         super().update()
-        if hasattr(self, "overlay"):  # not set yet while the base class is initialized
+        if hasattr(self, "tool_layer"):  # not set yet while the base class is initialized
             self.tool_layer.update()
 
     def render(self, *_: Any, **__: Any) -> None:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from PySide6.QtCore import QLocale, Qt
 
 from apd_viewer.language import languages, tr, trc
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.preference_values import NumberRange, OneOf, Option, Preference
 from apd_viewer.ui.preferences.unit_button import UNIT_NAMES

@@ -21,8 +21,7 @@ from apd_viewer.files.known_file import fingerprint
 from apd_viewer.files.report import target_distance_fields
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
-from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.analysis.deviation_kernels import write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.arrays import diagonal

@@ -19,7 +19,7 @@ from apd_viewer.cases.case_file import DONE, FAILED, read_case
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, linear_axis, magnitude_axis, rounded_axis
-from apd_viewer.presentation.palette import SEQUENTIAL
+from apd_viewer.presentation.color_maps import SEQUENTIAL
 from apd_viewer.ui.plots.chart_drawing import Chart, ColorBar, Curve, Dots
 from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 from apd_viewer.ui.plots.scatter_view import ScatterView

@@ -16,7 +16,8 @@ from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
-from apd_viewer.session.model.view import CameraPose, UpAxis, View
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.ui.preferences.preferences import UpAxes
 from apd_viewer.ui.scene.camera import is_in_view, surrounding_box, uncovering_shift, unobstructed_camera
 from apd_viewer.ui.scene.camera_controller import CameraController

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meshes import rotation
 
-from apd_viewer.files.formats.parsed_mesh import Polygons
+from apd_viewer.files.formats.polygon_mesh import Polygons
 
 ARROW = np.array([[0, 0, 0], [1, -1, 0], [0.3, 0, 0], [1, 1, 0]])
 STAR = np.array([[np.cos(t), np.sin(t), 0] for t in np.arange(10) * np.pi / 5]) * np.array([[1.0], [0.4]] * 5)

@@ -6,8 +6,7 @@ import pytest
 import trimesh
 from meshes import box, rotation, sphere
 
-from apd_viewer.geometry.analysis.deviation import Deviation
-from apd_viewer.geometry.analysis.deviation_kernels import extreme_vertices, write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation, extreme_vertices, write_shades
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 NO_SEAM = np.empty(0, dtype=np.int32)

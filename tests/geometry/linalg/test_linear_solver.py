@@ -11,7 +11,8 @@ from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import linear_solver
-from apd_viewer.geometry.linalg.linear_solver import LinearSolver, SupernodalFactor
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.linalg.supernodal import SupernodalFactor
 from apd_viewer.geometry.linalg.supernodes import Supernodes
 from apd_viewer.geometry.mesh.operators import edge_weights, laplacian
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from meshes import box, grid, rotation, soup, sphere, tube
 from scipy.spatial import Delaunay
 
-from apd_viewer.geometry.mesh.adjacency import BOUNDARY, NON_MANIFOLD, flood_fill, opposite_half_edges
+from apd_viewer.geometry.mesh.components import BOUNDARY, NON_MANIFOLD, flood_fill, opposite_half_edges
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
@@ -24,7 +24,7 @@ from apd_viewer.geometry.picking.vertex_sets import (
     shrunk_set,
     smoothed_set,
 )
-from apd_viewer.geometry.pose.transforms import MirrorPlane
+from apd_viewer.geometry.pose.mirror import MirrorPlane
 
 N = 9  # vertices of the triangles that hypothesis makes up
 triangles = st.lists(st.tuples(*[st.integers(0, N - 1)] * 3), min_size=1, max_size=14).map(

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.transforms import MirrorPlane, rotation_about, scaling_about, shear, translation
+from apd_viewer.geometry.pose.mirror import MirrorPlane
+from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, shear, translation
 from apd_viewer.geometry.pose.waypoint_path import rotation_vector
 
 RNG = np.random.default_rng(11)

@@ -30,7 +30,7 @@ from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.session import Session
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity, Listener
-from apd_viewer.session.storage import session_meshes
+from apd_viewer.session.storage import session_file
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 Change = Callable[[SettingsEditor], object]
@@ -314,7 +314,7 @@ def test_open_session_finds_a_sample_by_its_name(tmp_path, monkeypatch):
     mesh, _ = open_sample("duck")
     gone = {"path": "/gone/duck.obj", "relative": "gone/duck.obj"}
     monkeypatch.setattr(
-        session_meshes, "mesh_location_to_json", lambda *given: {**mesh_location_to_json(*given), **gone}
+        session_file, "mesh_location_to_json", lambda *given: {**mesh_location_to_json(*given), **gone}
     )
     save_session(tmp_path / "a.apd", initial_state(mesh), VIEW)
     assert open_session(tmp_path / "a.apd")[0].document.mesh.path == mesh.path

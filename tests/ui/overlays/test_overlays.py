@@ -12,7 +12,8 @@ from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.presentation.palette import DIVERGING, FREE_COLOR, SEQUENTIAL
+from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
+from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.scales import Measure, Scale, default_scale
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTIONS

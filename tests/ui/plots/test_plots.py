@@ -13,7 +13,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QLabel, QMenu
 
-from apd_viewer.presentation.palette import DIVERGING
+from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.session.model.trace import TRACE_COLUMNS
 from apd_viewer.ui.plots import plots as plots_module
 from apd_viewer.ui.plots.plots import Plots

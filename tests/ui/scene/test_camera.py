@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.scene.camera import MARGIN, ORTHOGRAPHIC, PERSPECTIVE, Camera, rotation, unit
 
 UP = np.array([0.0, 1.0, 0.0])

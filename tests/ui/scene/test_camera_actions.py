@@ -8,7 +8,7 @@ from PySide6.QtCore import QPointF, Qt
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.preferences.preferences import Preferences, UpAxes
 
 

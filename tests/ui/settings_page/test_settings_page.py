@@ -13,7 +13,7 @@ from PySide6.QtTest import QTest
 from apd_viewer import language
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.view import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
 from apd_viewer.ui.settings_page import preference_table as table

@@ -1,4 +1,4 @@
-"""Adjacency of triangles across edges, flood fill, and connected components."""
+"""Connected pieces of a surface, adjacency of triangles across edges, flood fill."""
 
 from __future__ import annotations
 
