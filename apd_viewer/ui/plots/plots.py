@@ -43,7 +43,7 @@ from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
 _LOWEST = 140  # px: minimum height of a stacked chart
 _WIDE = 560  # px: width needed for the check boxes in one row
-_AGAIN = 100  # ms between checks of the compiling thread between checks of the compiling thread
+_AGAIN = 100  # ms between checks of the compiling thread
 _HISTOGRAM = "ratio_from", "ratio_to", "share_of_rest_area"
 _FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # area ratios that bound the bins of an exported histogram
 

@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.plots.chart_drawing import Chart, draw_chart, draw_rings
 from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 
-_NEAR = 10.0  # px: largest distance of a click from its dot: largest distance of a click from its dot
+_NEAR = 10.0  # px: largest distance of a click from its dot
 _LOWEST = QSize(200, 120)
 
 

@@ -27,7 +27,7 @@ from apd_viewer.__main__ import main
 sys.exit(main(words))
 """
 _ERROR = "error: "
-_PATIENCE = 5000  # ms to wait for a killed process to wait for a killed process
+_PATIENCE = 5000  # ms to wait for a killed process
 
 
 class CommandProcess(QObject):
@@ -101,7 +101,7 @@ class CommandProcess(QObject):
 
     def _finish(self, process: QProcess, status: int, way: QProcess.ExitStatus) -> None:
         self._read(process)
-        if process is not self._process:  # the process was the process was cancelled
+        if process is not self._process:  # the process was cancelled
             return
         self._process = None
         process.deleteLater()

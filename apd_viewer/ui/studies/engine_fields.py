@@ -106,7 +106,7 @@ class EngineFields(QObject):
 
 
 SCHEDULER_FILE_SUFFIX = ".json"
-_PATIENCE = 5000  # ms to wait for an answer of the scheduler to wait for an answer of the scheduler
+_PATIENCE = 5000  # ms to wait for an answer of the scheduler
 _BY_TCP = ("tcp", "tls", "ws", "wss")
 
 

@@ -47,7 +47,7 @@ from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 
-_WIDTH = 720  # px: width of the dialog: width of the dialog
+_WIDTH = 720  # px: width of the dialog
 _CASES, _LEVELS = 100, 5
 
 

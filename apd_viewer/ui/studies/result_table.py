@@ -32,7 +32,7 @@ _ROLES = Qt.ItemDataRole
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 _Index = QModelIndex | QPersistentModelIndex
-_ROW = 24  # px: height of a row: height of a row
+_ROW = 24  # px: height of a row
 _WIDEST, _NARROWEST = 360, 48
 _PAD = 18  # px: horizontal padding of a text, both sides together
 # Modifier keys for a click to extend the selection.

@@ -35,7 +35,7 @@ from apd_viewer.ui.widgets.fit_to_screen import largest_on_screen, resize_on_scr
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.thin_bar import ThinBar
 
-_WIDTH, _WIDTH_WITH_FIGURE = 640, 900  # px: width without and with a figure: width without and with a figure
+_WIDTH, _WIDTH_WITH_FIGURE = 640, 900  # px: width without and with a figure
 
 
 class RunDialog(QDialog):

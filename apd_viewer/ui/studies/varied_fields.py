@@ -27,7 +27,7 @@ from apd_viewer.ui.widgets.fields import CheckBox, TextField
 
 DEGREES, PERCENT, NO_UNIT = "deg", "%", ""
 SHARE_COLUMN = "to"
-_DIGITS = 10  # significant digits significant digits of a number in a plan
+_DIGITS = 10  # significant digits of a number in a plan
 _WIDTH = 104  # px: width of a field for an end
 TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 

@@ -13,7 +13,7 @@ from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.viewport import Viewport
 
 SPEED = 24.0  # degrees a second
-_TICK = 16  # ms between frames between frames
+_TICK = 16  # ms between frames
 _LONGEST = 0.1  # s: longest time step, so that the camera does not jump after a pause
 
 
