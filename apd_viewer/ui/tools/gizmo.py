@@ -63,7 +63,7 @@ class Gizmo(MouseTool, QObject):
         self.offered_handles = ALL_HANDLES
         self._hot: str | None = None
         self._drag: GizmoDrag | None = None
-        self._moving = False  # True once True once the drag has left the dead zone
+        self._moving = False  # True once the drag has left the dead zone
 
     @property
     def pose(self) -> np.ndarray:

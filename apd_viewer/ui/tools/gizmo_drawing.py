@@ -36,7 +36,7 @@ AXIS_COLOURS = {False: ("#cf2458", "#6f9f0a", "#4b45d1"), True: ("#ff6f97", "#b4
 INK = {False: "#ffffff", True: "#14161a"}  # halo that sets lines off from the background
 CENTRE = {False: "#3a3f47", True: "#f2f4f7"}
 FADED = 0.16  # opacity of the other gizmo handles during a drag
-BACK = 0.34  # opacity opacity of the far half of a ring
+BACK = 0.34  # opacity of the far half of a ring
 
 
 @dataclass(frozen=True)
