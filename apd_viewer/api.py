@@ -6,20 +6,12 @@ from apd_viewer.files.meshes import open_mesh as open_mesh
 from apd_viewer.geometry.analysis.hull_readings import HullReadings as HullReadings
 from apd_viewer.geometry.analysis.volume_readings import (
     VolumeReadings as VolumeReadings,
-)
-from apd_viewer.geometry.analysis.volume_readings import (
     volume_readings as volume_readings,
 )
 from apd_viewer.geometry.contact.contact_obstacles import (
     Obstacle as Obstacle,
-)
-from apd_viewer.geometry.contact.contact_obstacles import (
     capsule as capsule,
-)
-from apd_viewer.geometry.contact.contact_obstacles import (
     plate as plate,
-)
-from apd_viewer.geometry.contact.contact_obstacles import (
     sphere as sphere,
 )
 from apd_viewer.geometry.goals.goals import Region as Region
@@ -32,6 +24,5 @@ from apd_viewer.geometry.solver.convergence import Convergence as Convergence
 from apd_viewer.geometry.solver.deformation import Deformation as Deformation
 from apd_viewer.geometry.solver.deformation_result import Result as Result
 from apd_viewer.geometry.solver.plate_press import PressStep as PressStep
-from apd_viewer.geometry.solver.pressed_mesh import Pressed as Pressed
-from apd_viewer.geometry.solver.pressed_mesh import press as press
+from apd_viewer.geometry.solver.pressed_mesh import Pressed as Pressed, press as press
 from apd_viewer.presentation.notebook_deform import deform as deform

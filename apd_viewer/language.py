@@ -5,8 +5,6 @@ Numbers have the signs of the language in the window, and in the commands that i
 and in scripts, whose words are read by other programs, they keep the decimal point.
 """
 
-from __future__ import annotations
-
 import gettext
 import os
 import sys

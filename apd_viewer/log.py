@@ -5,8 +5,6 @@ Each process writes a file of its own, since no two processes can rotate the sam
 removed. Of a mesh nothing is logged but the name of its file.
 """
 
-from __future__ import annotations
-
 import faulthandler
 import logging
 import os

@@ -6,8 +6,6 @@ that touches itself each one comes to rest beside the walk, and the last one is 
 end of the motion. Before, the way does not matter, and each goes on from the one before: half the work.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Files of finished cases: readings, curves and shape, written atomically."""
 
-from __future__ import annotations
-
 import json
 import os
 import struct

@@ -4,8 +4,6 @@ An engine starts cases and says when they end. It is one of processes on this ma
 elsewhere; the runner does not know which.
 """
 
-from __future__ import annotations
-
 import contextlib
 import queue
 import time

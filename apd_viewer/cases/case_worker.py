@@ -6,8 +6,6 @@ A process that compiles keeps half a gigabyte, so no worker does. The first work
 process for it and leaves a mark; the others wait for that.
 """
 
-from __future__ import annotations
-
 import contextlib
 import getpass
 import hashlib

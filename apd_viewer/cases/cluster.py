@@ -3,8 +3,6 @@
 Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
 """
 
-from __future__ import annotations
-
 import time
 from concurrent.futures import Future
 from contextlib import suppress
@@ -12,8 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, TaskRunner
-from apd_viewer.cases.case_worker import run_task as work_on_case
+from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, TaskRunner, run_task as work_on_case
 from apd_viewer.errors import InputError
 from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr

@@ -6,8 +6,6 @@ They share one process, which ends with the last of them: there may be no room f
 All methods of the class are called on one thread.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 It is made anew from the files of the cases wherever it is damaged; so nothing in it is believed unseen.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sqlite3

@@ -1,7 +1,5 @@
 """Study designs: samples of ranges and choices as the rows of a plan."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

@@ -4,8 +4,6 @@ Each process has an executor of its own. So it is known which case a process die
 too long can be ended, and a process is replaced after so many cases without waiting for the others.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal
@@ -16,8 +14,7 @@ from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from multiprocessing import get_context, parent_process
 from threading import Thread
 
-from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, TaskRunner
-from apd_viewer.cases.case_worker import run_task as work_on_case
+from apd_viewer.cases.case_worker import CaseAnswer, CaseTask, TaskRunner, run_task as work_on_case
 from apd_viewer.session.processes.child_boot import set_up_process
 
 # Number of cases before a process is replaced.

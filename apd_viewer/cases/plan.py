@@ -1,7 +1,5 @@
 """Study plans: tables with one case per row, validated cell by cell."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections import Counter

@@ -1,7 +1,5 @@
 """Columns of a plan and the parsers of their values."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Results of a study as a table, readable during a run; CSV and Parquet output."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Mapping
 from dataclasses import dataclass

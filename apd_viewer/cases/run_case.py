@@ -1,7 +1,5 @@
 """Study case: its document, its computation, and its result."""
 
-from __future__ import annotations
-
 import tempfile
 import time
 from collections import OrderedDict

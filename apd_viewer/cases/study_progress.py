@@ -1,7 +1,5 @@
 """Progress of a study: finished cases, rate, time left; remaining work of a plan."""
 
-from __future__ import annotations
-
 import errno
 import os
 import time

@@ -1,7 +1,5 @@
 """The command deck: shells, sets and boundary conditions for CalculiX and Abaqus."""
 
-from __future__ import annotations
-
 import argparse
 
 from apd_viewer.commands.motion_options import add_input_options, read_input

@@ -1,7 +1,5 @@
 """The command deform: deform a mesh without a window or display."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tempfile

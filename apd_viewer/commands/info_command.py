@@ -1,7 +1,5 @@
 """The command info: check a mesh file and describe its contents."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from dataclasses import fields

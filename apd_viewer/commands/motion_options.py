@@ -1,7 +1,5 @@
 """Command-line options for motions: paint, pose matrices, and motions in words."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path

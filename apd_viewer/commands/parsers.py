@@ -1,7 +1,5 @@
 """Parsers of the commands, by name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from apd_viewer.commands.deck_command import deck_parser

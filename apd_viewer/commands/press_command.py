@@ -1,7 +1,5 @@
 """The command ``apd-viewer press``: press a mesh between two closing plates."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """Output of the command press: table, report and summary."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

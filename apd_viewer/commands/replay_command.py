@@ -1,7 +1,5 @@
 """The command replay: solve a saved session again."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

@@ -1,7 +1,5 @@
 """Output of a deformation: files, scalars, progress and summary."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Callable, Mapping

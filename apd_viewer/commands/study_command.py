@@ -1,7 +1,5 @@
 """The commands ``study`` and ``study design``: run or write a plan of cases."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import signal

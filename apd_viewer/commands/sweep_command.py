@@ -1,7 +1,5 @@
 """The command ``apd-viewer sweep``: table, curves, meshes and film of a motion."""
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 from collections.abc import Callable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """The command volumes: volumes by name, with published values for comparison."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

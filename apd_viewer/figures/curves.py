@@ -1,7 +1,5 @@
 """Curves of presses, sweeps and the paper's experiments."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 Where there is no OpenGL, VTK takes the process with it that asks for a picture.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

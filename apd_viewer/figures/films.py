@@ -1,7 +1,5 @@
 """Films made from pictures, as GIF or MP4."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Curves beyond the paper's tables: ARAP's area change, handle drift of Eq. 8."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple

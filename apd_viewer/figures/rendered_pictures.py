@@ -1,7 +1,5 @@
 """Rendered pictures of shapes, if this machine has OpenGL."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Plot style for print and colour-blind readers, fonts, and SVG and PNG output."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path

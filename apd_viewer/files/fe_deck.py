@@ -1,7 +1,5 @@
 """FE decks for CalculiX and Abaqus: shells with their held nodes displaced."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple

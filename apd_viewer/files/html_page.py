@@ -3,8 +3,6 @@
 It names nothing outside itself: pictures are in it as PNG or SVG, files as links that hold them.
 """
 
-from __future__ import annotations
-
 import base64
 from dataclasses import dataclass
 from html import escape

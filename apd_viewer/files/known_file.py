@@ -4,8 +4,6 @@ Clocks may be wrong, so no time is compared with now, nor with another file's. W
 same again, nothing has changed.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import stat

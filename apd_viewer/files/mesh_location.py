@@ -1,7 +1,5 @@
 """Location of a session's mesh, stored in the session and resolved on opening."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Writing of meshes, verified by reading them back."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import os

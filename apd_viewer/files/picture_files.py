@@ -1,7 +1,5 @@
 """PNG encoding and decoding of small pictures."""
 
-from __future__ import annotations
-
 import io
 import warnings
 

@@ -1,7 +1,5 @@
 """Resources of the program: sample meshes and icons."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache

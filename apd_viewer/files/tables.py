@@ -1,7 +1,5 @@
 """Tables of numbers as comma-separated values."""
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Processor level for compiling the kernels."""
 
-from __future__ import annotations
-
 import os
 import platform
 import sys

@@ -4,8 +4,6 @@ Numba compiles a kernel when it is first called with arrays of some types. ``ker
 kernel that is called, and for each types of its arguments, in the order in which a window needs them.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from functools import cache, partial

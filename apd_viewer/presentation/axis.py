@@ -1,7 +1,5 @@
 """Plot axes: range and labelled ticks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

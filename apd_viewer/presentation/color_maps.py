@@ -5,8 +5,6 @@ ends, on which light and shade could not be seen. Between the knots it is straig
 as an eye can see.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Legend of an overlay as SVG, for pictures and pages; no Qt."""
 
-from __future__ import annotations
-
 from html import escape
 
 import numpy as np

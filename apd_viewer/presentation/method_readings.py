@@ -1,7 +1,5 @@
 """Measurements of the compared methods, as numbers and as table texts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path

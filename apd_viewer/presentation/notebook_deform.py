@@ -15,8 +15,7 @@ import numpy as np
 from apd_viewer.files.picture_files import png_content
 from apd_viewer.geometry.mesh.arrays import checked_floats, checked_integers, diagonal, frozen
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.solver.deformation_result import Result
-from apd_viewer.geometry.solver.deformation_result import deform as quietly_deform
+from apd_viewer.geometry.solver.deformation_result import Result, deform as quietly_deform
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.color_maps import DIVERGING

@@ -1,7 +1,5 @@
 """Number formats of the window: true minus signs, no negative zero."""
 
-from __future__ import annotations
-
 import math
 
 from apd_viewer.notation import editable_number, localized_number

@@ -4,8 +4,6 @@ What moves is warm and what stays is blue; regions have the colours in between. 
 neighbours too, and the panel names them all.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE

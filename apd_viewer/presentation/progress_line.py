@@ -1,7 +1,5 @@
 """One-line progress display on a terminal or in a notebook."""
 
-from __future__ import annotations
-
 import sys
 import time
 from typing import Any, Protocol

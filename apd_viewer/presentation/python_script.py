@@ -1,7 +1,5 @@
 """Python script reproducing a deformation: open, hold, pose, deform, save."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Report blocks: settings, handles, regions, mesh file, versions, reproduction."""
 
-from __future__ import annotations
-
 import math
 import platform
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Content of a report: measurements, settings, mesh and versions; no Qt."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ kept; colours and light follow once this is known. All is done for many triangle
 fixed size, so that memory is bounded whatever the mesh. The same shape gives the same picture.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple

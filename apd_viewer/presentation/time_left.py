@@ -5,8 +5,6 @@ logarithm over time, fitted to the recent half of a descent, tells when it is at
 does not fall clearly the time is not known, but for what the solver itself expects before its descent.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """FE deck of a document: elements, sets, handle displacements and wall."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

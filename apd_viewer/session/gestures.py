@@ -1,7 +1,5 @@
 """Gestures such as strokes, drags and slider moves, each one undo step."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Editor of handle poses and pivots: drag, type, nudge, reset and mirror."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Editor of measurements, and readings of the rest shape and the displayed shape."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Editor of obstacles: add, place, move, rename and remove."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

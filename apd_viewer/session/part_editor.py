@@ -1,7 +1,5 @@
 """Adding, removing, renaming, locking and hiding parts; each is an undo step."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Operations on a painted part: grow, shrink, smooth, invert, mirror, clear."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from enum import Enum
 from typing import TypeAlias

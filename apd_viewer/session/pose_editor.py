@@ -1,7 +1,5 @@
 """Editor of named poses: keep, restore, rename, update and remove."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from apd_viewer.language import comma_separated, in_quotes, tr

@@ -1,7 +1,5 @@
 """Saved and unsaved work: the last saved document of each opened mesh."""
 
-from __future__ import annotations
-
 import threading
 from pathlib import Path
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 All methods, of the parts too, are called on one thread.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Targets and solver settings; each change is an undo step or part of a gesture."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """Self-intersection and size checks of the displayed shape."""
 
-from __future__ import annotations
-
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.gestures import Gestures

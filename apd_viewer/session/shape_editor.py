@@ -1,7 +1,5 @@
 """Editor of the rest shape (reset, bake, weld) and the target shape."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

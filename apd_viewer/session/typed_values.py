@@ -1,7 +1,5 @@
 """Vertices, lengths and points typed by the user, evaluated on the open mesh."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Check for a display before Qt starts: without one, Qt aborts the process."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import socket

@@ -1,7 +1,5 @@
 """Garbage collection confined to the GUI thread, the owner of Qt objects."""
 
-from __future__ import annotations
-
 import gc
 
 from PySide6.QtCore import QObject, QTimer

@@ -1,7 +1,5 @@
 """The listener of a session as Qt signals, and the panel connected to it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """The main window as it is first shown: frame, canvas, panels and menus."""
 
-from __future__ import annotations
-
 from typing import cast
 
 from PySide6.QtCore import QChildEvent, QEvent, QSettings, QSize, Qt, QTimer, Signal

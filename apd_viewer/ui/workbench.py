@@ -1,7 +1,5 @@
 """Controllers needing a session, added to the shell once libraries are loaded."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -5,8 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from apd_viewer.commands.terminal.columns import column_count, padded_text, shortened_text, wrapped_lines
 from apd_viewer.commands.volumes_command import volume_lines

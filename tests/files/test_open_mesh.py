@@ -4,8 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from mesh_contents import CORNERS, POLYGONS, binary_stl, glb, obj, off, ply, rows, stl
 from meshes import box, grid, soup
 

@@ -3,8 +3,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.tables import cell_text, text_cell, write_table

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driven_session import VIEW, Driven
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from meshes import tube
 
 from apd_viewer.cases.case import case_of, run

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from driven_session import VIEW, check_equal
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from meshes import box
 
 from apd_viewer.files.mesh_writing import save_mesh

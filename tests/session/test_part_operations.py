@@ -7,8 +7,7 @@ import meshes
 import numpy as np
 import pytest
 from driven_session import Driven
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh

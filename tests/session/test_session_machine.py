@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from driven_session import Driven, solver_threads
-from hypothesis import settings
-from hypothesis import strategies as st
+from hypothesis import settings, strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
 from meshes import box, rotation
 

@@ -1,7 +1,5 @@
 """The command desktop: register or unregister the program with the desktop."""
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import os

@@ -1,7 +1,5 @@
 """Parsers of the desktop commands, by name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from apd_viewer.commands.desktop.desktop_command import desktop_parser

@@ -1,7 +1,5 @@
 """The command thumbnail: a small picture of a session or a mesh."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The option ``--animation`` and checks of its files."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """Text in terminal columns; wide characters such as Chinese take two."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import unicodedata

@@ -1,7 +1,5 @@
 """Checks of the output files of a command."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

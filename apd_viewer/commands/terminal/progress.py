@@ -1,7 +1,5 @@
 """Progress of long work: a bar on a terminal, lines for a parent program or a log."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -1,7 +1,5 @@
 """Options for the settings of a deformation."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 from typing import Any

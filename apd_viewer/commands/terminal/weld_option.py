@@ -1,7 +1,5 @@
 """The option ``--weld``."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager

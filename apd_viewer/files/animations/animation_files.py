@@ -3,8 +3,6 @@
 Neither has triangles: a cache is played on the mesh of the file that was opened here.
 """
 
-from __future__ import annotations
-
 import os
 import struct
 from collections.abc import Iterator, Sequence

@@ -4,8 +4,6 @@ A point cache names no vertices: its points are those of the mesh that it is put
 to follow what importers make of the file, and not the file alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property

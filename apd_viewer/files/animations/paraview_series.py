@@ -1,7 +1,5 @@
 """ParaView series: a PVD file listing one VTU file per shape, written by VTK."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 

@@ -1,7 +1,5 @@
 """OFF and its variants: file order kept; coordinates updated in place."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

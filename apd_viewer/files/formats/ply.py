@@ -1,7 +1,5 @@
 """PLY, text or binary: file order kept; coordinates updated in place."""
 
-from __future__ import annotations
-
 import re
 import struct
 from dataclasses import dataclass, replace

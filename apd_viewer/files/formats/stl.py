@@ -1,7 +1,5 @@
 """STL, text or binary: three vertices per triangle; coordinates updated in place."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Text files: encodings, number parsing, and replacement of numbers in place."""
 
-from __future__ import annotations
-
 import codecs
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence

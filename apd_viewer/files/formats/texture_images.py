@@ -1,7 +1,5 @@
 """Texture images, and their combination into one atlas."""
 
-from __future__ import annotations
-
 import io
 import math
 from pathlib import Path

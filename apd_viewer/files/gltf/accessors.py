@@ -1,7 +1,5 @@
 """Reading and writing of glTF accessors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

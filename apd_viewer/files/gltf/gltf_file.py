@@ -1,7 +1,5 @@
 """glTF file rewritten with new positions, bounds and normals."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Sequence

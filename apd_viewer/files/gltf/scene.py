@@ -3,8 +3,6 @@
 Every look into the document asks first whether there is what the format promises, or says what is wrong.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import math

@@ -23,8 +23,6 @@ handles in order. We write 0 for the base and 1, 2 and so on for the handles. Th
 of columns and rows; where both are 0, another such line and the numbers in binary follow.
 """
 
-from __future__ import annotations
-
 import io
 import re
 import sys

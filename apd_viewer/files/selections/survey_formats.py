@@ -3,8 +3,6 @@
 [Botsch & Sorkine 2008, On Linear Variational Surface Deformation Methods]
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

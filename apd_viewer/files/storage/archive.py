@@ -1,7 +1,5 @@
 """ZIP archive of texts, arrays and files, never unpacked to disk."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

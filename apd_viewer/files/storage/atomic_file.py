@@ -4,8 +4,6 @@ Beside each scratch folder lies a file, which is locked while the folder is bein
 ones were left by a killed program, whatever the clock says.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os

@@ -1,7 +1,5 @@
 """File locks, released by the system when the program ends."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os

@@ -6,8 +6,6 @@ A mesh may come from a stranger, and what it names is read without asking. So a 
 included, and only what then lies in the folder of the mesh or below it is opened.
 """
 
-from __future__ import annotations
-
 import errno
 import logging
 import os

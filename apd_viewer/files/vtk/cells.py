@@ -1,7 +1,5 @@
 """Conversion of VTK cells to polygons."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.errors import InputError

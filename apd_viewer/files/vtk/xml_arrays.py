@@ -1,7 +1,5 @@
 """Arrays of a VTK XML file: text, base64 and appended bytes, also compressed."""
 
-from __future__ import annotations
-
 import base64
 import binascii
 import lzma

@@ -1,7 +1,5 @@
 """VTK XML surface files (``.vtp``, ``.vtu``): reading, and rewriting in place."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ and no logarithm is needed of every triangle. The bins are so narrow against the
 that any coarser histogram and any percentile follow from them.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

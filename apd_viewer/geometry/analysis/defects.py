@@ -1,7 +1,5 @@
 """Topological defects: borders, non-manifold edges and vertices, flipped faces."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

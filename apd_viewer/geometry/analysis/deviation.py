@@ -4,8 +4,6 @@ Ratios are natural logarithms: twice and half are equally far from zero, and zer
 without a triangle, or whose triangles had no area at rest, has no value: it is not a number.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Double-walled vessels: closed surfaces enclosing a wall instead of the capacity."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Readings of a shape determined by its convex hull alone."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -101,8 +99,7 @@ class ConvexHull(NamedTuple):
 def convex_hull(points: np.ndarray) -> ConvexHull | None:
     """Convex hull of ``points`` (k, 3); None if they are flat."""
     # Imported here: scipy would delay the first picture, and few runs need a convex hull.
-    from scipy.spatial import ConvexHull as Qhull
-    from scipy.spatial import QhullError
+    from scipy.spatial import ConvexHull as Qhull, QhullError
 
     try:
         found = Qhull(points)

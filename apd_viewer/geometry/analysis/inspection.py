@@ -1,7 +1,5 @@
 """Inspection of a mesh: its contents, defects, and their treatment."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scalars of a deformed mesh, per vertex and per triangle."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

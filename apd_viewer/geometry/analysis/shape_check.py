@@ -1,7 +1,5 @@
 """Shape checks too slow for every frame."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 

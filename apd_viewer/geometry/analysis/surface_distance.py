@@ -1,7 +1,5 @@
 """Distance of points from a surface."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """A target shape, and the distance of another shape from it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -5,8 +5,6 @@ contact, Algorithm 1]: no step is longer than the gap that is left, divided by t
 a pair about their mean.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 

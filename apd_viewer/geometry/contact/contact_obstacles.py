@@ -1,7 +1,5 @@
 """Impenetrable obstacles to a surface: plates, spheres, capsules."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

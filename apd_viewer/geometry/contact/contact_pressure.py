@@ -1,7 +1,5 @@
 """Contact pressure between the walls of a mesh."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

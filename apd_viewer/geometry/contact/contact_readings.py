@@ -1,7 +1,5 @@
 """Readings of a surface in contact."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ distance of its two parts, ``|sum_k w_k x_k|`` with the weights of their nearest
 [Ericson 2005, Real-time collision detection, 5.1].
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 

@@ -8,8 +8,6 @@ the clamped logarithm of [Li, Ferguson, Schneider et al. 2020, Incremental poten
 twice continuously differentiable and grows without bound where a gap closes.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.contact.distances import gap

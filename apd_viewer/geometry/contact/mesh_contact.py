@@ -1,7 +1,5 @@
 """Contact of a mesh from its held vertices and wall thickness."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Near pairs of a moving surface and a moving obstacle."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.contact.collision_times import detect_collisions

@@ -7,8 +7,6 @@ the cores; edges and their weights are in compressed sparse rows, ``start, neigh
 quaternions ``q`` (n, 4): to turn by one costs less than to fetch a matrix.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 

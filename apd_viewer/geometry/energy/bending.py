@@ -12,8 +12,6 @@ While the rotations are held the energy is quadratic, a projective term [Bouaziz
 Dynamics] of the second gradient [Mindlin 1964, Micro-structure in linear elasticity].
 """
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.sparse as sp
 from numba import prange

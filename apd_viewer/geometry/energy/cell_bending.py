@@ -9,8 +9,6 @@ The mean over all directions u is 0.75 h^2 where all edges have the length h, an
 side; there it is h^2 along the sides, and half of that across.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.energy.material import Material

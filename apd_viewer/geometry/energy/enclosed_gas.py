@@ -7,8 +7,6 @@ An ideal gas at one temperature, as much outside as inside at rest:
 so that its pressure is ``p V0 / V``, and the surface feels that less ``p``.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.errors import InputError

@@ -1,7 +1,5 @@
 """Weights of the terms of the elastic energy."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

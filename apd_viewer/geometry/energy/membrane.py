@@ -13,8 +13,6 @@ Its kernel has no branches, no calls and one flat array with constant strides: t
 lanes. A division or a root then takes no longer for eight triangles than for one.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 

@@ -12,8 +12,6 @@ directions, twisting and flipping in the plane, and turning each direction out o
 A triangle that is compressed would rather turn out of its plane: there the last are negative.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 

@@ -12,8 +12,6 @@ They are found by conjugate gradients. The preconditioner adds to Jacobi's the c
 ``P (P^T A P)^-1 P^T`` [Brandt 1977, Multi-level adaptive solutions to boundary-value problems].
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg

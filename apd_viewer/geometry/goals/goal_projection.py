@@ -4,8 +4,6 @@ With g the gradients of the goals c, the directions are ``y = K^-1 g``: the smoo
 the goals measure. They need not be those of today's gradients, only to lead there.
 """
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Goals: target values of areas and of the volume."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Target percentages, as a number or as text with a percent sign."""
 
-from __future__ import annotations
-
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import as_float
 from apd_viewer.language import tr

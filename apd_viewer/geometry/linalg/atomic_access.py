@@ -1,7 +1,5 @@
 """Acquire loads and release stores of counters shared by processes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from numba import types

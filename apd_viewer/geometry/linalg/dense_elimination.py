@@ -3,8 +3,6 @@
 Only the upper triangle of a front is read and written.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit

@@ -5,8 +5,6 @@ counts only if it is whole, and made from the same sources for the same processo
 same numba and Python; otherwise the kernel is compiled. What is found and done is noted in the log.
 """
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 import logging

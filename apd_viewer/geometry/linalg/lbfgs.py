@@ -4,8 +4,6 @@ In the kernels ``A`` (l, m) are steps or changes in single precision, ``order`` 
 are made in double precision and in portions of a fixed length, so they are the same on any number of cores.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

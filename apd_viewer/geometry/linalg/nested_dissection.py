@@ -5,8 +5,6 @@ both; so on with each half [George 1973, Nested Dissection of a Regular Finite E
 the axes cut a surface about as short as the best cuts of its graph do, and are found sooner.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit

@@ -3,8 +3,6 @@
 numpy does these on one core, and in a pass of its own for every operation.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 from scipy.sparse import csr_array

@@ -12,8 +12,6 @@ not positive definite the largest eigenvector of Horn's symmetric 4x4 matrix is 
 [Horn 1987, Closed-form solution of absolute orientation using unit quaternions].
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 

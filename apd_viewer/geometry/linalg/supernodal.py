@@ -19,8 +19,6 @@ For solving, both have unsigned indices: numba counts none of them from the end,
 vectors of the loops.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numba

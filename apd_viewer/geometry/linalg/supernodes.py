@@ -6,8 +6,6 @@ supernodes know nothing of each other, so they are tasks that can run side by si
 the tree, follows them. The tasks depend on the matrix alone, so sums are the same on any number of cores.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit

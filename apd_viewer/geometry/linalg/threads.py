@@ -15,8 +15,6 @@ A sum along an axis, and an array assigned to a part of another one, take a seco
 numba compiles them, and the message of their errors, with it. Loops do not.
 """
 
-from __future__ import annotations
-
 import functools
 import threading
 from collections.abc import Callable, Iterator

@@ -7,8 +7,6 @@ It is the shortest one of those that pass the obstacles of the surface on the sa
 Sharp & Crane, You can find geodesic paths in triangle meshes by just flipping edges, 2020.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Measurements of a shape: distances, angles, geodesics and sections."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Kinds of measurements."""
 
-from __future__ import annotations
-
 from enum import Enum
 
 from apd_viewer.language import tr

@@ -1,7 +1,5 @@
 """Sections of a surface by a plane: contours, their length and the area inside."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Validated and read-only arrays, and validation of arguments by their names."""
 
-from __future__ import annotations
-
 import inspect
 import math
 import os

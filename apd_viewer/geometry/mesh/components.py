@@ -1,7 +1,5 @@
 """Connected pieces of a surface, adjacency of triangles across edges, flood fill."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Decimation of a mesh, with a map from each vertex to coarse ones."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import fast_simplification

@@ -4,8 +4,6 @@ Throughout, ``V`` or ``U`` is an (n, 3) float array of positions in mesh units a
 integer array of triangles, counter-clockwise seen from outside.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.sparse as sp
 

@@ -3,8 +3,6 @@
 A gradient is gathered corner by corner, so that the cores can share the vertices among them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 

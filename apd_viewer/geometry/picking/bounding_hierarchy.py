@@ -1,7 +1,5 @@
 """Bounding volume hierarchy of the triangles of a shape."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ No search tree: a mesh that deforms would have to rebuild it for every pick, whi
 at each triangle once. Boxes around the triangles as they come cost no more than one look at them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit

@@ -4,8 +4,6 @@ A set is an (n,) bool array. At a seam one vertex of each place is named, as in 
 of :class:`SurfaceIndex`. What a set says of the other vertices means nothing.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial import KDTree
 

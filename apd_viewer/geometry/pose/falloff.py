@@ -8,8 +8,6 @@ spring whose energy is ``2 w |u - t|^2``, to go with ``grad E = 4 (K U - b)`` of
 So scaled, springs are as firm against the surface whatever its size, its resolution and the falloff are.
 """
 
-from __future__ import annotations
-
 from typing import TypeAlias
 
 import numpy as np

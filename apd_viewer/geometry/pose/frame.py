@@ -1,7 +1,5 @@
 """Frame of a deformation: a shape and its readings."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Path of held vertices and obstacles from their positions to their targets."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Mirror planes: mirrored points and motions, and motions within the plane."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ that equal parts are equal motions and nothing is nearer to the line on the way.
 factors in equal parts.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 Rotations are counter-clockwise seen from the tip of their axis.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

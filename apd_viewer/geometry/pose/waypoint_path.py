@@ -4,8 +4,6 @@ A pose alone does not tell a turn by 311 degrees from one by -49. So whoever mov
 its way at which the shortest rotation from one to the next still is the rotation that was made.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Sequence

@@ -8,8 +8,6 @@ KeyboardInterrupt:
 * broken off while it compiles, it is lost in a callback of LLVM, or nothing can be compiled any more.
 """
 
-from __future__ import annotations
-
 import functools
 from typing import Any
 

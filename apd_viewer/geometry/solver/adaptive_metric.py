@@ -6,8 +6,6 @@ Hessian of some steps ago still serves, since the quasi-Newton memory learns the
 Kavan 2017]; the global step keeps K.
 """
 
-from __future__ import annotations
-
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goal_projection import GoalProjection
 

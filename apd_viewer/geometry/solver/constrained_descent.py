@@ -10,8 +10,6 @@ At convergence mu is zero, and ``K U = b + mult g`` is the condition of Karush, 
 goals this is the plain iteration of a local and a global step.
 """
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

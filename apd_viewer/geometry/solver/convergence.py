@@ -1,7 +1,5 @@
 """Criteria that end the iterations of a deformation."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 from typing import NamedTuple

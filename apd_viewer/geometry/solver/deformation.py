@@ -1,7 +1,5 @@
 """Deform a mesh one iteration at a time: factor once, aim, step."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from functools import partial

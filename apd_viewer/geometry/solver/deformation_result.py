@@ -1,7 +1,5 @@
 """Deform a mesh in one call."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

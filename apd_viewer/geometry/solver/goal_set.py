@@ -1,7 +1,5 @@
 """All goals of a solve, and the regions measured with them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Checked held vertices, handles and soft vertices given by a caller."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Protocols of the iterative solvers, for composing them."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Protocol
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Area-preserving deformation by the original method of the paper."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse import diags_array
 

@@ -1,7 +1,5 @@
 """Methods of deformation, by name: their traits, titles and materials."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

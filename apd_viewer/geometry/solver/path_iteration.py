@@ -1,7 +1,5 @@
 """Iteration of a deformation along a path of stops, and at its end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 

@@ -10,8 +10,6 @@ interpolation function for irregularly-spaced data; Babuska & Melenk 1997, The p
 the trapezoidal rule an expansion is exact for a displacement of second degree.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import prange
 from scipy.sparse import coo_array

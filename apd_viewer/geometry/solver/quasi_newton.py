@@ -6,8 +6,6 @@ just ``(G - mult g) . d`` to first order, whichever directions y are. Where it v
 Karush, Kuhn and Tucker hold.
 """
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np

@@ -7,8 +7,6 @@ fine one has converged, folds open that the fine one cannot open by itself. Such
 shape so far is shown until the trial is better.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface

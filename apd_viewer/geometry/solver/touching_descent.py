@@ -4,8 +4,6 @@ The held vertices go in short parts, as far as the way is free, and the free one
 the surface. Between two parts the surface descends with its gap energy.
 """
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

@@ -9,8 +9,6 @@ from shape to shape instead, by places that change, surfaces would turn as a fal
 does no work, so that loads stay derivatives of the energy.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.sparse as sp
 

@@ -1,7 +1,5 @@
 """Handle paths of a document, and intermediate documents along them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

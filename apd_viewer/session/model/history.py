@@ -1,7 +1,5 @@
 """Undo and redo: two stacks of states, one entry per gesture."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable

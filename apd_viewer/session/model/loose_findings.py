@@ -1,7 +1,5 @@
 """Findings about the loose parts of a document."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Values memoised by array identity, released with the arrays."""
 
-from __future__ import annotations
-
 import weakref
 from collections.abc import Callable
 from functools import wraps

@@ -1,7 +1,5 @@
 """Measurements of a shape over time, from the start of a step until convergence."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace

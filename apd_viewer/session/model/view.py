@@ -1,7 +1,5 @@
 """View settings as plain values, independent of a window."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TypeAlias
 

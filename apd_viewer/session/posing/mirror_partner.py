@@ -1,7 +1,5 @@
 """Symmetric posing: handles moved together with their mirror images."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

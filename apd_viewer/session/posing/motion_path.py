@@ -1,7 +1,5 @@
 """Motion steps by given amounts, and handle paths along them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ at first the first one. The words are those of :data:`MOTION_KINDS`. An axis sta
 the base to the handle. Amounts are expressions with the units of the window; ``move`` has three.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

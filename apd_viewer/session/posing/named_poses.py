@@ -3,8 +3,6 @@
 From the rest shape, for what the handles were gripped at changes with every stroke and every reset.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Placement of obstacles touching a shape without intersecting it."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Regripping of handles at the displayed shape."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ The solver knows by the identity of meshes and arrays what it need not do again.
 travels once, under a number, and is only named from then on, until a message comes that does not mention it.
 """
 
-from __future__ import annotations
-
 import io
 import itertools
 import pickle

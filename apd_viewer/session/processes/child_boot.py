@@ -1,7 +1,5 @@
 """Set-up of every child process, including its termination with the owner."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import faulthandler

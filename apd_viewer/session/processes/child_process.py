@@ -1,7 +1,5 @@
 """Child processes: start, messages, end, restart, and a log of the final output."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import os

@@ -4,8 +4,6 @@ Numba compiles one kernel at a time in a process, whatever its threads. So the w
 compile those of a first drag while it starts itself, into the cache of all.
 """
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable
 from typing import BinaryIO

@@ -1,7 +1,5 @@
 """Deformation of a document, and its iteration along the document's paths."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh

@@ -3,8 +3,6 @@
 Factoring holds the interpreter for seconds and cannot be stopped, except with the process that does it.
 """
 
-from __future__ import annotations
-
 from typing import BinaryIO
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Control of freed memory kept by the C library."""
 
-from __future__ import annotations
-
 import ctypes
 import sys
 from typing import Any

@@ -1,7 +1,5 @@
 """Geodesics of the newest shape in a process, killed when no longer needed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

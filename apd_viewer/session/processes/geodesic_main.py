@@ -3,8 +3,6 @@
 The library that straightens paths holds the interpreter, and cannot be stopped.
 """
 
-from __future__ import annotations
-
 from typing import BinaryIO
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One-value mailbox between two threads; a new value replaces the old one."""
 
-from __future__ import annotations
-
 import threading
 from typing import Generic, TypeVar
 

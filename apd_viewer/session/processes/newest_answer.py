@@ -1,7 +1,5 @@
 """Answers of a process to the newest question; the process is killed on cancel."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Factorization in a separate process, killed once useless."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Requests to the solver and its replies, each complete without earlier ones."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from enum import Enum
 from logging import LogRecord

@@ -4,8 +4,6 @@ An iteration is cheap against its readings. So while nobody has looked at the la
 and none of them is measured; the one with which a request is finished always is.
 """
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import time

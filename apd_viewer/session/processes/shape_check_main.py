@@ -3,8 +3,6 @@
 The library that looks for crossings holds the interpreter, and cannot be stopped.
 """
 
-from __future__ import annotations
-
 import math
 from typing import BinaryIO
 

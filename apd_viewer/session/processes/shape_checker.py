@@ -1,7 +1,5 @@
 """Checks of the newest shape in a process, killed as soon as the shape moves."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable

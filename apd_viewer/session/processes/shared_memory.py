@@ -3,8 +3,6 @@
 Whoever asks for work makes the blocks and removes them; the solver only looks into them.
 """
 
-from __future__ import annotations
-
 import os
 import secrets
 import sys

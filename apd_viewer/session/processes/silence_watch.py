@@ -1,7 +1,5 @@
 """Detection of unresponsive worker processes."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 

@@ -4,8 +4,6 @@ A thread reads, so that the solver finds the newest request between two iteratio
 saving: the process ends at once when its owner has gone, whatever it is doing.
 """
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import os

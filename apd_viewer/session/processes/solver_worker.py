@@ -15,8 +15,6 @@ save the start: 0.8 s of 2.1 s at 655,712 vertices, for 220 MiB held all the tim
 All that a reply says may be overwritten by the next one, but for news: they go with the reply taken next.
 """
 
-from __future__ import annotations
-
 import logging
 import threading
 import time

@@ -14,8 +14,6 @@ resists stretching more, against bending, so that the newtons above are too low;
 :meth:`NewtonConversion.underestimate_factor`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from apd_viewer.geometry.energy.material import Material

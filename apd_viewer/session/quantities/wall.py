@@ -1,7 +1,5 @@
 """Wall of a mesh, as typed and as numbers, with its mass and stiffness."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass

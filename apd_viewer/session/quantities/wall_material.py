@@ -1,7 +1,5 @@
 """Wall materials: parsing of typed properties, and known materials with sources."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """JSON conversion of handles, regions, poses, measurements and obstacles."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

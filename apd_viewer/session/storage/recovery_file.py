@@ -5,8 +5,6 @@ one offers it. A process id tells nothing: it may be somebody else's by now. Nor
 be wrong: however old a leftover seems, it stays until it is restored or discarded.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re

@@ -4,8 +4,6 @@ A session is an archive of ``session.json`` and arrays. A program opens every ve
 one holds what it knows nothing of, and is refused.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Iterator

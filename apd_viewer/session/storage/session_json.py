@@ -4,8 +4,6 @@ Numbers come back bit for bit. What is read may be damaged, or written to do har
 a ValueError with a phrase.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

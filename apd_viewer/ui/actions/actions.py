@@ -1,7 +1,5 @@
 """Actions of the window: name, tooltip, icon, shortcut and menu."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from PySide6.QtGui import QAction, QKeySequence

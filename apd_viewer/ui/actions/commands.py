@@ -1,7 +1,5 @@
 """Controllers and commands called by the actions of a window."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

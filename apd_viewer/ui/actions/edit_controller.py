@@ -1,7 +1,5 @@
 """Changes of the document and its parts by shortcuts, menus and panel."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Actions to open and write files."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Actions to move handles: nudges, gizmo axes and returns to rest."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from PySide6.QtCore import Qt

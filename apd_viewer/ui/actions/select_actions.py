@@ -1,7 +1,5 @@
 """Actions to select vertices: selection modes, operations on a whole part."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from PySide6.QtGui import QAction

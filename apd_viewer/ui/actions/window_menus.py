@@ -1,7 +1,5 @@
 """Menus and tool bar of a window, as they are first shown."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 

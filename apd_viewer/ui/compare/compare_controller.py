@@ -1,7 +1,5 @@
 """Controller of the comparison window."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 

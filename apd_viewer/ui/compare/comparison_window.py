@@ -1,7 +1,5 @@
 """Comparison window: a view of each method's shape, and a table of readings."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path

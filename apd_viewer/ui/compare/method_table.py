@@ -1,7 +1,5 @@
 """Table of the compared methods' readings, and export of a comparison picture."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple

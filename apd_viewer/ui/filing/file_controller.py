@@ -1,7 +1,5 @@
 """Commands on files, and the questions before work is lost."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from enum import Enum
 from functools import partial

@@ -1,7 +1,5 @@
 """Dialogs to choose files, and the About box."""
 
-from __future__ import annotations
-
 from importlib.metadata import version
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Requests to open a file, kept until a session can open it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol

@@ -1,7 +1,5 @@
 """Non-modal bar offering the sessions of crashed processes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt, Signal

@@ -1,7 +1,5 @@
 """Context help: F1, and clicks in What's This mode."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import cast

@@ -1,7 +1,5 @@
 """Controller of the help over the window: shortcut sheet, search and tour."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """The manual: HTML pages shipped with the program, and locations in them."""
 
-from __future__ import annotations
-
 import re
 import tempfile
 from html import escape

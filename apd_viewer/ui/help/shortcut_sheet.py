@@ -1,7 +1,5 @@
 """Sheet over the viewport with all actions and their editable shortcuts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

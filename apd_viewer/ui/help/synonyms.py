@@ -1,7 +1,5 @@
 """Synonyms of commands, controls and settings, for the command search."""
 
-from __future__ import annotations
-
 from apd_viewer.language import tr
 from apd_viewer.session.posing.motion import MOTION_KINDS
 

@@ -1,7 +1,5 @@
 """Controller and drawing of the Measure tool, in step with the session."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple

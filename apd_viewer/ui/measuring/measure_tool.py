@@ -1,7 +1,5 @@
 """Mouse tool for picking surface points, or a plane through one, to measure."""
 
-from __future__ import annotations
-
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent, QWheelEvent

@@ -1,7 +1,5 @@
 """Actions to add obstacles, and to reset or remove the one in the hand."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from PySide6.QtGui import QAction

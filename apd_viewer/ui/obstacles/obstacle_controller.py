@@ -1,7 +1,5 @@
 """Controller of the obstacles in scene, gizmo and panel."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Picking of obstacles: name on hover, selection by a press, drag of round ones."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

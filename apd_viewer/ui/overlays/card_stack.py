@@ -1,7 +1,5 @@
 """Column of cards over the canvas, and the tool bar of selection modes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import cast
 

@@ -1,7 +1,5 @@
 """Cutting plane: the surface behind it is not drawn."""
 
-from __future__ import annotations
-
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QHBoxLayout, QLabel, QToolButton

@@ -1,7 +1,5 @@
 """Display options of the window: overlays and viewing aids besides the camera."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt, Signal

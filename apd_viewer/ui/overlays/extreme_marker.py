@@ -1,7 +1,5 @@
 """Marker stepping through the extremes of the deviation on the mesh."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Badge with the number of issues of the mesh check."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from PySide6.QtCore import QSize, Qt

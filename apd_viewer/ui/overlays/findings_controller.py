@@ -1,7 +1,5 @@
 """Controller, list and marks of the findings of the open mesh."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

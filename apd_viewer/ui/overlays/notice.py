@@ -1,7 +1,5 @@
 """Messages, hints and empty state over the canvas, none of them modal."""
 
-from __future__ import annotations
-
 import logging
 import math
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Controller of shape checks and walls in panel, findings and preferences."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 

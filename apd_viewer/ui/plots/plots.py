@@ -1,7 +1,5 @@
 """Live plots of the gesture and the deviation from rest, and their files."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from functools import partial

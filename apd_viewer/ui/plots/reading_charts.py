@@ -1,7 +1,5 @@
 """Charts of readings along a gesture and of the current shape."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from apd_viewer.geometry.analysis.area_change import LocalChange

@@ -1,7 +1,5 @@
 """Scatter plot widget with clickable, optionally marked dots."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motion of the active handle: a typed amount, and symmetric posing."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 

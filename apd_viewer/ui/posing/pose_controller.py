@@ -1,7 +1,5 @@
 """Named poses and symmetric posing in the window."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from apd_viewer.language import tr

@@ -1,7 +1,5 @@
 """Panel section of the named poses."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from PySide6.QtCore import Signal

@@ -1,7 +1,5 @@
 """Factory of actions with a name, title, tooltip, icon and optional shortcuts."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable
 

@@ -1,7 +1,5 @@
 """Preferences kept from one start to the next, and the up axis of each mesh."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Unit of length of each mesh: its button, and the choice stored per file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from weakref import WeakKeyDictionary

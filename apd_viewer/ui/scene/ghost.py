@@ -1,7 +1,5 @@
 """Translucent rest or target shape, and previews of moved patches."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 
 import numpy as np

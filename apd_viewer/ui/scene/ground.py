@@ -1,7 +1,5 @@
 """Ground grid under the rest shape, and the axes in a corner."""
 
-from __future__ import annotations
-
 import numpy as np
 import pyvista as pv
 from PySide6.QtCore import QPointF, QRectF, Qt

@@ -8,8 +8,6 @@ Ctrl + right drag                       zoom to where the drag began
 ======================================  =====================================================
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from inspect import isfunction, signature
 from typing import Any

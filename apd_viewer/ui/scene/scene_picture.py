@@ -1,7 +1,5 @@
 """Pictures of the scene or of given shapes, at any size."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

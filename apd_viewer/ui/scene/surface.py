@@ -1,7 +1,5 @@
 """Drawn mesh, with points, normals and colours updated in place."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

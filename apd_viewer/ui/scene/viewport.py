@@ -1,7 +1,5 @@
 """3D view: one VTK draw per paint, mouse tools, and a Qt layer on top."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any

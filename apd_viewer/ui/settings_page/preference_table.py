@@ -1,7 +1,5 @@
 """Table of all preferences: names, defaults, allowed values and texts."""
 
-from __future__ import annotations
-
 import os
 from typing import Any, NamedTuple
 

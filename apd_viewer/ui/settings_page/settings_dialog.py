@@ -1,7 +1,5 @@
 """Settings: their dialog, and their effects on the window."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable

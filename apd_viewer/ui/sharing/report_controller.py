@@ -1,7 +1,5 @@
 """Controller of reports, pictures and diagnostics."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Curves and scatter plot of the cases of a study."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Controller of case studies: their dialog, process and dock."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from functools import partial

@@ -3,8 +3,6 @@
 A QProcess and no ChildProcess: it reports by signals on the GUI thread, which here would need a thread.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """Fields for the engine of a study and the time limit of its cases."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from urllib.parse import urlsplit

@@ -1,7 +1,5 @@
 """Dialog for re-running the paper's tables and comparing results."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Dialog to design and start a study of the current document."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Dialog to press the mesh between two plates, with curves of the result."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 

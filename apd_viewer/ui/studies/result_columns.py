@@ -1,7 +1,5 @@
 """Columns of the results of a study: titles, numbers, texts."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Table of study results, with its model."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any

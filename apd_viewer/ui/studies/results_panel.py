@@ -1,7 +1,5 @@
 """Results of a study: progress, table, scatter plot and curves."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 from typing import Any

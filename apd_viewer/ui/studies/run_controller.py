@@ -1,7 +1,5 @@
 """Controller of the dialogs for sweeps, animations, presses and paper tables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path

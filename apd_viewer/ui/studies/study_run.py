@@ -1,7 +1,5 @@
 """Study run by the command line in its own process."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Mapping, Sequence

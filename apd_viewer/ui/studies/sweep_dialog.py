@@ -1,7 +1,5 @@
 """Dialogs to sweep the motion of the handles, for curves or an animation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path

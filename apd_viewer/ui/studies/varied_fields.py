@@ -1,7 +1,5 @@
 """Fields for the quantities of a study and the ends of their ranges."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from typing import NamedTuple

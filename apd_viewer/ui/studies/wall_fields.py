@@ -1,7 +1,5 @@
 """Fields for the wall of a mesh to press: material and derived properties."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from PySide6.QtCore import QObject

@@ -1,7 +1,5 @@
 """Controller of the target shape: loading, and measuring the distance to it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

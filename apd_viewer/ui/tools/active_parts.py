@@ -1,7 +1,5 @@
 """Active handle, region and obstacle, kept outside the document."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.session.model.document import Document

@@ -1,7 +1,5 @@
 """Brush tool, with strokes on the surface as vertex sets."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

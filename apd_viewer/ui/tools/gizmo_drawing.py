@@ -1,7 +1,5 @@
 """Drawing of the gizmo."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Drawing of polylines and polygons on the tool layer."""
 
-from __future__ import annotations
-
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF

@@ -1,7 +1,5 @@
 """Choice of the active tool and the selection mode."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.ui.tools.canvas import Canvas

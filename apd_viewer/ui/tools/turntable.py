@@ -1,7 +1,5 @@
 """Turntable animation of the camera around the shape."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

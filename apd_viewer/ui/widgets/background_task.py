@@ -1,7 +1,5 @@
 """Background task on a separate thread; only the latest request counts."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from contextlib import suppress

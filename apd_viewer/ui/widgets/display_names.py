@@ -1,7 +1,5 @@
 """Names escaped for display by Qt."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

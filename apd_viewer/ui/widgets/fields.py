@@ -1,7 +1,5 @@
 """Input fields for one value: combo box, check box, number and text field."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures on white cards, scaled to the available width."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 

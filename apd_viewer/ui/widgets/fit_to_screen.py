@@ -1,7 +1,5 @@
 """Windows limited to the screen, and rows wrapped into columns."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import QPoint, QSize
 from PySide6.QtWidgets import QBoxLayout, QWidget
 

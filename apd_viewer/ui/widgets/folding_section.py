@@ -1,7 +1,5 @@
 """Panel section folded by a click on its heading."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget

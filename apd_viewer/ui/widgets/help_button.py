@@ -1,7 +1,5 @@
 """Help button "?" of a dialog, and its help shortcut."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Lists of rows with names edited in place; one row may be active."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 

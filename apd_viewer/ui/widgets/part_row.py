@@ -1,7 +1,5 @@
 """List of named parts of the mesh, each with its colour; one is active."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QRectF, Qt, Signal

@@ -1,7 +1,5 @@
 """Panes side by side, or on tabs if space is narrow."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple

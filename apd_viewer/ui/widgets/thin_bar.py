@@ -1,7 +1,5 @@
 """Thin progress bar, and label elided to its width."""
 
-from __future__ import annotations
-
 import time
 
 from PySide6.QtCore import QEvent, QSize, Qt

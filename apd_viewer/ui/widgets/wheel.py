@@ -1,7 +1,5 @@
 """Events of the mouse that widgets leave to others, or keep from them."""
 
-from __future__ import annotations
-
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QWidget
 

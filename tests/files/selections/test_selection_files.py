@@ -6,8 +6,7 @@ from dataclasses import replace
 import igl
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from painted_meshes import MESH, N, painted
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from meshes import grid, sphere
 
-from apd_viewer.geometry.contact.contact_obstacles import capsule, plate
-from apd_viewer.geometry.contact.contact_obstacles import sphere as ball
+from apd_viewer.geometry.contact.contact_obstacles import capsule, plate, sphere as ball
 from apd_viewer.geometry.contact.obstacle_pairs import clearance
 
 X, Y, Z = np.eye(3)

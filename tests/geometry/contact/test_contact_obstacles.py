@@ -6,8 +6,7 @@ from meshes import sphere
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.contact.contact_obstacles import capsule, plate
-from apd_viewer.geometry.contact.contact_obstacles import sphere as ball
+from apd_viewer.geometry.contact.contact_obstacles import capsule, plate, sphere as ball
 from apd_viewer.geometry.contact.distances import gaps
 
 REACH = 0.05

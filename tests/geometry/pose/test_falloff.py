@@ -4,8 +4,7 @@ import heapq
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from meshes import box, rotation
 
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface

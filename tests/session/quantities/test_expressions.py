@@ -3,8 +3,7 @@
 import math
 
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from apd_viewer.errors import InputError
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, parse_angle, parse_length, parse_number

@@ -16,8 +16,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
-from apd_viewer.ui.settings_page import preference_table as table
-from apd_viewer.ui.settings_page import settings_dialog
+from apd_viewer.ui.settings_page import preference_table as table, settings_dialog
 from apd_viewer.ui.settings_page.settings_dialog import SettingsDialog
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.tool_modes import SelectionMode
