@@ -157,3 +157,12 @@ def test_read_ply_says_and_keeps_what_stands_behind_the_last_row(tail, kind, tmp
     assert inspect(mesh).volume == pytest.approx(1.0)
     (said,) = said_of(mesh)
     assert said.startswith(f"{len(tail)} bytes after the last face")
+
+
+def test_read_ply_refuses_faces_that_are_all_one_corner_short(tmp_path):
+    """Read across the ends of lines they would be others."""
+    rows = BODY.splitlines()
+    short = [row.rsplit(" ", 1)[0] for row in rows[len(V) :]]
+    (tmp_path / "a.ply").write_text(HEAD + "\n".join([*rows[: len(V)], *short, ""]))
+    with pytest.raises(InputError):
+        open_mesh(tmp_path / "a.ply")

@@ -8,7 +8,8 @@ from motions import EVERY, IN_WORDS, in_words
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
+from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTIONS, AmountKind
 from apd_viewer.session.posing.motion_path import MotionStep, motion_paths
 from apd_viewer.session.posing.motion_text import motion_steps
@@ -246,3 +247,13 @@ def test_intermediate_documents_lead_to_the_end_and_only_there_by_a_stretch(obli
         assert bool(way) is not motion.kind.stretches
         if way:
             np.testing.assert_array_equal(way[0], np.eye(4))
+
+
+def test_move_by_pushes_along_no_line_where_base_and_handle_have_one_centre():
+    mesh = bar()
+    z = mesh.V[:, 2]
+    middle = 0.5 * (z.min() + z.max())
+    labels = np.where(np.isin(z, (z.min(), z.max())), BASE, np.where(z == middle, HANDLE, FREE))
+    document = initial_state(mesh, labels.astype(np.uint8)).document
+    with pytest.raises(InputError, match="same centre"):
+        MotionStep(0, MOTIONS["PUSH"], (1.0,)).end_document(document)
