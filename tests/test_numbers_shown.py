@@ -21,7 +21,7 @@ FOR_PROGRAMS = {
     "ui/case_studies/varied_quantity.py",
     "ui/case_studies/engine_fields.py",
     "ui/overlays/display_options.py",
-    "ui/preferences/preference.py",
+    "ui/preferences/preference_values.py",
 }
 
 
