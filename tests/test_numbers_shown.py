@@ -20,7 +20,7 @@ FOR_PROGRAMS = {
     "ui/studies/varied_fields.py",
     "ui/studies/engine_fields.py",
     "ui/overlays/display_options.py",
-    "ui/preferences/preference.py",
+    "ui/preferences/preference_values.py",
 }
 
 

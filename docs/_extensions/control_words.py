@@ -265,7 +265,6 @@ TITLES = {
 
 # By section and title, or by title alone, where there is no tip or the tip depends on what is open.
 SENTENCES = {
-    "Help": "Opens the manual at this window; F1 explains the control in use",
     "Name": "Double-click it, or press F2, to rename; Enter accepts and Esc restores",
     "VolumeSection/Self-intersections": "Number of triangles that cross others, checked when the shape stops moving; a click shows where they are",
     "HandleSection/Measurement of the handle": "Number of vertices of the handle",

@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 
 
 class HelpButton(QToolButton):
-    """Opens the manual at its window; F1 opens it at the focused control.
+    """Opens the manual at its window, as F1 does there.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class HelpButton(QToolButton):
 
     def __init__(self) -> None:
         super().__init__(objectName="help", text="?", accessibleName=tr("Help"))
-        self.setToolTip(tr("Open the manual at this window; F1 explains a single control"))
+        self.setToolTip(tr("Open the manual at this window (F1)"))
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setFixedSize(26, 26)
         self.clicked.connect(lambda: HelpButton.explain_widget(self.window()))
@@ -33,11 +33,6 @@ class HelpButton(QToolButton):
         """Add the help shortcut to the window around the button."""
         super().showEvent(event)
         if self._key is None:
-            self._key = add_help_shortcut(self.window())
-
-
-def add_help_shortcut(window: QWidget) -> QShortcut:
-    """Shortcut opening the manual at the focused control of a window."""
-    key = QShortcut(QKeySequence(QKeySequence.StandardKey.HelpContents), window)
-    key.activated.connect(lambda: HelpButton.explain_widget(window.focusWidget() or window))
-    return key
+            window = self.window()
+            self._key = QShortcut(QKeySequence(QKeySequence.StandardKey.HelpContents), window)
+            self._key.activated.connect(lambda: HelpButton.explain_widget(window.focusWidget() or window))
