@@ -100,7 +100,6 @@ OF_THEIR_OWN = {
     "geometry/warmup.py",
     "language.py",
     "ui/sharing/report_controller.py",
-    "ui/widgets/icons.py",
     "ui/widgets/theme.py",
 }
 READS = re.compile(r"""\.read_(bytes|text)\(|\bopen\((["']r|\))|\bQ(Pixmap|Image|File)\(str\(""")
