@@ -1,6 +1,8 @@
 """Drawn mesh, with points, normals and colours updated in place."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF
@@ -9,7 +11,6 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
-from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 from apd_viewer.presentation.color_maps import ColorMap
 from apd_viewer.ui.scene.surface_shading import (
     Shading,
@@ -21,6 +22,9 @@ from apd_viewer.ui.scene.surface_shading import (
     shade,
 )
 from apd_viewer.ui.scene.viewport import Viewport
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 # Placeholder before the first mesh; it gets one vertex, as PyVista rejects empty arrays.
 _NOTHING = PreviewSurface(np.empty((0, 3), dtype=np.int32))
