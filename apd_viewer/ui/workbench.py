@@ -11,7 +11,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
-from apd_viewer.session.storage.session_file import PICTURE_SIDE
+from apd_viewer.session.storage.session_picture import PICTURE_SIDE
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_controller import EditController, PartController

@@ -41,7 +41,7 @@ CASES = {
     ),
     "axis by its name": (lambda: press(axis="x"), DIRECTION),
     "distance in words": (lambda: press(to="60%"), "enter a smaller distance"),
-    "start that is not a number": (lambda: press(start=V * np.nan), "Every coordinate of the shape"),
+    "start that is not a number": (lambda: press(start=V * np.nan), "Start positions must be"),
     "one obstacle, no list": (
         lambda: deform(contact=True, obstacles=apd_viewer.sphere((0, 0, 3), 1)),
         "Obstacles must be a list",

@@ -15,7 +15,7 @@ from apd_viewer.presentation.palette import FREE_COLOR, label_colors
 from apd_viewer.presentation.shape_picture import VIEW_DIRECTION, shape_picture
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import SESSION_SUFFIX
-from apd_viewer.session.storage.session_file import session_picture
+from apd_viewer.session.storage.session_picture import session_picture
 
 _USUAL, _LEAST, _MOST = 256, 16, 1024  # default, least and largest size in pixels
 # Largest file in bytes; a larger one would exceed a file manager's time and memory limits.

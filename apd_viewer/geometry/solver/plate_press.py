@@ -95,8 +95,10 @@ class PlatePress:
         U = rest.solve_mesh.V if start is None else checked_start(start, rest)[rest.weld.first]
         # A given start shape first relaxes to equilibrium, with the plates set apart from it.
         plates = self._plates_around(U, aside=rest.diagonal if self._relaxes else 0.0)
-        settings |= {"rest": rest, "contact": True, "calm": False, "obstacles": plates}
-        self.solver = Deformation(rest.V, rest.F, fixed, **settings)
+        settings |= {"obstacles": shifted_obstacles(plates, rest.centre), "contact": True, "calm": False}
+        self.solver = Deformation(rest.V, rest.F, fixed, rest=rest, **settings)
+        # Far from the origin local plates are exact, and so the loads are those near it.
+        self._contact.replace_obstacles(plates)
         self._targets = (rest.V if start is None else start)[self.solver.fixed]
         self._from = self._to = 0.0
         if start is None:
@@ -107,18 +109,17 @@ class PlatePress:
         self.solver.aim(self._targets, start)
 
     def _plates_around(self, U: np.ndarray, aside: float = 0.0) -> list[Obstacle]:
-        """Plates around a local shape ``U`` (k, 3), each at a distance ``aside``."""
+        """Local plates around a shape ``U`` (k, 3), each at a distance ``aside``."""
         X = U[np.unique(self._rest.solve_mesh.F)]
         self.travel = way = plate_travel(X, *self._asked)
         # Centre of the bounding box: plates also need a position perpendicular to their axis.
         middle, size = 0.5 * (X.min(axis=0) + X.max(axis=0)), diagonal(X)
         middle = middle - (middle @ way.axis) * way.axis
         self._shifts = 0.5 * way.length * np.array([way.axis, -way.axis])
-        plates = [
+        return [
             plate(middle + (way.low - aside) * way.axis, way.axis, size),
             plate(middle + (way.high + aside) * way.axis, -way.axis, size),
         ]
-        return list(shifted_obstacles(plates, self._rest.centre))
 
     @property
     def _contact(self) -> ContactDescent:
@@ -159,8 +160,9 @@ class PlatePress:
                     tr("The shape to begin from has another area or volume; deform it with the same targets.")
                 )
             U = self._contact.progress.U
-            self.solver.replace_obstacles(self._plates_around(U))
+            self._contact.replace_obstacles(self._plates_around(U))
             self._contact.restart(U)
+            self.aim(0.0)
         yield self._step(settled=True)
         for k in range(self._count):
             self.settle_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))

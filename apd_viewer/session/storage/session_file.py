@@ -6,8 +6,7 @@ one holds what it knows nothing of, and is refused.
 
 import json
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -43,6 +42,7 @@ from apd_viewer.session.storage.session_json import (
     view_from_json,
     view_to_json,
 )
+from apd_viewer.session.storage.session_picture import PICTURE_MEMBER, explaining_errors
 
 SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
@@ -204,42 +204,6 @@ def _arrays(fields: JsonFields, archive: Archive, mesh: Mesh) -> dict[str, np.nd
         if not np.isfinite(X).all() or (np.abs(X - mesh.V) > farthest).any():
             raise ValueError(tr("“{name}” in it is not a shape of the mesh").format(name=name))
     return arrays
-
-
-PICTURE_MEMBER = "picture.png"
-PICTURE_SIDE = 256  # largest side in pixels, as requested by file managers
-
-
-def session_picture(path: Path) -> bytes | None:
-    """PNG picture in a session file; None without one.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or is no session.
-    """
-    with explaining_errors(path), open_regular(path) as stream:
-        archive = Archive(stream)
-        return archive.content(PICTURE_MEMBER) if archive.has_member(PICTURE_MEMBER) else None
-
-
-@contextmanager
-def explaining_errors(path: Path) -> Iterator[None]:
-    """Context converting read errors into InputErrors with a sentence."""
-    try:
-        yield
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:
-        raise InputError(
-            tr("{name} is not a valid session ({reason}); save it again or open another copy.").format(
-                name=path.name, reason=getattr(error, "strerror", None) or error
-            )
-        ) from error
-    except MemoryError as error:
-        raise InputError(
-            tr("{name} does not fit into memory; close other programs.").format(name=path.name)
-        ) from error
 
 
 class ChangedFileError(InputError):

@@ -11,7 +11,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.picture_files import png_content
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.storage.session_file import open_session, save_session, session_picture
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.storage.session_picture import session_picture
 
 PICTURE = png_content(np.full((4, 8, 4), 99, dtype=np.uint8))
 

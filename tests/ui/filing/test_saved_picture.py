@@ -6,7 +6,7 @@ from driving import idle
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QImage
 
-from apd_viewer.session.storage.session_file import PICTURE_SIDE, session_picture
+from apd_viewer.session.storage.session_picture import PICTURE_SIDE, session_picture
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.scene.scene_picture import scene_picture, small_picture
 
