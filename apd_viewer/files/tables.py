@@ -55,7 +55,7 @@ def _written(cell: Cell) -> str:
 
 
 def text_cell(text: str) -> str:
-    """CSV cell of a text, with ' before any spreadsheet formula.
+    """CSV cell for a string; a spreadsheet formula is guarded with '.
 
     Numbers stay as they are. :func:`cell_text` gives the text again.
     """
@@ -63,5 +63,5 @@ def text_cell(text: str) -> str:
 
 
 def cell_text(cell: str) -> str:
-    """Text of a cell made by :func:`text_cell`."""
+    """Original string of a cell written by :func:`escaped_cell`."""
     return _GUARDED.sub("", cell)

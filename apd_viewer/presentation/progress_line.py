@@ -100,7 +100,7 @@ class _Cell:
 
 
 def _place() -> _Place | None:
-    """Output for the progress line: a terminal, a notebook or none."""
+    """Terminal or notebook cell for the progress line; None elsewhere."""
     if sys.stderr is not None and sys.stderr.isatty():
         return _Terminal()
     # IPython is no dependency, but already imported in any notebook.

@@ -200,7 +200,7 @@ def obstacle_lines(document: Document) -> Iterator[str]:
 def settings_arguments(document: Document) -> str:
     """Keyword arguments for method, settings and targets."""
     settings, targets = document.settings, targets_of(document)
-    idle = {"hold_area"}  # for "local", a target for the total area implies it
+    idle = {"hold_area"}  # "hold_area" is omitted: for "local", a total-area target implies it
     if settings.convergence == DEFAULT_SETTINGS.convergence:
         idle.add("convergence")
     given = {**vars(settings), **targets._asdict()}

@@ -260,7 +260,7 @@ class AutosaveWriter:
             self._mine = None
 
     def _write(self, copy: AutosaveCopy) -> Path:
-        if self._mine is not None and not self._mine[1].is_in_place:  # the file was deleted from outside
+        if self._mine is not None and not self._mine[1].is_in_place:  # another program deleted the file
             self._mine[1].release()
             self._mine = None
         if self._mine is None:

@@ -114,7 +114,7 @@ class Jobs:
         on_done: Callable[..., object],
         can_be_cancelled: bool = True,
     ) -> None:
-        """Run ``work()`` on a thread, and pass its value to ``on_done`` on receipt."""
+        """Run ``work()`` on a thread; its owner later passes the result to ``on_done``."""
         if self.current is not None:
             self._failed(
                 tr("{title} is not finished; wait for it or cancel it.").format(title=self.current.title)

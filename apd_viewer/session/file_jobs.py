@@ -84,7 +84,7 @@ class FileJobs:
         path: Path | None = None,
         is_saved: bool = True,
     ) -> None:
-        """Open the result of ``load()`` in the background.
+        """Run ``load()`` in the background and open its result.
 
         ``path`` is the session file that it is in; ``is_saved`` is False for work in no file.
         """
@@ -256,7 +256,7 @@ class FileJobs:
 
 
 def _passing(document: Document) -> str:
-    """Warning about a new mesh too large for contact by default; else empty."""
+    """Warning that a new mesh is too large for contact by default; else empty."""
     return passing_walls_warning(
         document.settings.method, len(document.mesh.V), tr("“Contact” in the section Method")
     )

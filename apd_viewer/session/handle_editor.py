@@ -85,7 +85,7 @@ class HandleEditor(DocumentEditor):
     def move_by(
         self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
     ) -> None:
-        """Move a handle by or to a typed amount; raises InputError."""
+        """Apply a typed relative or absolute motion to a handle; raises InputError."""
         self._gestures.cancel()
         step, start = self.plan_motion(motion, text, k, line, is_total), self._store.required_state().document
         end = step.end_document(start)

@@ -29,7 +29,7 @@ class MeasurementReading(NamedTuple):
 
 
 def complete_readings(readings: Sequence[MeasurementReading], state: State) -> list[MeasurementReading]:
-    """Readings of a state, with a slow computation of all missing geodesics."""
+    """Readings of a state, computing all missing geodesics (slow)."""
     F, found = state.document.mesh.joined_F, []
 
     def made(measurement: Measurement, known: MeasurementResult, U: np.ndarray) -> MeasurementResult:

@@ -65,7 +65,7 @@ _LEVELS = {
     QtMsgType.QtFatalMsg: logging.CRITICAL,
 }
 
-SWITCH_INTERVAL = 0.001  # s; shorter waits of the GUI thread for a worker that holds the interpreter lock
+SWITCH_INTERVAL = 0.001  # s; shortens the GUI thread's waits for workers that hold the interpreter lock
 
 
 def make_application(argv: list[str]) -> QApplication:

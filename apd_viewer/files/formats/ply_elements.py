@@ -52,7 +52,7 @@ def read_faces(content: bytes, start: int, element: PlyElement, order: str) -> t
 
 
 def strip_faces(strips: Polygons) -> Polygons:
-    """Triangles of strips, without the degenerate ones between strips."""
+    """Triangles of strips, without the degenerate ones between them."""
     T = strip_triangles(np.insert(strips.corner, strips.start[1:-1], -1))
     return Polygons.from_array(T[(np.roll(T, 1, axis=1) != T).all(axis=1)])
 

@@ -26,7 +26,7 @@ class PrimitiveTriangles(NamedTuple):
 def primitive_texture(
     document: dict[str, Any], buffers: list[bytes], primitives: list[PrimitiveTriangles], mesh: Mesh
 ) -> Texture | None:
-    """Texture of all primitives of a mesh; None without any image."""
+    """Texture combined from those of all primitives; None if there are no images."""
     uv, uv_of, image_of, done = [np.empty((0, 2))], [], [], 0
     names: list[int] = []
     for piece in primitives:

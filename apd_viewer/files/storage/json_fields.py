@@ -60,7 +60,7 @@ class JsonFields:
         return [JsonFields(each, key) for each in self._list(key, most)]
 
     def texts(self, key: str, most: int) -> list[str]:
-        """List of at most ``most`` texts under a key."""
+        """List of at most ``most`` strings under a key."""
         return [self._checked(key, each, str) for each in self._list(key, most)]
 
     def text(self, key: str) -> str:

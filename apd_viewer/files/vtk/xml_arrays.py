@@ -97,7 +97,7 @@ _CODECS = {
 
 @dataclass(frozen=True)
 class _Coded:
-    """Bytes of a file, stored raw or in base64."""
+    """Bytes of the file, stored raw or in base64."""
 
     content: bytes
     in_base64: bool

@@ -47,7 +47,7 @@ class XmlElement:
         return [child for child in self.children if child.name in names]
 
     def first_child(self, name: str) -> XmlElement | None:
-        """First child with a name; None without any."""
+        """First child named ``name``, or None."""
         return next((child for child in self.children if child.name == name), None)
 
     def walk(self) -> Iterator[XmlElement]:

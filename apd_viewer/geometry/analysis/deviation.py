@@ -19,7 +19,7 @@ from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bo
 
 
 class Deviation:
-    """A rest shape, for comparison with other shapes of the same mesh.
+    """Comparison of shapes of a mesh with its rest shape.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ _SPREAD = 0.5, 2.0
 # Near the rim, the path along the surface to the opposite wall is shorter than this many thicknesses.
 _AROUND = 4.0
 
-# Largest deviation of a rim from a plane, in diagonals of the rim.
+# Largest deviation of a rim from a plane, relative to the rim's bounding-box diagonal.
 _UNEVEN = 0.1
 
 # Tolerance of outer volume = capacity + material, as a fraction of the material: rims are not quite planar.

@@ -49,7 +49,7 @@ def _relative_motion(U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool
 
 @njit(cache=True, nogil=True)
 def _strain_and_rest(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, float]:
-    """Bounds of a pair's closing rate: strain rate per gap, and a remainder.
+    """Bound on a pair's closing rate: strain rate per gap, plus a remainder.
 
     An affine motion ``x + t A x`` shortens no distance faster than by the norm of the symmetric part of
     ``A``. Only what it leaves of the displacements ``D`` (4, 3) brings the two parts of the pair together as

@@ -20,7 +20,7 @@ _FLAT = 1e-12
 
 
 def load_excess(material: Material, cells: float) -> float | None:
-    """Expected relative excess of the load of a bent wall, 0.1 for 10 %.
+    """Expected relative overestimate of a bent wall's load, 0.1 for 10 %.
 
     None without stiffness: the load is that of the cells alone.
 
@@ -57,7 +57,7 @@ def cell_stiffness(V: np.ndarray, F: np.ndarray) -> float:
     determinant = xx * yy - xy * xy
     sound = determinant > _FLAT * (xx + yy) ** 2
     energy = 0.375 * sums(square * square)
-    # (e . u)^2 is half the sum of these, times 1, cos 2t and sin 2t.
+    # (e . u)^2 is half the dot product of these with (1, cos 2t, sin 2t).
     for part, share in ((square, 0.25), (x * x - y * y, 0.125), (2.0 * x * y, 0.125)):
         p, q = sums(part * x), sums(part * y)
         tilted = yy * p * p - 2.0 * xy * p * q + xx * q * q

@@ -32,7 +32,7 @@ class Material:
 
     @property
     def young(self) -> float:
-        """Young's modulus times thickness at small strains, with free lateral sides.
+        """Young's modulus times thickness at small strains, in uniaxial tension.
 
         With strains e and f along and across, a unit of area has the energy
         ``(2 rigidity + shear) (e^2 + f^2) + area (e + f)^2 / 2``, which is least at the f of free sides.

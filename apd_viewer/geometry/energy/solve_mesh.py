@@ -158,7 +158,7 @@ class AreaBarrier:
         self._least, self._weight = _FROM * self._rest, _WEIGHT * areas.sum()
 
     def energy(self, U: np.ndarray) -> float:
-        """Penalty at ``U`` (n, 3), square mesh units."""
+        """Penalty at ``U`` (n, 3), in square mesh units."""
         missing = self._collapsing(U)[1]
         return float(self._weight * inner_product(missing, missing))
 

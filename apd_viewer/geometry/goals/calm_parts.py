@@ -42,7 +42,7 @@ _STEPS = 10
 def calm_levels(
     solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
 ) -> np.ndarray:
-    """Vertex weights (g, n) of the calmness levels with area goals.
+    """Weights (g, n) of the vertices in each calm level that has an area goal.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ GOAL_TOLERANCE = 1e-10
 _NEWTON_STEPS = 8
 # Bound of the relative change of slopes per relative miss, measured as about 1.
 _CURVED = 4.0
-# Steps with less than this fraction of their expected change, or its opposite sign, do not update slopes.
+# Steps whose change is below this fraction of the expected one, or of opposite sign, do not update slopes.
 _PLAUSIBLE = 0.1
 # Growth of a goal's steps, relative to fresh directions, above which directions are recomputed.
 _FADED = 2.0
@@ -76,7 +76,7 @@ class GoalProjection:
 
     @property
     def largest_miss(self) -> float:
-        """Largest deviation from a goal at the last positions, relative to the rest value."""
+        """Largest goal violation at the last positions, relative to rest."""
         return _worst(self.values, self._target, self._unit)
 
     @property

@@ -14,7 +14,7 @@ GOAL_WORDS = {"the area": tr("the area"), "the volume": tr("the volume")}
 
 
 def percentage(target: float | str, name: str) -> float:
-    """Percentage from a number such as 110, or from a text such as ``"1.1%"``.
+    """Percentage from a number such as 110 or a string such as ``"1.1%"``.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def percentage(target: float | str, name: str) -> float:
 
 
 def check_no_factor(value: float, factors: float = _FACTORS) -> None:
-    """Raise InputError on a percentage without a sign in the range of factors.
+    """Raise InputError for a bare number so small that it may be meant as a factor.
 
     Parameters
     ----------

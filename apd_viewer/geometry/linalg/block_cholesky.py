@@ -129,7 +129,7 @@ def eliminate(
     widest: int,
     panels: np.ndarray,
 ) -> None:
-    """Write ``[S | W]`` of each group into ``panels``, row by row."""
+    """Factor all groups, writing the rows ``[S | W]`` of each into ``panels``."""
     at, where, top = np.empty(len(order), np.int64), np.empty(len(first) - 1, np.int64), 0
     fronts, inverses = np.empty(widest * widest), np.empty(widest * widest)
     for s in range(len(first) - 1):

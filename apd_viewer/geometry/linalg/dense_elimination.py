@@ -1,4 +1,4 @@
-"""Elimination from dense symmetric matrices, the fronts of sparse factorizations.
+"""Partial factorization of dense symmetric frontal matrices.
 
 Only the upper triangle of a front is read and written.
 """

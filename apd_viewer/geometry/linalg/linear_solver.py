@@ -63,7 +63,7 @@ Factorizer: TypeAlias = Callable[[Callable[[], Matrix], np.ndarray], Factor]
 
 
 class LinearSolver:
-    """The factor of a symmetric positive definite matrix.
+    """Solver for a symmetric positive definite matrix, by its factor.
 
     Parameters
     ----------

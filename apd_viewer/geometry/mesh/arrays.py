@@ -33,7 +33,7 @@ def mesh_size(V: np.ndarray, F: np.ndarray) -> float:
 
 
 def local_origin(points: np.ndarray) -> np.ndarray:
-    """Point (3,) near ``points`` (k, 3) as their local origin; zero if it is near.
+    """Local origin (3,) near ``points`` (k, 3); zero if they lie near zero.
 
     A multiple of a power of two, at least four times the diagonal: subtracting and adding it rounds nothing
     but the last bit, and what lies about the origin keeps its coordinates.
@@ -182,7 +182,7 @@ class _Kind(NamedTuple):
 
 
 def as_float(value: object) -> float:
-    """Float of a number; NaN for anything else, such as a bool or a text."""
+    """Float of a number; NaN for anything else, such as a bool or a string."""
     if not isinstance(value, Real) or isinstance(value, bool):
         return math.nan
     try:
@@ -254,7 +254,7 @@ _KINDS = {
 
 
 def check_argument(name: str, value: object, kind: _Kind | None = None) -> None:
-    """Raise InputError for an argument of another kind than its name implies.
+    """Raise InputError if an argument is not of the kind its name implies.
 
     Arrays, and what depends on the mesh, are checked where they are used.
     """

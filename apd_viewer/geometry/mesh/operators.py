@@ -200,7 +200,7 @@ def cotangents(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 _WEIGHT_FLOOR = 1e-6
 
 
-# Bound for slivers: this weight is rigid to eight digits, and a larger one would cost the others theirs.
+# Upper bound on sliver weights: rigid to eight digits; a larger weight would cost other edges precision.
 _STEEPEST = 1e8
 
 

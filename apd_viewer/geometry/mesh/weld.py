@@ -161,7 +161,7 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tol
 
 
 def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Length of the shortest of the ``edges`` (b, 2) at each vertex, (n,)."""
+    """Length of the shortest of ``edges`` (b, 2) at each vertex, (n,)."""
     shortest = np.full(len(V), np.inf)
     length = np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)
     for end in edges.T:

@@ -20,7 +20,7 @@ _HALF_KEY = 3 * _CELL_BITS // 2
 
 
 class BoundingHierarchy(NamedTuple):
-    """Nested bounding boxes around the triangles of a shape.
+    """Bounding box hierarchy of the triangles of a shape.
 
     Attributes
     ----------

@@ -42,7 +42,7 @@ def distances(graph: Graph, start: np.ndarray, limit: float) -> np.ndarray:
 
 
 def strengths(distance: np.ndarray, falloff: float) -> np.ndarray:
-    """Strength ``(1 - (d / r)^2)^2`` at ``distance``; 0 from ``falloff`` on."""
+    """Strength ``(1 - (d / r)^2)^2`` at distance d, for falloff r; 0 beyond it."""
     share = np.clip(1.0 - (distance / falloff) ** 2, 0.0, 1.0)
     return share * share
 

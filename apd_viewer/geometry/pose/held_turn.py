@@ -102,7 +102,7 @@ def pass_through_warnings(
     may_touch: bool,
     names: Sequence[str] = (),
 ) -> tuple[str, ...]:
-    """Sentences on signs of a surface having passed through itself.
+    """Warnings that the surface may have passed through itself.
 
     They are turns that it does not hold, unless contact stops a handle, and the volume of a closed surface
     turned inside out.

@@ -33,7 +33,7 @@ from apd_viewer.geometry.pose.waypoint_path import (
 
 # Doubled area over squared edges, below which a triangle has no normal.
 _NO_AREA = 1e-9
-# Path cost of an edge without a turn, squared radians, to keep paths short on an even surface.
+# Cost of an edge without rotation, squared radians: keeps paths short where the surface is flat.
 _EDGE = 1e-4
 # Rounding level of one minus the cosine of half the tilt, for turns about a single axis.
 _ONE_AXIS = 1e-6
@@ -350,7 +350,7 @@ def held_turns(
 
 
 def relative_paths(X: np.ndarray, positions: np.ndarray, labels: np.ndarray) -> list[list[np.ndarray]]:
-    """Rotations of each handle relative to the base, as poses (4, 4); none if unknown.
+    """Path of each handle relative to the base, as rotations (4, 4); empty if unknown.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""The solvers: descent under goals, multilevel, restarts, Li & Hui."""
+"""The solvers: constrained descent, multilevel, restarts, Li & Hui."""

@@ -204,7 +204,7 @@ class ConstrainedDescent:
                 self._by_hessian.append(self._quasi_newton.energy)
 
     def smooth(self, iterations: int) -> None:
-        """Iterate without a coarser level, plainly before the first quasi-Newton step."""
+        """Iterate on this level alone: plain iterations first, then quasi-Newton steps."""
         for _ in range(iterations):
             if self._quasi_newton is None:
                 self.iterate()

@@ -210,7 +210,7 @@ class ContactDescent:
 
     @property
     def share_reached(self) -> float:
-        """Fraction of the path from rest to the targets completed."""
+        """Completed fraction of the path from rest to the targets."""
         left = (1.0 - self.share) * self.path.length
         return 1.0 - left / max(self._whole, left) if left else 1.0
 
@@ -281,7 +281,7 @@ class ContactDescent:
         self._set_path()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Set targets (k + s, 3) of held and soft vertices, with a path to them."""
+        """Set the targets (k + s, 3) of held and soft vertices, with a path to them."""
         self._targets, self.start_shifts = targets, None
         if self._touching and not self.contact.may_touch:
             self._release()
@@ -342,7 +342,7 @@ class ContactDescent:
                 self._touch()
                 self.step()
                 return
-        # Without the factor previews may stop improving, so move on before the usual number of steps.
+        # Without the factor, previews may stop improving; move on before the usual number of steps.
         if self.share == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
             self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
             self._inner.aim(self.path.positions_at(self._ahead))

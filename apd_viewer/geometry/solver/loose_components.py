@@ -170,7 +170,7 @@ class LooseComponents:
     def _carrying(
         self, binding: LooseBinding, among: np.ndarray | bool = True
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Carried part (c,), carrying corner (c,) and its weight (c,)."""
+        """Carried part (c,), triangle corner carrying it (c,) and its weight (c,)."""
         leader = binding.member[binding.member_start[:-1]]
         part = np.repeat(np.arange(len(leader)), np.diff(binding.start))
         goes = among & ~self._stays[self._rest.solve_mesh.component[leader]][part]

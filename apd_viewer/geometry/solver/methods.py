@@ -170,7 +170,7 @@ def passing_walls_warning(method: str, vertices: int, switch: str) -> str:
 
 
 def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> Method:
-    """Method by its name; raises InputError if unknown, or with too little held.
+    """Method by name; raises InputError if unknown or if too few vertices are held.
 
     Where there are ``obstacles``, nothing need be.
     """

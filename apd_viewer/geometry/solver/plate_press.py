@@ -36,7 +36,7 @@ DEFAULT_ITERATIONS = 10_000
 _RETRIES = 5
 # Fraction of the load before opening, above which opening plates still touch.
 _TOUCHES = 1e-9
-# Energy per area below which it is only rounding, as of strains of a millionth.
+# Energy per area below which it is mere rounding error; corresponds to strains of 1e-6.
 _NO_ENERGY = 1e-12
 
 

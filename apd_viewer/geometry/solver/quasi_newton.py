@@ -35,10 +35,10 @@ class DescentSurface(ElasticResponse, Protocol):
         """``U`` (n, 3) plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
 
     def local_step(self, U: np.ndarray) -> None:
-        """Make ``U`` (n, 3) current."""
+        """Fit the rotations to ``U`` (n, 3) and make it the current shape."""
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Make ``U`` (n, 3) current; return its energy."""
+        """Do a local step at ``U`` (n, 3) and return the energy of the new current shape."""
 
 
 class QuasiNewton:

@@ -22,7 +22,7 @@ from apd_viewer.geometry.solver.multilevel import (
     multilevel_descent,
 )
 
-# Relative reduction of the energy from which a minimum counts as better, and is shown.
+# Smallest relative energy reduction for a minimum to count as better and be shown.
 _GAIN = 1e-3
 # Tolerance of minima during trials: ten steps reduce the energy by less than this fraction. Only the best
 # is converged further, at the end. With a coarser tolerance of 1e-3 the folds found are worse.

@@ -18,7 +18,7 @@ from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection,
 
 # Path increments in mesh sizes: the first, the longest and the shortest.
 _FIRST, _LONGEST, _NONE = 2e-3, 8e-3, 1e-4
-# Attempts at a path increment, and its factors after a blocked and after a successful one.
+# Attempts at a path increment; factors of the increment after a blocked and after a successful attempt.
 _TRIES, _LESS, _MORE = 6, 0.4, 1.4
 # Steps between two path increments: fewest, most, and the relative energy gain below which they end. A shape
 # lagging behind the held vertices would be wound up.

@@ -158,7 +158,7 @@ class PaintedPart(NamedTuple):
         return document.with_handle(k, replace(document.handles[k], flags=flags))
 
     def is_in(self, document: Document) -> bool:
-        """True unless the part is a region not yet created."""
+        """True if the document has the part; False for a region not yet created."""
         return not self.is_region or self.code <= len(document.regions)
 
     def _named(self, document: Document) -> Handle | NamedRegion | None:
@@ -184,7 +184,7 @@ class Targets(NamedTuple):
 
 
 def kept_percentages(document: Document) -> tuple[float | None, ...]:
-    """Percentages passed to the method; None for a region without a triangle."""
+    """Target percentages for the method; None for a region without triangles."""
     method = document.settings.traits
     keeps_area = method.keeps_total_area or (method.may_keep_total_area and document.settings.hold_area)
     only_area = method.keeps_only_total_area

@@ -152,7 +152,7 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
     """Finding about intersecting triangles; empty if there are none."""
     if crossing is None or not len(crossing):
         return ()
-    # Imported here: the window shows other sentences before this module is loaded.
+    # Imported here: the other functions are needed before the findings module is loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
 
     said = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")

@@ -123,7 +123,7 @@ class AmountKind(Enum):
         return float(amount**share) if self is AmountKind.FACTOR else share * amount
 
     def remaining(self, total: float, motion: Motion, now: MotionReference) -> float:
-        """Remaining amount of a motion for a total from rest.
+        """Amount still missing to reach a total measured from rest.
 
         The total of a rotation is its part about the axis of the motion, that of a shift its part along it.
         """
@@ -190,7 +190,7 @@ class MotionKind:
 
     @property
     def is_one_amount(self) -> bool:
-        """True if the text of the motion may consist of one amount."""
+        """True if the amount alone is a complete motion text."""
         return not (self.needs_axis or self.has_all_axes)
 
 

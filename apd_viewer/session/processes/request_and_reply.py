@@ -69,7 +69,7 @@ class Cost:
 
 @dataclass(frozen=True, eq=False)
 class Reply:
-    """Result of a request: a frame, or a sentence with the reason for none.
+    """Result of a request: a frame, or a message saying why there is none.
 
     Attributes
     ----------

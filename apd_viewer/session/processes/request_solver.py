@@ -126,7 +126,7 @@ class RequestSolver:
             self._begin_factorizations()
 
     def turn_to(self, mesh: Mesh) -> None:
-        """Discard preparations for another mesh."""
+        """Discard preparations if they were made for a different mesh."""
         if self._rest is not None and self._rest[0] is not mesh:
             self._drop()
             self._rest = self._tray = None

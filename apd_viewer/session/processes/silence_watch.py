@@ -32,7 +32,7 @@ class SilenceWatch:
         self._thread.start()
 
     def expect_answer(self, number: int, patience: int) -> None:
-        """Start waiting for answer ``number``; any earlier message ends a silence, too."""
+        """Start waiting for answer ``number``; any message counts as a sign of life."""
         with self._condition:
             if not self._awaits:
                 self._quiet = 0

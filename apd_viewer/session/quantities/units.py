@@ -56,7 +56,7 @@ class Unit(Enum):
 
     @property
     def as_confirmed(self) -> Unit:
-        """The unit without the mark of a guess."""
+        """The unit, no longer flagged as guessed."""
         return Unit(self.symbol)
 
     @property

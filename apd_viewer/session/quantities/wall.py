@@ -192,7 +192,7 @@ def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float |
 
 
 def parse_thickness(text: str, unit: Unit) -> float:
-    """Thickness in mesh units from a text; raises InputError."""
+    """Parse a thickness, in mesh units; raises InputError."""
     thickness = parse_length(text, unit, {})
     if not thickness > 0.0:
         raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))

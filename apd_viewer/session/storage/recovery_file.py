@@ -128,7 +128,7 @@ def lock_path(path: Path) -> Path:
 
 
 def remove_with_lock(path: Path, lock: FileLock) -> None:
-    """Remove a file, its temporary files and last its lock."""
+    """Remove a file, its temporary files and, finally, its lock."""
     for each in (path, *path.parent.glob(f".{path.name}-*")):
         with contextlib.suppress(OSError):
             each.unlink()

@@ -17,7 +17,7 @@ _KEYS = QKeySequence.StandardKey
 
 
 class WindowMenus:
-    """Menus and tool bar, first with what needs no session.
+    """Menus and tool bar; commands that need a session are connected later.
 
     What needs one is disabled until it has a command.
 

@@ -142,7 +142,7 @@ class FileController:
         for path in (user_file(state.document.mesh), self._session.saved_work.path):
             if path is not None and path.is_file():  # a mesh embedded in a session may have no file
                 self._memory.remember_file(path)
-        release_freed_memory()  # memory of earlier meshes, whose sizes may never recur
+        release_freed_memory()  # blocks of closed meshes, which the allocator may never be able to reuse
 
     def load_selection(self) -> None:
         """Ask for a selection file and load it."""
@@ -182,7 +182,7 @@ class FileController:
             self._window.setWindowModified(unsaved)
 
     def run_unless_unsaved(self, action: Callable[[], object], closes: bool = False) -> None:
-        """Call ``action()``, after asking whether to save any unsaved work."""
+        """Call ``action()`` unless the user cancels to keep unsaved work."""
         if self.may_discard_work(action, closes):
             action()
 

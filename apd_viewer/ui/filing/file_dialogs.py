@@ -54,7 +54,7 @@ def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
 
 
 def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Ask for a selection file to write; None if cancelled."""
+    """Ask where to save a selection; None if cancelled."""
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
         parent,

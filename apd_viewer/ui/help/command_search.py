@@ -161,7 +161,7 @@ _ROWS = 10  # rows visible without scrolling
 
 
 class FoundList(QTreeWidget):
-    """Rows of the matching entries, and a last one to search the manual."""
+    """List of matching entries, ending with one that searches the manual."""
 
     def __init__(self) -> None:
         super().__init__(columnCount=3, headerHidden=True, rootIsDecorated=False, iconSize=ICON_SIZE)

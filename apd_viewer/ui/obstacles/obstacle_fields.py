@@ -204,7 +204,7 @@ class TypedField(TextField):
         return self.text() != self._shown
 
     def show_text(self, text: str) -> None:
-        """Show a value, unless the user is editing the same one."""
+        """Show a value, but keep an edit in progress if the shown value is unchanged."""
         if not (self.hasFocus() and self.is_changed and text == self._shown):
             self._shown = text
             if self.text() != text:

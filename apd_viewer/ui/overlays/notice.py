@@ -119,7 +119,7 @@ class Notice(QFrame):
         self.timer.stop()
 
     def show_lasting_failure(self, sentence: str) -> None:
-        """Show a failure until a call with an empty sentence ends it."""
+        """Show a failure until cleared by an empty sentence."""
         if sentence == self._held:
             return
         before, self._held = self._held, sentence

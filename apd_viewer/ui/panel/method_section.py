@@ -153,7 +153,7 @@ _LEAST = 1e-15  # smallest tolerance: about the rounding error
 
 
 class ConvergenceFields(QWidget):
-    """Folding heading, and the convergence criteria applicable to the method.
+    """Collapsible section with the convergence criteria applicable to the method.
 
     Attributes
     ----------

@@ -125,7 +125,7 @@ class HandleSection(Section):
         self.heading.show_reading(f"{len(document.handles)}", only_folded=True)
 
     def show_check(self, state: State, check: ShapeCheck | None) -> None:
-        """Show warnings of self-intersection, as far as known."""
+        """Show self-intersection warnings once known."""
         lost = self_passing_warnings(state, check)
         self.crossing_signs.setText("\n".join(lost))
         self.crossing_signs.setVisible(bool(lost))

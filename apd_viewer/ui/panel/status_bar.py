@@ -124,7 +124,7 @@ class StatusBar(QStatusBar):
         self.progress.follow(state.frame if state else None, activity.value == _SOLVING)
         iteration = state.frame.iteration if state else 0
         pace = 1e3 * session.store.seconds_per_iteration
-        # Without a pace: an opened or restored shape was not iterated in this window.
+        # No rate to show for an opened or restored shape that this window has not iterated.
         measured = tr("iteration {iteration:,}, {pace:.1f} ms per iteration")
         words = measured if pace else tr("iteration {iteration:,}")
         self._pace.show_text(words.format(iteration=iteration, pace=pace) if iteration else "")

@@ -134,7 +134,7 @@ _AXIS = tr("Axis to mirror along, through the middle of the mesh at rest")
 
 
 class SymmetryRow(QWidget):
-    """Switch of symmetric posing, its axis, and a text on the mirror partner.
+    """Check box for symmetric posing, its axis, and a label naming the mirror partner.
 
     Attributes
     ----------

@@ -50,7 +50,7 @@ class PreferenceValues(QObject):
             return preference.default
 
     def choose(self, preference: Preference[T], value: T) -> None:
-        """Store a value and notify the followers of a change."""
+        """Store a value and notify the observers."""
         self._settings.setValue(preference.name, preference.allowed.to_text(value))  # type: ignore[arg-type]
         if value != self[preference]:
             self._values[preference] = value
@@ -114,7 +114,7 @@ class NumberRange:
     suffix: str
 
     def from_text(self, stored: str) -> float:
-        """Number for a stored text; raises ValueError if it is out of range."""
+        """Parse a stored number; raises ValueError if it is out of range."""
         value = float(stored)
         if not self.least <= value <= self.most:  # also rejects NaN
             raise ValueError(stored)

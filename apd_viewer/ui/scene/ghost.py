@@ -45,7 +45,7 @@ class RestActor(ABC):
         self._show()
 
     def follow(self, mesh: Mesh | None) -> None:
-        """Set the mesh; None shows nothing."""
+        """Set the mesh; hide the actor if None."""
         if mesh is not self._mesh:
             self._mesh = mesh
             self._show()

@@ -283,7 +283,7 @@ class OffscreenScene:
         return self._taken(U)
 
     def measured_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
-        """Picture of the shape ``U`` coloured by ``shades`` on a ``scale``."""
+        """Picture of ``U`` coloured by scalars on a ``scale``."""
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
         self._surface.set_color_map(scale.measure.colors, neutral)
         self._surface.shades[:] = shades

@@ -132,7 +132,7 @@ def _align(grids: list[QGridLayout]) -> None:
 
 
 class SettingsPage(QObject):
-    """Opens the settings dialog, at most once at a time.
+    """Opens the settings dialog, one at a time.
 
     Parameters
     ----------

@@ -137,7 +137,7 @@ class ResultColumn:
 
     @cached_property
     def longest_texts(self) -> list[str]:
-        """Texts with most letters, to estimate the widest one."""
+        """Texts with the most characters, as candidates for the widest."""
         return nlargest(_LONGEST, set(self.texts), key=len)
 
     @property
@@ -147,7 +147,7 @@ class ResultColumn:
 
 
 class ReadResults(NamedTuple):
-    """Results and their columns, read at one time."""
+    """Results and their columns, as read together."""
 
     table: ResultTable
     columns: list[ResultColumn]

@@ -112,7 +112,7 @@ class BrushTool(SelectionTool):
         painter.drawPolyline(ring)
 
     def _look(self, event: QMouseEvent) -> None:
-        """Update the hit under the cursor, and redraw the ring if needed."""
+        """Update the hit under the cursor; redraw the ring if needed."""
         before = self._hit, self.effect
         self._cursor = event.position() if self._enabled else None
         self.effect = stroke_effect(event)
@@ -150,7 +150,7 @@ class BrushTool(SelectionTool):
         return bool(np.linalg.norm(b.point - a.point) <= reach)
 
     def _cover(self, steps: list[tuple[Hit | None, Hit | None]]) -> None:
-        """Emit the vertices under the steps, except those already in the stroke."""
+        """Emit the vertices covered by the brush steps and not yet in the stroke."""
         if self._covered is None:
             return
         fresh = []

@@ -179,7 +179,7 @@ class Canvas(QObject):
         self.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
     def show_opening_mesh(self, mesh: Mesh, labels: np.ndarray) -> None:
-        """Draw the mesh of a file still being opened, without editing."""
+        """Draw a mesh whose file is still loading, read-only."""
         self._sketched = mesh.V
         self.surface.set_mesh(PreviewSurface(mesh.F), mesh.V, label_colors(labels))
         handle = mesh.V[labels == HANDLE]

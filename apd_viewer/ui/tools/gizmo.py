@@ -355,7 +355,7 @@ class InactiveHandles(MouseTool, QObject):
         return None
 
     def _taken_at(self, position: QPointF) -> int | None:
-        """Number of the inactive handle with a dot or paint at a position, or None."""
+        """Number of the inactive handle whose dot or paint is at a position, or None."""
         dot = self._dot_at(position)
         if dot is not None or not self.pivots:
             return dot

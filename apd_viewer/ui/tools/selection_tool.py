@@ -199,7 +199,7 @@ class SelectionStrokes(QObject):
         (self.region_painted if self.part.is_region else self.painted).emit(ids, code)
 
     def _erase(self, ids: np.ndarray) -> None:
-        """Erase base and handles; the eraser also erases regions elsewhere."""
+        """Erase base and handles; with the eraser, also regions on free vertices."""
         if self._document is None:
             return
         held = self._document.labels[ids] != FREE

@@ -222,7 +222,7 @@ class NumberField(QDoubleSpinBox):
             self.selectAll()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Restore the number, and explain an invalid text."""
+        """Restore the number, and show why an entry was invalid."""
         self._refuse()
         super().focusOutEvent(event)
         self.error.hide_later()
