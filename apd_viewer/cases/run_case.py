@@ -124,7 +124,7 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
     """
     state, view = documents.painted_state(case)
     said, unit = dict(case.settings), Unit(view.unit)
-    for name in ("iterations", "to"):  # settings of the iteration, not of the document
+    for name in ("iterations", "to"):  # settings of the computation, not of the document
         said.pop(name, None)
     if case.contact_by_default:
         said["contact"] = len(state.document.mesh.V) <= int(said["contact"])

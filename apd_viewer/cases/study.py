@@ -327,7 +327,7 @@ class StudyStore:
         return result
 
     def curves(self, keys: Iterable[str]) -> dict[str, Curves]:
-        """Curves of finished cases, read from their files to update the database.
+        """Curves of finished cases, read from their files; the database is updated, too.
 
         A case whose file is damaged is not among them, and no longer finished.
         """

@@ -63,5 +63,5 @@ def text_cell(text: str) -> str:
 
 
 def cell_text(cell: str) -> str:
-    """Original string of a cell written by :func:`escaped_cell`."""
+    """Original string of a cell written by :func:`text_cell`."""
     return _GUARDED.sub("", cell)

@@ -57,7 +57,7 @@ class ReportReadings:
     session : bytes
         A session with all of it, as a file; empty where it is too long.
     target_distances : dict of str to float, or None
-        Distances from the target shape: see :func:`apd_viewer.files.report.apart_of`.
+        Distances from the target shape: see :func:`apd_viewer.files.report.target_distance_fields`.
     """
 
     change: LocalChange

@@ -26,7 +26,7 @@ _FLOAT, _UINT = 5126, 5125  # component types of four bytes each
 _VERTICES, _INDICES = 34962, 34963  # glTF targets of buffer views
 _WIDTH = {"SCALAR": 1, "VEC3": 3}
 LARGEST_FILE = 2**32 - 1  # bytes, the largest value of the 32-bit length field
-_SECONDS, _FASTEST = 3.0, 24.0  # duration of the animation in seconds; maximum number of shapes per second
+_SECONDS, _FASTEST = 3.0, 24.0  # minimum duration in seconds; maximum number of shapes per second
 _LOOK = {
     "pbrMetallicRoughness": {
         "baseColorFactor": [0.8, 0.8, 0.8, 1.0],
@@ -79,7 +79,7 @@ class _Layout:
 
 
 def write_morph_targets(animation: Animation, path: Path) -> None:
-    """Write the shapes as a GLB animation of about 3 s, in single precision.
+    """Write the shapes as a GLB animation of 3 s or more, in single precision.
 
     Raises
     ------

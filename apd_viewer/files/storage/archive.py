@@ -44,7 +44,7 @@ def write_archive(
     """Write members to a ZIP archive; equal members give identical files.
 
     ``at_once`` is for a file that is wanted in a moment: not packed, and there before it is on the disk.
-    ``finish`` is that of :func:`apd_viewer.files.storage.atomic_file.replacing`.
+    ``finish`` is that of :func:`apd_viewer.files.storage.atomic_file.replacing_file`.
 
     Raises
     ------

@@ -142,7 +142,7 @@ def sibling_content(name: str, mesh: Path | None, most: int | None = None) -> by
     Raises
     ------
     InputError
-        If the name leads out of the folder of the mesh, or there is more than :data:`LARGEST`.
+        If the name leads out of the folder of the mesh, or there is more than :data:`LARGEST_FILE`.
     OSError
         If the file cannot be read.
     """

@@ -25,7 +25,7 @@ _FIRMEST_OF_OBSTACLES = 1.0
 _TAKEN = 0.9
 _RISE = 0.25
 _SWEEPS = 8
-# Smallest substep tried, as a fraction of the whole step.
+# Blocked substeps are shortened only if longer than this fraction of the whole step.
 _SHORTEST = 1e-3
 
 

@@ -23,7 +23,7 @@ class ContactPressure:
     labels : (n,) int array
         See :func:`apd_viewer.geometry.pose.constraints.constraints`; something must be held.
     thickness : float or None
-        Distance that walls keep, mesh units; see :func:`contact_of`.
+        Distance that walls keep, mesh units; see :func:`mesh_contact`.
     """
 
     def __init__(self, mesh: Mesh, labels: np.ndarray, thickness: float | None) -> None:

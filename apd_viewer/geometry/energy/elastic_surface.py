@@ -147,7 +147,7 @@ class ElasticSurface:
 
     @cached_property
     def hessian(self) -> ProjectedHessian:
-        """Approximate Hessian of a surface with a membrane; K for any other surface."""
+        """Approximate Hessian of a surface with a membrane; without one, use K instead."""
         assert self.membrane is not None
         others = self.K_ff - self.membrane.K[self.free][:, self.free]
         return ProjectedHessian(self.rest.V, self.free, others, self.membrane)

@@ -59,7 +59,7 @@ class RenderMesh:
         ----------
         V : (n, 3) float array
         opposite : (m, 3) int32 array
-            The ``opposite_corners`` of ``joined``.
+            The ``opposite_half_edges`` of ``joined``.
         """
         group = _smoothing_groups(V, self.joined, opposite, np.cos(SHARP))
         if not len(group):

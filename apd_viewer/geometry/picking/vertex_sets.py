@@ -219,9 +219,9 @@ def border_loop(
     ----------
     F : (m, 3) int array
     opposite : (m, 3) int array
-        Its :func:`opposite_corners`.
+        Its :func:`opposite_half_edges`.
     start, neighbour : int arrays
-        As for :func:`grown`.
+        As for :func:`grown_set`.
     seeds : (s,) int array
 
     Returns

@@ -19,7 +19,7 @@ from apd_viewer.language import tr
 _HALF_TURN = 1e-6
 # Fraction of the largest stretch below which a stretch flattens the object.
 _FLAT = 1e-9
-# Angle in radians below which the path of the pivot is straight.
+# Half of the angle, in radians, below which the path of the pivot is straight.
 _STRAIGHT = 1e-9
 
 

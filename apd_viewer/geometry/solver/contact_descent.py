@@ -34,7 +34,7 @@ from apd_viewer.language import tr
 
 # Motion of held vertices at once, in mesh sizes, and number of steps between two motions.
 _PART, _STEPS = 0.05, 10
-# Blocked substeps taken as a sign of contact; the first shapes after a motion may be rough.
+# Substeps of blocked steps taken as a sign of contact; the first shapes after a motion may be rough.
 _PATIENCE = 60
 
 
@@ -242,7 +242,7 @@ class ContactDescent:
     def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Replace the obstacles; they take effect with :meth:`restart`.
 
-        Without, it enters at rest with the next step.
+        Without, the surface enters at rest with the next step.
         """
         self.contact.replace_obstacles(obstacles)
         self.shifts = self.target_shifts = self._places = np.zeros((len(obstacles), 3))

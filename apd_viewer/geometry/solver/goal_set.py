@@ -141,7 +141,7 @@ class GoalSet:
     def may_retry_calm_goals(self) -> bool:
         """True if the dropped goals have not been retried at the converged shape.
 
-        On the way from a pose far away it may be missed although it can be kept.
+        On the way from a pose far away they may be missed although they can be kept.
         """
         return bool(self._dropped) and self._retries > 0
 

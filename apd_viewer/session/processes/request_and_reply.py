@@ -146,7 +146,7 @@ def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
 
 
 def obstacle_key(document: Document) -> tuple[object, ...]:
-    """Key of the initial obstacle positions; another key needs new contact data."""
+    """Key of the obstacles as first placed; another key needs new contact data."""
     if not document.has_active_obstacles:
         return ()
     each = ((one.kind, one.place, one.axis, one.radius, one.length) for one in document.obstacles)

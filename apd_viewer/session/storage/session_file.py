@@ -77,7 +77,7 @@ def save_session(
     picture : bytes
         A PNG file that shows the session in a file manager; empty for none.
     finish : callable
-        Called last, see :func:`apd_viewer.files.storage.atomic_file.replacing`.
+        Called last, see :func:`apd_viewer.files.storage.atomic_file.replacing_file`.
 
     Returns
     -------

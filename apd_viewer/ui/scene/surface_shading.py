@@ -191,7 +191,7 @@ class SurfaceArrays:
     ----------
     rendered : RenderMesh or PreviewSurface
     rgba : (n, 4) uint8 array
-        Of the vertices; see :meth:`Surface.wear` for the opacities.
+        Of the vertices; see :attr:`Surface.shades` for the opacities.
     texture : Texture, optional
         With seams where vertices of ``rendered`` are repeated.
     """

@@ -40,7 +40,7 @@ class VariedQuantity(NamedTuple):
     title, note, tip : str
         The note stands beside it.
     unit : str
-        DEGREES, PERCENT or PLAIN.
+        DEGREES, PERCENT or NO_UNIT.
     low, high : str
         Ends of its range at first.
     is_motion : bool

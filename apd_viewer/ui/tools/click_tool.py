@@ -215,7 +215,7 @@ class PointPicker(MouseTool, QObject):
                 self._then(points)
 
     def leave(self) -> None:
-        """Remove the highlight of the gizmo handle under the cursor."""
+        """Remove the point under the cursor from the drawing."""
         if self._hit is not None:
             self._hit = None
             self._viewport.tool_layer.update()

@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from apd_viewer.ui.scene.camera import Camera
 
 _MARGIN = 0.06  # margin of a plane around the shape, as a fraction of its extent
-_PLANE = 40 / 255  # opacity of a plane's fill of a plane's fill
+_PLANE = 40 / 255  # opacity of a plane's fill
 
 
 def draw_polyline(
