@@ -394,6 +394,20 @@ import apd_viewer.ui.application
 import apd_viewer.ui.shell
 print(*sys.modules)
 """
+COMMANDS = """
+import sys
+import apd_viewer.commands.parsers
+print(*sys.modules)
+"""
+
+
+def test_architecture_lets_commands_begin_without_libraries_that_draw():
+    """Each command loads the parsers of all, and a drawing library takes a quarter of a second."""
+    words = [sys.executable, "-c", COMMANDS]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True, timeout=60)
+    libraries = {name.partition(".")[0] for name in done.stdout.split()}
+    assert "argparse" in libraries, "the test is blind"
+    assert libraries & {"matplotlib", "PIL", "PySide6", "pyvista", "trimesh", "vtkmodules"} == set()
 
 
 @pytest.fixture(scope="module")

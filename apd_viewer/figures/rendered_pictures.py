@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.figures.style import font_file
+from apd_viewer.figures.fonts import font_file
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr

@@ -1,7 +1,6 @@
-"""Plot style for print and colour-blind readers, fonts, and SVG and PNG output."""
+"""Plot style for print and colour-blind readers, and SVG and PNG output."""
 
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
+from apd_viewer.figures.fonts import families
 from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.language import LANGUAGE
 from apd_viewer.notation import localized_number
 
 INK, QUIET, LINE = "#1d2129", "#5a6270", "#dcdfe4"
@@ -90,49 +89,3 @@ class _ShownNumbers(ScalarFormatter):
 def zero_line(axes: Axes) -> None:
     """Emphasise the zero line."""
     axes.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)
-
-
-LATIN = "DejaVu Sans"  # bundled with matplotlib: figures are the same everywhere
-# Simplified Chinese font files on Linux, Windows and macOS, best first; a collection gives its first face.
-_CHINESE = (
-    "NotoSansCJKsc-Regular",
-    "NotoSansSC-Regular",
-    "SourceHanSansSC-Regular",
-    "SourceHanSansCN-Regular",
-    "msyh",
-    "PingFang",
-    "Hiragino Sans GB",
-    "STHeiti Light",
-    "NotoSansCJK-Regular",
-    "wqy-microhei",
-    "wqy-zenhei",
-    "simhei",
-    "simsun",
-    "DroidSansFallbackFull",
-    "DroidSansFallback",
-)
-
-
-@cache
-def font_file(language: str = LANGUAGE) -> Path | None:
-    """System font file for a language; None if none is needed or found."""
-    if not language.startswith("zh"):
-        return None
-    # Imported here: it takes a third of a second, and only few languages need it.
-    from matplotlib import font_manager
-
-    found = {Path(path).stem: Path(path) for path in font_manager.findSystemFonts()}
-    return next((found[name] for name in _CHINESE if name in found), None)
-
-
-@cache
-def families(language: str = LANGUAGE) -> list[str]:
-    """Font families for matplotlib, in order of preference for each letter."""
-    path = font_file(language)
-    if path is None:
-        return [LATIN]
-    # Imported here, as in font_file.
-    from matplotlib import font_manager
-
-    font_manager.fontManager.addfont(path)
-    return [LATIN, font_manager.get_font(path).family_name]

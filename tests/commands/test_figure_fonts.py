@@ -7,7 +7,8 @@ import matplotlib as mpl
 import pytest
 from matplotlib import font_manager
 
-from apd_viewer.figures.style import draw_figure, families, font_file
+from apd_viewer.figures.fonts import families, font_file
+from apd_viewer.figures.style import draw_figure
 
 
 @pytest.fixture
