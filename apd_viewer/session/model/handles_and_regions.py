@@ -122,6 +122,10 @@ class Handle:
         """Handle moved to ``pose`` (4, 4) by the shortest rotation."""
         return self.with_pose(pose, extended_waypoints(self.waypoints, self.pose, pose))
 
+    def __getstate__(self) -> dict[str, object]:
+        """Fields alone: a value cached meanwhile on another thread would end the pickling."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
     @cached_property
     def rotation(self) -> np.ndarray:
         """Total rotation since gripping, (3,): unit axis times angle in radians."""

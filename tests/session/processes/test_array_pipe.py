@@ -10,6 +10,7 @@ from meshes import box, sphere
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
+from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes import array_pipe, shared_memory
 
@@ -101,6 +102,20 @@ def test_array_pipe_lets_go_on_both_sides_what_is_no_longer_mentioned(line):
 def test_array_pipe_takes_no_array_for_one_that_is_gone_from_its_place(line):
     for k in range(50):
         assert line.sent(np.full(3000, float(k)))[0] == k
+
+
+def test_pickled_handle_may_be_read_by_another_thread_meanwhile():
+    """The first reading of its rotation is kept in it, while the solver's thread goes through its fields."""
+    handle = Handle("Handle 1", np.eye(4))
+
+    def number_of(thing):
+        if isinstance(thing, np.ndarray):
+            assert not handle.rotation.any()
+
+    again = array_pipe.unpickled(array_pipe.pickled(handle, number_of), {})
+    assert again.name == handle.name
+    assert np.array_equal(again.pose, handle.pose)
+    assert np.array_equal(again.rotation, handle.rotation)
 
 
 def test_array_pipe_read_gives_message_after_message_and_ends():
