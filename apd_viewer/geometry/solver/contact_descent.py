@@ -38,10 +38,8 @@ _PART, _STEPS = 0.05, 10
 _PATIENCE = 60
 
 
-def check_contact(method: Method, plain: bool, contact: bool = True) -> None:
-    """Raise InputError unless contact is on and the method supports it."""
-    if not contact:
-        raise InputError(tr("Creases and gas need contact; switch it on, or leave them out."))
+def check_contact(method: Method, plain: bool) -> None:
+    """Raise InputError unless the iterations of a method can keep walls apart."""
     if plain or not method.may_use_contact:
         raise InputError(
             tr(

@@ -56,20 +56,7 @@ from apd_viewer.geometry.solver.restarts import make_solver
 from apd_viewer.language import tr
 
 
-class UncopyableDeformation:
-    """Deformation with a factor, refusing to be copied or pickled."""
-
-    def __reduce_ex__(self, _: object) -> NoReturn:
-        """Raise InputError instead of copying or pickling the object."""
-        raise InputError(
-            tr(
-                "A Deformation cannot be copied or pickled; make another one with the same arguments, and "
-                "aim it with the U of its last frame."
-            )
-        )
-
-
-class Deformation(UncopyableDeformation):
+class Deformation:
     """A mesh with some vertices held, deformed one iteration at a time.
 
     Parameters
@@ -184,6 +171,9 @@ class Deformation(UncopyableDeformation):
         self._held = HeldVertices(fixed, handle, rest)
         held, handle_of = self._held.ids, self._held.handle_of
         check_obstacles(obstacles, contact)
+        needs_contact = gas is not None or yield_radius is not None
+        if needs_contact and not contact:
+            raise InputError(tr("Creases and gas need contact; switch it on, or leave them out."))
         self._traits = check_method(method, handle_of, len(obstacles) > 0)
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = solve_constraints(soft, rest, held)
@@ -199,11 +189,10 @@ class Deformation(UncopyableDeformation):
             started = time.perf_counter()
             elastic = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
             of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
-            needs_contact = gas is not None or yield_radius is not None
             self.solver = make_solver(elastic, goals, self._traits, of, plain or needs_contact)
             self.contact = None
-            if contact or needs_contact:
-                check_contact(self._traits, plain, contact)
+            if contact:
+                check_contact(self._traits, plain)
                 touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
                 enclosed = None if gas is None else EnclosedGas(rest, gas)
                 self.solver = self.contact = contact_descent(self.solver, goals, *touching, enclosed)
@@ -212,6 +201,15 @@ class Deformation(UncopyableDeformation):
         self.factor_seconds = time.perf_counter() - started
         self._begin()
         self.aim(rest.from_local(rest.V[self.fixed]))
+
+    def __reduce_ex__(self, _: object) -> NoReturn:
+        """Raise InputError instead of copying or pickling the object."""
+        raise InputError(
+            tr(
+                "A Deformation cannot be copied or pickled; make another one with the same arguments, and "
+                "aim it with the U of its last frame."
+            )
+        )
 
     @property
     def fixed(self) -> np.ndarray:
@@ -305,7 +303,7 @@ class Deformation(UncopyableDeformation):
         with cores_for(len(self.rest.solve_mesh.V)):
             self._held.set_targets(targets)
             elastic = self.solver.elastic
-            if self.contact is not None and (self.contact.is_stopped or self.settled):
+            if elastic.creases and self.contact and (self.contact.is_stopped or self.settled):
                 elastic.commit_creases()
             if self._kept.restore_calm_goals():
                 self.solver.set_goals(self._kept.goals)
