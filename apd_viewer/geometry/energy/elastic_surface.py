@@ -210,6 +210,17 @@ class ElasticSurface:
             residual += 0.25 * self.material.bending * collapsing
         return residual
 
+    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3) near the current positions, which stay current."""
+        current, q = self.U, self.q.copy()
+        self.local_step(U)
+        residual = self.residual(targets)
+        self.U, self._q = current, q
+        if self.membrane is not None:
+            self.membrane.local_step(current)
+        self._follow_creases()
+        return residual
+
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Response to forces ``b_f`` in the current metric, both (f, 3) float arrays."""
         return self.metric.solve(b_f)

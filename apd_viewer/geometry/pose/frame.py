@@ -65,6 +65,10 @@ class Frame:
     energy : float or None
         What the method brings down, squared lengths: Eq. 1 with each undirected edge counted twice, and the
         terms of the material; without the coupling of "sr-arap". None where that is not known.
+    stable : bool or None
+        Whether the energy falls in no direction; None where that has not been looked at.
+    saddle_escapes : int
+        Saddles of the energy that have been left since the targets were last set.
     total : int
         Iterations since the deformation was made.
     gap : float or None
@@ -107,6 +111,8 @@ class Frame:
     volume_capped: float | None = None
     unreached: str | None = None
     energy: float | None = None
+    stable: bool | None = None
+    saddle_escapes: int = 0
     total: int = 0
     gap: float | None = None
     seconds_left: float | None = None

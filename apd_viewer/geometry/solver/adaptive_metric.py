@@ -8,10 +8,13 @@ Kavan 2017]; the global step keeps K.
 
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goal_projection import GoalProjection
+from apd_viewer.geometry.linalg.linear_solver import Metric
 
 # Most free vertices with a tolerable wait for a factorization: 0.9 to 1.2 s with 31,000 (160 MB), up to
 # 1.6 s with 40,000, 12 s (750 MB) with 125,000.
 MOST_HESSIAN_VERTICES = 40_000
+# Most free vertices for a Hessian that only a search for lower shapes needs: 0.1 s of 2.
+_MOST_SEARCH_VERTICES = 5_000
 # Steps between two Hessians; together they take about twice as long as a factorization.
 _PERIOD = 50
 
@@ -41,6 +44,17 @@ class AdaptiveMetric:
     def is_hessian(self) -> bool:
         """True if the metric is a Hessian instead of K."""
         return self._elastic.metric is not self._elastic.factor
+
+    @property
+    def search_metric(self) -> Metric:
+        """Metric of a search for lower shapes: the Hessian of a small membrane.
+
+        Relative to K, a membrane that gives way to the side is soft beyond measure.
+        """
+        elastic = self._elastic
+        if self.is_hessian or elastic.membrane is None or len(elastic.free) > _MOST_SEARCH_VERTICES:
+            return elastic.metric
+        return elastic.hessian.factor_at(elastic.U)
 
     def update(self, projection: GoalProjection) -> None:
         """Switch to the Hessian at the current shape, or renew it when due."""

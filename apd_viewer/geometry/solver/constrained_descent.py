@@ -19,7 +19,7 @@ from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjec
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.adaptive_metric import AdaptiveMetric, gains_from_hessian
 from apd_viewer.geometry.solver.iterative_solver import SolverProgress
-from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
+from apd_viewer.geometry.solver.quasi_newton import Equilibrium, QuasiNewton
 
 # The directions y become outdated as the shape rotates: recomputed after this many iterations.
 _REFRESH = 100
@@ -130,6 +130,14 @@ class ConstrainedDescent:
     def energy(self) -> float:
         """Energy of the current shape."""
         return self._quasi_newton.energy if self._quasi_newton else self.elastic.energy
+
+    @property
+    def equilibrium(self) -> Equilibrium | None:
+        """Surface as a search for lower shapes sees it; None in plain iterations."""
+        if self._plain:
+            return None
+        solve = self._metric.search_metric.solve
+        return Equilibrium(self.elastic, self._projection, self.multipliers, self.held_positions, solve)
 
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps reduce the energy by at most this fraction."""

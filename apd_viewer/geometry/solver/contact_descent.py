@@ -28,8 +28,9 @@ from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver, SolverProgress
 from apd_viewer.geometry.solver.loose_components import LooseComponents
 from apd_viewer.geometry.solver.methods import Method
+from apd_viewer.geometry.solver.quasi_newton import Equilibrium
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
-from apd_viewer.geometry.solver.touching_surface import TouchingSurface
+from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 from apd_viewer.language import tr
 
 # Motion of held vertices at once, in mesh sizes, and number of steps between two motions.
@@ -222,6 +223,19 @@ class ContactDescent:
         """True if held vertices or obstacles are still moving along their path."""
         return self.share < 1.0 and not self.is_stopped
 
+    @property
+    def equilibrium(self) -> Equilibrium | None:
+        """Surface with its gaps as a search for lower shapes sees it."""
+        if self._touching:
+            return self._touching.equilibrium
+        inner = self._inner.equilibrium
+        if inner is None:
+            return None
+        surface = TouchingSurface(self.elastic, self.contact, self.gas)
+        projection = CollisionFreeProjection(surface, self._goals)
+        projection.refresh_directions(surface.U)
+        return inner._replace(surface=surface, projection=projection)
+
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps reduce the energy by at most this fraction."""
         self._tolerance = tolerance
@@ -284,8 +298,6 @@ class ContactDescent:
         if self._touching and not self.contact.may_touch:
             self._release()
         self._set_path()
-        if self._touching and self.path.moves_obstacles:
-            self._touching.perturb_shape()
 
     def _set_path(self) -> None:
         ends = np.array([self.shifts, self.target_shifts])
@@ -349,8 +361,6 @@ class ContactDescent:
         """Continue with contact from the last shape."""
         self._touching = self._descending()
         self._touching.follow_path(self.path, self.share)
-        if self.path.moves_obstacles:
-            self._touching.perturb_shape()
 
     def _descending(self) -> TouchingDescent:
         surface = TouchingSurface(self.elastic, self.contact, self.gas)

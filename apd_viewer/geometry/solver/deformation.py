@@ -53,6 +53,7 @@ from apd_viewer.geometry.solver.methods import (
     method_material,
 )
 from apd_viewer.geometry.solver.restarts import make_solver
+from apd_viewer.geometry.solver.stability import DEFAULT_IMPERFECTION, Stability
 from apd_viewer.language import tr
 
 
@@ -164,6 +165,8 @@ class Deformation:
         obstacles: Sequence[Obstacle] = (),
         yield_radius: float | None = None,
         gas: float | None = None,
+        imperfection: float = DEFAULT_IMPERFECTION,
+        seed: int = 0,
         weld: bool = False,
     ) -> None:
         self.rest = rest = checked_rest_mesh(rest, V, F, weld)
@@ -196,6 +199,7 @@ class Deformation:
                 touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
                 enclosed = None if gas is None else EnclosedGas(rest, gas)
                 self.solver = self.contact = contact_descent(self.solver, goals, *touching, enclosed)
+        self._stability = Stability(self.solver, rest.diagonal, imperfection, seed)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
@@ -324,6 +328,7 @@ class Deformation:
     def _begin(self) -> None:
         self._iteration = 0
         self._steps = StepConvergence()
+        self._stability.reset()
 
     def step(self) -> Frame:
         """Do one iteration; return the shape and its readings."""
@@ -334,6 +339,10 @@ class Deformation:
         """Do one iteration, without the readings of its shape."""
         solver = self.solver
         with cores_for(len(self.rest.solve_mesh.V)):
+            if self._stability.is_due(at_rest := self._would_rest, self._iteration):
+                if self._stability.step(at_rest):
+                    self._steps = StepConvergence()
+                return
             if self._kept.may_retry_calm_goals and self._would_settle(solver.progress):
                 self._kept.retry_calm_goals()
                 solver.set_goals(self._kept.goals)
@@ -360,8 +369,12 @@ class Deformation:
     @property
     def settled(self) -> bool:
         """True if further iterations would change nothing."""
-        progress = self.solver.progress
-        return progress.stuck or (self._would_settle(progress) and not self._kept.may_retry_calm_goals)
+        return self.solver.progress.stuck or (self._would_rest and not self._stability.is_open)
+
+    @property
+    def _would_rest(self) -> bool:
+        """True if the shape is at rest, stable or not."""
+        return self._would_settle(self.solver.progress) and not self._kept.may_retry_calm_goals
 
     def _would_settle(self, progress: SolverProgress) -> bool:
         return progress.has_met_goals and self._still(progress)
@@ -384,6 +397,8 @@ class Deformation:
             regions=regions,
             unreached=self._unreached(progress),
             energy=energy,
+            stable=self._stability.is_stable if settled else None,
+            saddle_escapes=self._stability.saddle_escapes,
             total=self._total,
             gap=self._steps.convergence_ratio(self._convergence)
             if progress.converged is None

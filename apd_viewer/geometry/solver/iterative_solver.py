@@ -6,6 +6,7 @@ import numpy as np
 
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.solver.quasi_newton import Equilibrium
 
 
 class SolverProgress(NamedTuple):
@@ -66,6 +67,10 @@ class IterativeSolver(Protocol):
     @property
     def ready(self) -> bool:
         """True if a step need not wait for a factorization."""
+
+    @property
+    def equilibrium(self) -> Equilibrium | None:
+        """Surface as a search for lower shapes sees it; None without a descent."""
 
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps reduce the energy by at most this fraction."""

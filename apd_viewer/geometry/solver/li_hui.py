@@ -67,6 +67,10 @@ class LiHui:
         """Energy of the current shape ``U``, near its minimiser."""
         return self.elastic.energy_at(self.U)
 
+    @property
+    def equilibrium(self) -> None:
+        """None: the correction of the area is no descent."""
+
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Set another target or tolerance of the total area."""
         (self._area,) = goals

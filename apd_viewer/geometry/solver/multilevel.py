@@ -16,6 +16,7 @@ from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE, ConstrainedDescent
 from apd_viewer.geometry.solver.iterative_solver import LevelSolver, SolverProgress
+from apd_viewer.geometry.solver.quasi_newton import Equilibrium
 
 # Number of free vertices below which a surface converges as fast without a coarse level.
 _ALONE = 4 * FEWEST_COARSE_VERTICES
@@ -141,6 +142,11 @@ class MultilevelDescent:
     def ready(self) -> bool:
         """True if a step need not wait for a factorization."""
         return (self._previews and not self.coarse.converged) or self.fine.ready
+
+    @property
+    def equilibrium(self) -> Equilibrium | None:
+        """Fine surface as a search for lower shapes sees it."""
+        return self.fine.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten fine steps reduce the energy by at most this fraction."""

@@ -6,7 +6,8 @@ just ``(G - mult g) . d`` to first order, whichever directions y are. Where it v
 Karush, Kuhn and Tucker hold.
 """
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -29,6 +30,9 @@ class DescentSurface(ElasticResponse, Protocol):
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
 
+    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3) near the current positions, which stay current."""
+
     def positions_along(
         self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
@@ -39,6 +43,36 @@ class DescentSurface(ElasticResponse, Protocol):
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
         """Do a local step at ``U`` (n, 3) and return the energy of the new current shape."""
+
+
+class Equilibrium(NamedTuple):
+    """Surface at rest, as seen by a search.
+
+    Attributes
+    ----------
+    surface : DescentSurface
+    projection : GoalProjection
+    multipliers : (g,) float array
+    held_positions : (k + s, 3) float array
+    solve : callable
+        Response (f, 3) to forces (f, 3) in the metric that curvatures are relative to.
+    """
+
+    surface: DescentSurface
+    projection: GoalProjection
+    multipliers: np.ndarray
+    held_positions: np.ndarray
+    solve: Callable[[np.ndarray], np.ndarray]
+
+    def slope(self, U: np.ndarray) -> np.ndarray:
+        """Quarter of the Lagrangian's gradient (f, 3) at ``U`` (n, 3) near the shape."""
+        G = self.surface.residual_near(U, self.held_positions)
+        self.projection.evaluate(U)
+        return self.projection.lagrangian_gradient(G, self.multipliers, self.projection.g)
+
+    def along(self, way: np.ndarray) -> np.ndarray:
+        """Positions (n, 3) displaced by ``way`` (f, 3)."""
+        return self.surface.positions_along(self.surface.U, 1.0, way, self.held_positions)
 
 
 class QuasiNewton:

@@ -21,6 +21,7 @@ from apd_viewer.geometry.solver.multilevel import (
     gains_from_coarse_level,
     multilevel_descent,
 )
+from apd_viewer.geometry.solver.quasi_newton import Equilibrium
 
 # Smallest relative energy reduction for a minimum to count as better and be shown.
 _GAIN = 1e-3
@@ -100,6 +101,11 @@ class Restarts:
     def ready(self) -> bool:
         """True if a step need not wait for a factorization."""
         return self.inner.ready
+
+    @property
+    def equilibrium(self) -> Equilibrium | None:
+        """Fine surface as a search for lower shapes sees it."""
+        return self.inner.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
         """Accept a minimum once ten steps reduce the energy by at most this fraction."""

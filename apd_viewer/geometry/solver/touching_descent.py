@@ -13,7 +13,7 @@ from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import SolverProgress
-from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
+from apd_viewer.geometry.solver.quasi_newton import Equilibrium, QuasiNewton
 from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
 # Path increments in mesh sizes: the first, the longest and the shortest.
@@ -29,8 +29,6 @@ _PATIENCE = 12
 _WINDOW = 10
 # Largest growth of a step: in dense contact about the length of the last one is collision-free.
 _GROWTH = 1.6
-# Largest displacement of a disturbance, in mesh sizes: a tenth of the default distance between walls.
-_DISTURBED, _SEED = 1e-4, 0
 # Largest load imbalance of a mesh without held vertices, and most additional steps to reach it.
 _BALANCED, _MORE_STEPS = 2e-3, 300
 
@@ -96,6 +94,13 @@ class TouchingDescent:
             converged=self.converged,
             convergence_ratio=self.convergence_ratio,
         )
+
+    @property
+    def equilibrium(self) -> Equilibrium:
+        """Surface with its gaps as a search for lower shapes sees it."""
+        multipliers = self._quasi_newton.multipliers
+        solve = self._surface.solve
+        return Equilibrium(self._surface, self._projection, multipliers, self.held_positions, solve)
 
     @property
     def has_met_goals(self) -> bool:
@@ -209,22 +214,6 @@ class TouchingDescent:
             return False
         self.held_positions = held
         return True
-
-    def perturb_shape(self) -> None:
-        """Perturb the free vertices slightly and reproducibly, if collision-free.
-
-        A wall that is pressed evenly would stay straight beyond the load at which it buckles: nothing would
-        tell it to which side. So it gives to small random forces as its stiffness has it, most where it is
-        about to buckle.
-        """
-        start = self._surface.U
-        way = self._surface.solve(np.random.default_rng(_SEED).normal(size=(len(self._surface.free), 3)))
-        way *= _DISTURBED * self._size / np.abs(way).max()
-        if not self._moves_to(
-            self._surface.all_positions(start[self._surface.free] + way, self.held_positions)
-        ):
-            self._projection.evaluate(start)
-        self._quasi_newton.resume()
 
     def _moves_to(self, W: np.ndarray) -> bool:
         """Move to a shape near ``W`` (n, 3) meeting the goals; False if blocked."""

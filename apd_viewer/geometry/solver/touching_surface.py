@@ -62,10 +62,19 @@ class TouchingSurface:
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
-        residual = self.elastic.residual(targets)
-        residual += self.contact.gradient(self.elastic.U)[self.free]
+        return self._with_contact(self.elastic.residual(targets), self.elastic.U)
+
+    def _with_contact(self, residual: np.ndarray, U: np.ndarray) -> np.ndarray:
+        """Elastic ``residual`` (f, 3) plus those of gaps and gas at ``U`` (n, 3)."""
+        residual += self.contact.gradient(U)[self.free]
         if self.gas:
-            residual += 0.25 * self.gas.gradient(self.elastic.U)[self.free]
+            residual += 0.25 * self.gas.gradient(U)[self.free]
+        return residual
+
+    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3) near the current positions, which stay current."""
+        residual = self._with_contact(self.elastic.residual_near(U, targets), U)
+        self.contact.gradient(self.U)  # contact readings are those of its last gradient
         return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
