@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.length_units import METRES
 from apd_viewer.files.meshes import (
     LARGEST_COORDINATE,
     MESH_FORMATS,
@@ -23,7 +24,6 @@ from apd_viewer.geometry.mesh.arrays import check_type, checked, checked_floats
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 # Formats able to store any shape: no trial write needed, which takes seconds for large meshes.
 _TEXTS = ".obj", ".stl", ".off"
 _ROUNDING = 1e-4  # tolerance of the file read back, relative to the size of the shape
