@@ -20,11 +20,12 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
+    METHODS,
     Method,
     method_material,
     method_named,
 )
-from apd_viewer.language import tr
+from apd_viewer.language import alternatives, tr
 
 _LARGEST_STIFFNESS = 1e6
 
@@ -119,7 +120,7 @@ class Settings:
         DEFAULT_METHOD,
         SettingKind.METHOD,
         tr("Method"),
-        tr("arap, paper, exact, local or sr-arap"),
+        alternatives(METHODS),
         tr("Change method"),
     )
     stiffness: float = _stiffness(
