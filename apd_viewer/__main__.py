@@ -10,7 +10,8 @@ import apd_viewer
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals, prepare_streams, print_error
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
+from apd_viewer.files.mesh_formats import MESH_FORMATS
+from apd_viewer.language import comma_separated, tr
 
 if TYPE_CHECKING:
     import argparse
@@ -99,7 +100,9 @@ def _view_parser() -> Parser:
         "file",
         nargs="?",
         metavar="FILE",
-        help=tr("mesh (OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU, VTK) or session (.apd) to open"),
+        help=tr("mesh ({formats}) or session (.apd) to open").format(
+            formats=comma_separated(each.name for each in MESH_FORMATS.values())
+        ),
     )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))

@@ -182,6 +182,12 @@ def comma_separated(texts: Iterable[str]) -> str:
     return trc("between two of several", ", ").join(texts)
 
 
+def alternatives(texts: Iterable[str]) -> str:
+    """Texts joined by "or" in the language."""
+    *several, last = texts
+    return tr("{several} or {last}").format(several=comma_separated(several), last=last)
+
+
 def localize_numbers(localized: bool = True) -> None:
     """Use the number notation of the language, or the one for machine reading.
 

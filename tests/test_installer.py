@@ -80,11 +80,8 @@ def test_installer_knows_all_formats(contents):
     assert {f".{name}" for name in contents.MESHES} == set(MESH_FORMATS)
     assert [f".{name}" for name in contents.SESSIONS] == [SESSION_SUFFIX]
     assert set(WRITABLE_FORMATS) <= set(MESH_FORMATS)
-    script = (FOLDER / "windows.iss").read_text(encoding="utf-8")
-    assert set(re.findall(r'Subkey: "Software\\Classes\\\.(\w+)', script)) >= {
-        *contents.MESHES,
-        *contents.SESSIONS,
-    }
+    listed = re.findall(r'Subkey: "Software\\Classes\\\.(\w+)', contents.windows_script())
+    assert listed == [*contents.SESSIONS, *contents.MESHES]
 
 
 def test_installer_describes_libraries_that_are_installed(contents):

@@ -9,7 +9,8 @@ from weakref import WeakKeyDictionary
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.known_file import file_stamp
-from apd_viewer.files.meshes import MESH_FORMATS, open_mesh, read_mesh
+from apd_viewer.files.mesh_formats import MESH_FORMATS
+from apd_viewer.files.meshes import open_mesh, read_mesh
 from apd_viewer.files.samples import SAMPLES, resource_path
 from apd_viewer.files.storage.archive import Archive, npy_content
 from apd_viewer.files.storage.json_fields import JsonFields

@@ -9,23 +9,15 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import (
-    LARGEST_COORDINATE,
-    MESH_FORMATS,
-    VTK_FORMATS,
-    WRITABLE_FORMATS,
-    largest_coordinate,
-    parsed_mesh,
-)
+from apd_viewer.files.length_units import METRES
+from apd_viewer.files.mesh_formats import MESH_FORMATS, WRITABLE_FORMATS, Writing
+from apd_viewer.files.meshes import LARGEST_COORDINATE, largest_coordinate, parsed_mesh
 from apd_viewer.files.storage.atomic_file import file_write_error, is_circular_link, is_stream, replacing_file
 from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
 from apd_viewer.geometry.mesh.arrays import check_type, checked, checked_floats
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
-# Formats able to store any shape: no trial write needed, which takes seconds for large meshes.
-_TEXTS = ".obj", ".stl", ".off"
 _ROUNDING = 1e-4  # tolerance of the file read back, relative to the size of the shape
 
 
@@ -79,10 +71,11 @@ class WrittenMesh(NamedTuple):
 
 def suffix_for(mesh: Mesh) -> str:
     """Suffix for storing shapes of ``mesh``: its own if the format allows, else .obj."""
-    own = mesh.origin.suffix if mesh.origin else ""
-    if own in _TEXTS:
+    own = mesh.origin.suffix if mesh.origin else ".obj"
+    kind = MESH_FORMATS[own]
+    if kind.holds_any_shape:  # without a trial, which takes seconds for large meshes
         return own
-    if own in (*WRITABLE_FORMATS, *VTK_FORMATS):
+    if kind.writing is not Writing.NONE and not kind.has_parts:
         with contextlib.suppress(InputError):  # if the own format cannot store the shapes, OBJ can
             check_shapes(mesh, Path(f"shape{own}"), np.ones(len(mesh.V), dtype=bool))
             return own
@@ -184,7 +177,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
 def _metre(mesh: Mesh, path: Path, unit: str) -> float:
     """Metres per unit for a new file in metres; else 1."""
     is_new = mesh.origin is None or mesh.origin.suffix != path.suffix.lower()
-    return METRES.get(unit, 1.0) if is_new and path.suffix.lower() == ".glb" else 1.0
+    return METRES.get(unit, 1.0) if is_new and MESH_FORMATS[path.suffix.lower()].is_in_metres else 1.0
 
 
 def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
@@ -220,7 +213,7 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
 
     size = largest_coordinate(U)
     decimals = min(300, max(0, 15 - math.ceil(math.log10(size)))) if size > 0 else 1
-    digits = {"digits": decimals} if kind in (".obj", ".off") else {}
+    digits = {"digits": decimals} if MESH_FORMATS[kind].has_digits else {}
     # Exported to memory first: trimesh leaves its file open when the disk is full.
     with without_library_warnings():
         content = trimesh.Trimesh(U, mesh.F, process=False).export(file_type=kind[1:], **digits)

@@ -18,23 +18,19 @@ from apd_viewer.files.formats.polygon_mesh import EncodedMeshOrigin, ParsedMesh
 from apd_viewer.files.formats.stl import is_binary_stl, read_stl
 from apd_viewer.files.formats.text import decoded_text
 from apd_viewer.files.gltf.gltf_reader import read_gltf
+from apd_viewer.files.mesh_formats import MESH_FORMATS, XML_PROLOG
 from apd_viewer.files.storage.regular_files import one_line_message, read_bytes, without_library_warnings
 from apd_viewer.files.vtk.legacy import read_vtk
 from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
 from apd_viewer.geometry.mesh.arrays import checked
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.language import tr
+from apd_viewer.language import alternatives, tr
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-# Formats for any mesh; glTF and VTK files are only rewritten for meshes read from them.
-WRITABLE_FORMATS = (".obj", ".ply", ".stl", ".off", ".glb")
-VTK_FORMATS = (".vtp", ".vtu", ".vtk")
-MESH_FORMATS = (*WRITABLE_FORMATS, ".gltf", ".3mf", *VTK_FORMATS)
 _OF_OTHER_FILES = (".pvd", ".pvtp", ".pvtu", ".pvtk", ".vtm", ".vtmb")
-_NAMES = tr("OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or VTK")
 LARGEST_COORDINATE = 1e38  # larger coordinates exceed single precision, and their areas overflow
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
 _READERS |= {".vtp": read_vtp, ".vtu": read_vtu, ".vtk": read_vtk}
@@ -132,7 +128,9 @@ def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
         )
     if path.suffix.lower() not in (*MESH_FORMATS, *more_suffixes):
         raise InputError(
-            tr("{name} is not a supported file type; use {kinds}.").format(name=path.name, kinds=_NAMES)
+            tr("{name} is not a supported file type; use {kinds}.").format(
+                name=path.name, kinds=alternatives(each.name for each in MESH_FORMATS.values())
+            )
         )
     if path.stat().st_size == 0:
         raise InputError(tr("{name} is empty; export the mesh again.").format(name=path.name))
@@ -152,22 +150,8 @@ _Key = TypeVar("_Key")
 
 _HEAD = 4096  # bytes searched at the start and the end of a file
 _SHOWN = 40  # maximum number of characters quoted from a text
-_XML = rb"\s*(?:<[?!][^>]*>\s*)*<"  # prolog of an XML file, up to the name of its root element
-_NUMBER = rb"[ \t]+[-+.\d]\S*"
-
-# Patterns at the start of files in readable formats, by suffix.
-_OPENED = {
-    ".glb": rb"glTF",
-    ".gltf": rb'\s*\{.*"asset"\s*:',
-    ".3mf": rb"PK\x03\x04.*3D/",
-    ".ply": rb"ply\s",
-    ".off": rb"(?:ST)?C?N?4?n?OFF(?:\s|\d)",
-    ".vtk": rb"# vtk DataFile",
-    ".vtp": _XML + rb'VTKFile\s[^>]*type="PolyData"',
-    ".vtu": _XML + rb'VTKFile\s[^>]*type="UnstructuredGrid"',
-    ".stl": rb"(?i)\s*solid\b.*\bfacet\s+normal",
-    ".obj": rb"(?:[^\x00]*\n)?[ \t]*v" + 3 * _NUMBER + rb"[^\n]*\n",
-}
+# Patterns at the start of files in readable formats: OBJ last, whose lines others may have, too.
+_OPENED = {suffix: MESH_FORMATS[suffix].opening for suffix in reversed(MESH_FORMATS)}
 _COMPRESSED = {
     "gzip": rb"\x1f\x8b",
     "ZIP": rb"PK\x03\x04",
@@ -193,9 +177,9 @@ _OTHERS = {
     "Blender": rb"BLENDER[-_]",
     "Rhino 3DM": rb"3D Geometry File Format",
     "3DS": rb"MM.{4}\x02\x00",
-    "COLLADA": _XML + rb"COLLADA\b",
-    "X3D": _XML + rb"X3D\b|#X3D",
-    "AMF": _XML + rb"(?i:amf)\b",
+    "COLLADA": XML_PROLOG + rb"COLLADA\b",
+    "X3D": XML_PROLOG + rb"X3D\b|#X3D",
+    "AMF": XML_PROLOG + rb"(?i:amf)\b",
     "VRML": rb"#VRML",
     "USD": rb"#usda|PXR-USDC",
     "Gmsh": rb"\$MeshFormat",
@@ -208,7 +192,7 @@ _OTHERS = {
     "LAS": rb"LASF",
     "NumPy": rb"\x93NUMPY",
     "OLE": rb"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
-    "SVG": _XML + rb"svg\b",
+    "SVG": XML_PROLOG + rb"svg\b",
     "PNG": rb"\x89PNG\r\n",
     "JPEG": rb"\xff\xd8\xff",
     "GIF": rb"GIF8[79]a",

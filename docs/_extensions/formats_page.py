@@ -4,20 +4,10 @@ from __future__ import annotations
 
 from plain_markdown import table
 
-from apd_viewer.files.meshes import MESH_FORMATS, WRITABLE_FORMATS
-
-# Of a format that is read but not written for any mesh.
-_ONLY = {".3mf": "no"}
+from apd_viewer.files.mesh_formats import MESH_FORMATS
 
 
 def formats_page() -> str:
     """Markdown table of suffixes."""
-    rows = [
-        (
-            f"`{suffix}`",
-            "yes",
-            "any mesh" if suffix in WRITABLE_FORMATS else _ONLY.get(suffix, "a mesh that was read from one"),
-        )
-        for suffix in MESH_FORMATS
-    ]
+    rows = [(f"`{suffix}`", "yes", each.writing.value) for suffix, each in MESH_FORMATS.items()]
     return table(("suffix", "read", "written"), rows)

@@ -80,7 +80,8 @@ def debian_package(program: Path) -> Path:
 
 def windows_package(program: Path) -> Path:
     """Pack the program by Inno Setup, whose compiler is in the PATH."""
-    script = SPEC.with_name("windows.iss")
+    script = BUILD / "windows.iss"
+    script.write_text(contents.windows_script(), encoding="utf-8")
     version = f"/DVersion={contents.version()}"
     found = shutil.which("iscc") or r"C:\Program Files (x86)\Inno Setup 6\ISCC.exe"
     subprocess.run([found, "/Q", version, f"/DProgram={program}", f"/O{DIST}", script], check=True)

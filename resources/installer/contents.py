@@ -10,6 +10,9 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))  # modules of the program come from the checkout
+from apd_viewer.files.mesh_formats import MESH_FORMATS  # noqa: E402
+
 PACKAGE = ROOT / "apd_viewer"
 MANUAL = ROOT / "build" / "docs"  # where `make docs` writes it
 
@@ -52,7 +55,7 @@ _DEVICE_LIBRARIES = re.compile(r"libQt6EglF[Ss]")
 
 # Endings of the files that it opens; on Linux resources/desktop/apd-viewer.xml has them.
 SESSIONS = ["apd"]
-MESHES = ["obj", "ply", "stl", "off", "glb", "gltf", "3mf", "vtp", "vtu", "vtk"]
+MESHES = [suffix[1:] for suffix in MESH_FORMATS]
 
 
 def modules() -> list[str]:
@@ -80,6 +83,13 @@ _NO_DATA = {".py", ".pyc", ".po", ".pot"}
 def version() -> str:
     """Version of the program."""
     return re.findall(r'(?m)^version = "(.*)"', (ROOT / "pyproject.toml").read_text(encoding="utf-8"))[0]
+
+
+def windows_script() -> str:
+    """Script of Inno Setup, with a line for each ending of a mesh."""
+    script = (ROOT / "resources" / "installer" / "windows.iss").read_text(encoding="utf-8")
+    (line,) = (line for line in script.splitlines(keepends=True) if "{ending}" in line)
+    return script.replace(line, "".join(line.replace("{ending}", ending) for ending in MESHES))
 
 
 def machine() -> str:

@@ -7,11 +7,12 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import contents
 import licences
+
+from apd_viewer.__main__ import _USAGE  # of the checkout, by the path that contents.py adds
 
 _RESOURCES = contents.ROOT / "resources"
 # Where files of the desktop belong; the triggers of the system's own packages collect them.
@@ -36,7 +37,9 @@ Section: graphics
 Priority: optional
 Description: Area-preserving deformation of 3D objects
  Grip a mesh at its base and its handles, move them, and watch it deform while
- its surface area stays what it was. Opens OBJ, PLY, STL, OFF, GLB, 3MF and VTK.
+ its surface area stays what it was.
+ .
+ Opens {formats}.
  .
  The package brings its own Python and libraries.
 """
@@ -132,6 +135,7 @@ def _write_control(tree: Path) -> None:
     (tree / "DEBIAN").mkdir()
     control = _CONTROL.format(
         version=contents.version(),
+        formats=", ".join(each.name for each in contents.MESH_FORMATS.values()),
         architecture=architecture(),
         kilobytes=size // 1024,
         depends=", ".join(found["Depends"]),
@@ -190,10 +194,6 @@ def window_packages() -> list[str]:
 
 
 def _write_texts(tree: Path) -> None:
-    # Here, and not above: the modules of the program come from the checkout.
-    sys.path.insert(0, str(contents.ROOT))
-    from apd_viewer.__main__ import _USAGE
-
     manual = "/usr/lib/apd-viewer/_internal/apd_viewer/manual/index.html"
     usage = _USAGE.replace("\\", "\\\\").replace("-", "\\-")
     page = _MANUAL_PAGE.format(version=contents.version(), usage=usage.strip(), manual=manual)

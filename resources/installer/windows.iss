@@ -1,4 +1,5 @@
-; The set-up program for Windows, by Inno Setup 6; build.py calls it with the version and the folder of the program.
+; The set-up program for Windows, by Inno Setup 6; build.py calls it with the version and the folder of the program,
+; in build/installer, with the last line for each ending of a mesh.
 ; It needs no administrator: it installs for the user, unless one chooses otherwise.
 
 [Setup]
@@ -38,13 +39,4 @@ Root: HKA; Subkey: "Software\Classes\APDViewer.Mesh"; ValueType: string; ValueDa
 Root: HKA; Subkey: "Software\Classes\APDViewer.Mesh\DefaultIcon"; ValueType: string; ValueData: "{app}\apd-viewer.exe,0"
 Root: HKA; Subkey: "Software\Classes\APDViewer.Mesh\shell\open\command"; ValueType: string; ValueData: """{app}\apd-viewer-window.exe"" --clicked ""%1"""
 Root: HKA; Subkey: "Software\Classes\.apd"; ValueType: string; ValueData: "APDViewer.Session"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.obj\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.ply\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.stl\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.off\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.glb\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.gltf\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.3mf\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.vtp\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.vtu\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
-Root: HKA; Subkey: "Software\Classes\.vtk\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue
+Root: HKA; Subkey: "Software\Classes\.{ending}\OpenWithProgids"; ValueType: string; ValueName: "APDViewer.Mesh"; Flags: uninsdeletevalue

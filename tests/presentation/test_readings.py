@@ -14,7 +14,7 @@ from apd_viewer.presentation.readings import motion
 from apd_viewer.presentation.report_blocks import mesh_blocks
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.expressions import parse_length
-from apd_viewer.session.quantities.units import UNITS, Unit
+from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
 
 X = np.array([1.0, 0.0, 0.0])
 
@@ -74,7 +74,7 @@ def test_mesh_blocks_say_that_their_unit_is_a_guess():
         assert ("Unit of length", symbol, remark) in table.rows
 
 
-@pytest.mark.parametrize("unit", [unit for unit in UNITS if unit is not Unit.NONE])
+@pytest.mark.parametrize("unit", [unit for unit in UNIT_NAMES if unit is not Unit.NONE])
 def test_unit_that_is_guessed_measures_as_the_known_one_and_is_marked(unit):
     guess = unit.as_guess
     assert (guess.is_guess, unit.is_guess, guess.as_confirmed) == (True, False, unit)

@@ -619,6 +619,19 @@ def test_request_solver_is_told_only_what_differs(session, monkeypatch):
     assert aimed == []
 
 
+def test_request_solver_goes_on_from_the_shape_on_screen_when_contact_is_turned_on(session, monkeypatch):
+    session.settings.change(contact=False)
+    session.drag(BENT)
+    session.settle()
+    begun, aim, U = [], Deformation.aim, session.U
+    monkeypatch.setattr(
+        Deformation, "aim", lambda self, *args: (begun.extend(args[1:2]), aim(self, *args))[1]
+    )
+    session.settings.change(contact=True)
+    session.settle()
+    np.testing.assert_array_equal(begun[0], U)
+
+
 # Painting and targets
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_shapes import Animation
-from apd_viewer.files.mesh_writing import METRES
+from apd_viewer.files.length_units import METRES
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import triangle_frames, vertex_normals

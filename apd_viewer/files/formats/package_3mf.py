@@ -368,6 +368,8 @@ def read_xml(
                 line=error.lineno, column=error.offset + 1
             )
         ) from None
+    except LookupError:
+        raise ValueError(tr("the encoding of its XML is not supported")) from None
 
 
 def _refuse_entities(*_: object) -> None:

@@ -268,6 +268,8 @@ def read_header(content: bytes) -> tuple[str, list[PlyElement], int]:
                 elements[-1].properties.append((name, None, NUMPY_TYPES[kind]))
             case ["format" | "element" | "property", *_]:
                 raise ValueError(tr("its header has an invalid line: {text}").format(text=excerpt(line)))
+            case _:
+                pass  # comments, and lines of other programs
     if order is None:
         raise ValueError(tr("its header does not say whether it is text or binary"))
     _check(elements)

@@ -122,7 +122,7 @@ class _Reader:
             raise ValueError(
                 tr("line {line:,} of its XML is damaged").format(line=max(error.lineno, 1))
             ) from None
-        except UnicodeError:
+        except (UnicodeError, LookupError):
             raise ValueError(tr("the encoding of its XML is not supported")) from None
         for element in self._open:
             element.end = element.after = len(self._content)

@@ -20,11 +20,12 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
+    METHODS,
     Method,
     method_material,
     method_named,
 )
-from apd_viewer.language import tr
+from apd_viewer.language import alternatives, tr
 
 _LARGEST_STIFFNESS = 1e6
 
@@ -71,10 +72,9 @@ class Setting:
     off_gesture: str = ""
 
 
-def _setting(default: object, *row: Any, factored: bool = False, **more: Any) -> Any:
-    """Settings field with its description; ``factored`` if a change needs factoring."""
-    metadata = {"setting": Setting(*row, **more), "factored": factored}
-    return field(default=default, metadata=metadata)
+def _setting(default: object, *row: Any, **more: Any) -> Any:
+    """Settings field with its description."""
+    return field(default=default, metadata={"setting": Setting(*row, **more)})
 
 
 def _percentage(default: float | None, *words: str, **more: Any) -> Any:
@@ -83,8 +83,7 @@ def _percentage(default: float | None, *words: str, **more: Any) -> Any:
 
 
 def _stiffness(default: float, title: str, words: str, **more: Any) -> Any:
-    gesture = tr("Change stiffness")
-    return _setting(default, SettingKind.NUMBER, title, words, gesture, factored=True, **more)
+    return _setting(default, SettingKind.NUMBER, title, words, tr("Change stiffness"), **more)
 
 
 @dataclass(frozen=True)
@@ -121,9 +120,8 @@ class Settings:
         DEFAULT_METHOD,
         SettingKind.METHOD,
         tr("Method"),
-        tr("arap, paper, exact, local or sr-arap"),
+        alternatives(METHODS),
         tr("Change method"),
-        factored=True,
     )
     stiffness: float = _stiffness(
         0.0,

@@ -118,9 +118,18 @@ class AmountKind(Enum):
             case AmountKind.LENGTH | AmountKind.LENGTH_OR_PERCENT:
                 return unit.format_length(localized_number(f"{amount:+.4g}"))
 
+    @property
+    def is_factor(self) -> bool:
+        """True if amounts are greater than 0 and grow geometrically."""
+        match self:
+            case AmountKind.FACTOR:
+                return True
+            case AmountKind.ANGLE | AmountKind.LENGTH | AmountKind.LENGTH_OR_PERCENT | AmountKind.NUMBER:
+                return False
+
     def at(self, amount: float, share: float) -> float:
-        """Amount at fraction ``share`` of a motion; factors grow geometrically."""
-        return float(amount**share) if self is AmountKind.FACTOR else share * amount
+        """Amount at fraction ``share`` of a motion."""
+        return float(amount**share) if self.is_factor else share * amount
 
     def remaining(self, total: float, motion: Motion, now: MotionReference) -> float:
         """Amount still missing to reach a total measured from rest.

@@ -15,7 +15,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.posing.motion import MOTION_KINDS, AmountKind, Motion, MotionReference
+from apd_viewer.session.posing.motion import MOTION_KINDS, Motion, MotionReference
 from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.quantities.units import Unit
 
@@ -57,7 +57,7 @@ class MotionTextStep:
         """Parse the amounts for one mesh or any mesh; raises InputError if invalid."""
         amount = self.motion.kind.amount
         found = tuple(amount.parse(each, unit, names, rest) for each in self.amounts)
-        if amount is AmountKind.FACTOR and not min(found) > 0.0:
+        if amount.is_factor and not min(found) > 0.0:
             raise InputError(tr("A factor must be greater than 0; enter another one."))
         return found
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.pose.frame import NO_SHIFTS, Frame
-from apd_viewer.geometry.solver.settings import Settings
+from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import Handle, factored_fields
 
@@ -128,14 +128,20 @@ class CompilationProgress:
 
 SolverMessage = Reply | RequestProgress | CompilationProgress | LogRecord
 
-_OF_DOCUMENT, _OF_SETTINGS, _OF_HANDLE = map(factored_fields, (Document, Settings, Handle))
+# Settings that a solver is told while it runs; a change of any other needs a new solver.
+TOLD_SETTINGS = ("area", "volume", "hold_area", "calm", "tolerance", "convergence")
+_OF_DOCUMENT, _OF_HANDLE = factored_fields(Document), factored_fields(Handle)
+_OF_SETTINGS = tuple(name for name in SETTINGS if name not in TOLD_SETTINGS)
 
 
 def factor_key(document: Document) -> tuple[object, ...]:
-    """Key of a document's factorization; another key needs another factor."""
-    of_handles = (getattr(handle, name) for handle in document.handles for name in _OF_HANDLE)
-    of_settings = (getattr(document.settings, name) for name in _OF_SETTINGS)
-    return (*(getattr(document, name) for name in _OF_DOCUMENT), *of_settings, *of_handles)
+    """Key of a document's solver and its factorization; another key needs new ones."""
+    return (
+        *(getattr(document, name) for name in _OF_DOCUMENT),
+        *(getattr(document.settings, name) for name in _OF_SETTINGS),
+        document.staying_components if document.settings.contact else None,
+        *(getattr(handle, name) for handle in document.handles for name in _OF_HANDLE),
+    )
 
 
 def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:

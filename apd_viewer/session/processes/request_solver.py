@@ -208,9 +208,7 @@ class RequestSolver:
         """Return the solver with the goals and poses of the request; factor if needed."""
         document = request.document
         held = document.constraints()
-        settings = document.settings.in_effect
-        inside = settings.thickness, settings.yield_radius, settings.gas, document.staying_components
-        key = *factor_key(document), inside if settings.contact else None
+        key = factor_key(document)
         names = tuple(region.name for region in document.regions)
         goals = (
             document.target_percentages,

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.length_units import MICROMETRES
 from apd_viewer.language import in_quotes, tr
 from apd_viewer.notation import editable_number, notation
 from apd_viewer.session.quantities.units import NoUnitError, Unit
@@ -67,7 +68,7 @@ def _parse_value(
 
 # Limit of nested parentheses, far below Python's recursion limit.
 _MOST_NESTED = 30
-_MICROMETRES = {"mm": 1e3, "cm": 1e4, "m": 1e6, "um": 1.0, "in": 25_400.0, "ft": 304_800.0}
+_MICROMETRES = MICROMETRES | {"um": 1.0}
 _DEGREES = {"deg": 1.0, "rad": math.degrees(1.0), "turn": 360.0}
 
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from enum import Enum
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.length_units import METRES, MICROMETRES
 from apd_viewer.language import tr
 
 # No-break space between a number and its unit.
 _GAP = "\u00a0"
 _GUESS = "?"
-_DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0, "in": 0.254, "ft": 3.048}
 # Litres and grams per unit, smallest first; US units for meshes in inches or feet.
 _LITRES = {"ml": 1e-3, "l": 1.0}
 _LITRES_OF_INCHES = {"fl oz": 0.0295735295625, "gal": 3.785411784}
@@ -85,20 +84,19 @@ class Unit(Enum):
         unit, factor = self.as_confirmed, 1.0
         while abs(factor * value) >= _LEGIBLE and unit in _LARGER:
             larger = _LARGER[unit]
-            factor *= (_DECIMETRES[unit.value] / _DECIMETRES[larger.value]) ** power
+            factor *= (MICROMETRES[unit.value] / MICROMETRES[larger.value]) ** power
             unit = larger
         return unit.as_guess if self.is_guess else unit, factor
 
     @property
     def metres(self) -> float | None:
         """Metres per unit; None without a unit."""
-        litres = self.to_litres(1.0)
-        return None if litres is None else 0.1 * math.cbrt(litres)
+        return METRES.get(self.symbol)
 
     def to_litres(self, volume: float) -> float | None:
         """Volume in litres from cubic mesh units; None without a unit."""
-        side = _DECIMETRES.get(self.symbol)
-        return None if side is None else volume * side**3
+        size = MICROMETRES.get(self.symbol)
+        return None if size is None else volume * (size / 1e5) ** 3
 
     def capacity_unit(self, litres: float) -> tuple[str, float]:
         """Capacity unit suited to a volume in litres, and the factor from litres to it."""
@@ -125,10 +123,16 @@ class Unit(Enum):
         return f"{number}{_GAP}{self.symbol}{_POWERS[power]}{self._mark}" if self.value else number
 
 
-UNITS = tuple(unit for unit in Unit if not unit.is_guess)  # units offered to the user
-SYMBOLS = tuple(unit.symbol for unit in UNITS if unit.symbol)
-
-
+# Names of the units offered to the user.
+UNIT_NAMES = {
+    Unit.NONE: tr("No unit"),
+    Unit.MILLIMETRE: tr("Millimetres (mm)"),
+    Unit.CENTIMETRE: tr("Centimetres (cm)"),
+    Unit.METRE: tr("Metres (m)"),
+    Unit.INCH: tr("Inches (in)"),
+    Unit.FOOT: tr("Feet (ft)"),
+}
+SYMBOLS = tuple(MICROMETRES)
 _LARGER = {Unit.MILLIMETRE: Unit.CENTIMETRE, Unit.CENTIMETRE: Unit.METRE, Unit.INCH: Unit.FOOT}
 
 

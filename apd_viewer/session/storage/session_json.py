@@ -15,9 +15,9 @@ from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame, FrameContact
-from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence, check_convergence
+from apd_viewer.geometry.solver.convergence import Convergence, check_convergence
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind, Settings
+from apd_viewer.geometry.solver.settings import SETTINGS, SettingKind, Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NO_FLAGS
@@ -50,6 +50,8 @@ _POINTS = ("position", "focal", "up")
 _WALL = ("thickness", "density")
 _AXES = "xyz"
 _NO_OVERLAY = "none"
+# Settings of sessions saved before these settings existed, where they are not the defaults of today.
+_OF_OLDER_SESSIONS = {"calm": False}
 
 
 def document_to_json(document: Document) -> dict[str, Any]:
@@ -248,8 +250,13 @@ def settings_to_json(settings: Settings) -> dict[str, Any]:
 
 
 def settings_from_json(fields: JsonFields) -> Settings:
-    """Settings from JSON; raises ValueError on damaged ones."""
-    return Settings(**{name: _from_json(fields, name, setting.kind) for name, setting in SETTINGS.items()})
+    """Settings from JSON, defaults where missing; raises ValueError on damaged ones."""
+    found = {
+        name: _from_json(fields, name, setting.kind)
+        for name, setting in SETTINGS.items()
+        if fields.has_value(name)
+    }
+    return Settings(**_OF_OLDER_SESSIONS | found)
 
 
 def _to_json(kind: SettingKind, value: Any) -> Any:
@@ -271,19 +278,12 @@ def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
         case SettingKind.METHOD:
             return _method_from_json(fields.text(name))
         case SettingKind.SWITCH:
-            # Switches missing from older sessions are off.
-            return fields.has_value(name) and fields.flag(name)
+            return fields.flag(name)
         case SettingKind.CONVERGENCE:
-            return (
-                _convergence_from_json(fields.nested_fields(name))
-                if fields.has_value(name)
-                else DEFAULT_CONVERGENCE
-            )
+            return _convergence_from_json(fields.nested_fields(name))
         case SettingKind.NUMBER:
             return fields.number(name, 0.0, LARGEST_NUMBER)
         case SettingKind.TOLERANCE | SettingKind.PERCENTAGE | SettingKind.LENGTH | SettingKind.AMOUNT:
-            if getattr(DEFAULT_SETTINGS, name) is None and not fields.has_value(name):
-                return None
             return fields.number(name, LEAST_POSITIVE, LARGEST_NUMBER)
 
 

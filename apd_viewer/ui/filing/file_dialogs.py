@@ -6,8 +6,8 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
+from apd_viewer.files.mesh_formats import MESH_FORMATS, WRITABLE_FORMATS
 from apd_viewer.files.mesh_writing import dropped_contents
-from apd_viewer.files.meshes import MESH_FORMATS, WRITABLE_FORMATS
 from apd_viewer.files.scalar_files import ScalarRows
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import comma_separated, tr

@@ -15,14 +15,14 @@ from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import UpAxis
-from apd_viewer.session.quantities.units import UNITS, Unit
+from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
 
 _MOST_RECENT = 8
 MOST_REMEMBERED = 64
 _UP_AXES = {axis.value for axis in UpAxis}
-_UNITS = {unit.symbol or "-": unit for unit in UNITS}
+_UNITS = {unit.symbol or "-": unit for unit in UNIT_NAMES}
 
 
 def user_file(mesh: Mesh) -> Path | None:

@@ -11,18 +11,10 @@ from PySide6.QtWidgets import QMenu, QToolButton
 from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
-UNIT_NAMES = {
-    Unit.NONE: tr("No unit"),
-    Unit.MILLIMETRE: tr("Millimetres (mm)"),
-    Unit.CENTIMETRE: tr("Centimetres (cm)"),
-    Unit.METRE: tr("Metres (m)"),
-    Unit.INCH: tr("Inches (in)"),
-    Unit.FOOT: tr("Feet (ft)"),
-}
 _CHEVRON, _PADDING = 16, 6
 _TIP = tr("Unit of length of this file: measurements are shown in it, and nothing is scaled")
 _GUESS_TIP = tr("The unit of your last two files is a guess for this one: click to confirm or to change it")

@@ -7,9 +7,8 @@ from PySide6.QtCore import QLocale, Qt
 
 from apd_viewer.language import languages, tr, trc
 from apd_viewer.session.model.up_axis import UpAxis
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
 from apd_viewer.ui.preferences.preference_values import NumberRange, OneOf, Option, Preference
-from apd_viewer.ui.preferences.unit_button import UNIT_NAMES
 from apd_viewer.ui.tools.brush_tool import DEFAULT_RADIUS, LARGEST_RADIUS, SMALLEST_RADIUS
 from apd_viewer.ui.tools.tool_modes import FIRST_MODE, SelectionMode
 

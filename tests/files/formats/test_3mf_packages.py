@@ -237,6 +237,10 @@ WRONG = {
     ),
     "unit": (model([ONE], ['objectid="1"'], 'unit="parsec"'), "its unit “parsec” is unknown"),
     "cut": (model([ONE], ['objectid="1"'])[:-9], "its XML is damaged at line 1"),
+    "encoding": (
+        model([ONE], ['objectid="1"']).replace('version="1.0"', 'version="1.0" encoding="utf-9"', 1),
+        "encoding of its XML is not supported",
+    ),
 }
 
 

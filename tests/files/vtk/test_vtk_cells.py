@@ -118,6 +118,10 @@ REFUSED = {
     "blocks.vtu": (b'<VTKFile type="vtkMultiBlockDataSet"></VTKFile>', "holds no surface of its own"),
     "page.vtp": (b"<html><body>not found</body></html>", "holds a web page and no mesh"),
     "letter.vtp": (b"To whom it may concern", "line 1 of its XML is damaged"),
+    "encoding.vtp": (
+        b'<?xml version="1.0" encoding="utf-9"?><VTKFile type="PolyData"/>',
+        "encoding of its XML is not supported",
+    ),
     "letter.vtk": (b"To whom it may concern", "does not start as a VTK file does"),
     "image.vtk": (
         legacy_vtk(CUBE, QUADS).replace(b"POLYDATA", b"STRUCTURED_POINTS"),

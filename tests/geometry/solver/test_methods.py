@@ -31,6 +31,7 @@ def test_methods_can_all_be_offered_and_drawn():
     assert set(COMPARED_METHODS) <= set(METHODS)
     assert DEFAULT_METHOD in COMPARED_METHODS
     assert set(METHOD_STYLES) == set(METHODS)
+    assert [name for name in METHODS if f'"{name}"' not in apd_viewer.Deformation.__doc__] == []
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)

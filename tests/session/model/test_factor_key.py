@@ -13,7 +13,7 @@ from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.geometry.solver.settings import SETTINGS, Settings
+from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.handles_and_regions import (
@@ -140,9 +140,7 @@ def test_factor_key_gives_the_same_key_only_for_the_same_matrices(name, method):
     assert not are_same_keys(factor_key(before), factor_key(after)) or same_matrices(before, after)
 
 
-@pytest.mark.parametrize(
-    "name", [name for each in (Document, Settings, Handle) for name in factored_fields(each)]
-)
+@pytest.mark.parametrize("name", [name for each in (Document, Handle) for name in factored_fields(each)])
 def test_factored_fields_names_only_fields_that_change_a_matrix(name):
     """So the test before would notice if one of them were declared not to matter."""
     before = start("local")

@@ -10,6 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
 from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.posing.mirror_partner import mirror_plane
 from apd_viewer.session.posing.motion import MOTIONS, AmountKind
 from apd_viewer.session.posing.motion_path import MotionStep, motion_paths
 from apd_viewer.session.posing.motion_text import motion_steps
@@ -220,6 +221,20 @@ def test_move_by_leads_where_the_same_motion_does_in_words(oblique, name):
         np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)
         assert path.has_motion
         assert path.has_stretch == motion.kind.stretches
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_symmetric_motion_stretches_just_where_the_motion_does(oblique, name):
+    """What is symmetric of a stretch is kept, and none is made of turns and moves."""
+    motion = MOTIONS[name]
+    oblique.handles.move_by(motion, motion.kind.example, 0, PICKED)
+    document, (_, pivot) = oblique.store.state.document, centres(oblique)
+    pose = document.handles[0].pose
+    for axis in range(3):
+        kept = mirror_plane(document.mesh, axis).symmetric_motion(pose, pivot)
+        for each in (pose, kept):
+            strain = each[:3, :3].T @ each[:3, :3] - np.eye(3)
+            assert (np.abs(strain).max() > 1e-3) == motion.kind.stretches
 
 
 @pytest.mark.parametrize("letter", "XYZ")

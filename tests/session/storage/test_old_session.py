@@ -14,10 +14,13 @@ from driven_session import check_equal, check_same_array
 from apd_viewer.__main__ import main
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.storage.session_json import settings_from_json, settings_to_json
 
 OLD = Path(__file__).with_name("version-1-posed.apd")
 
@@ -103,3 +106,12 @@ def test_save_session_saves_an_old_session_with_the_same_content(tmp_path):
     assert not any(added.pop(name) for name in ("contact", "calm", "thickness", "yield_radius", "gas"))
     assert added == {"convergence": DEFAULT_CONVERGENCE._asdict()}
     assert again == said
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_settings_from_json_reads_a_setting_that_is_missing_as_its_default(name):
+    said = settings_to_json(DEFAULT_SETTINGS)
+    del said[name]
+    found = vars(settings_from_json(JsonFields(said, "document")))
+    # Calm parts were not kept before they could be.
+    assert found == vars(DEFAULT_SETTINGS) | ({"calm": False} if name == "calm" else {})

@@ -1,0 +1,70 @@
+"""Mesh formats, and the table of their properties.
+
+What is opened, offered and written, the words for it and the endings in packages follow from the rows. The
+readers are in meshes.py, since the help of the command line does not wait for them.
+"""
+
+from enum import Enum
+from typing import NamedTuple
+
+
+class Writing(Enum):
+    """Meshes that can be written in a format."""
+
+    ANY = "any mesh"
+    OWN = "a mesh that was read from one"
+    NONE = "no"
+
+
+class MeshFormat(NamedTuple):
+    """Mesh format, a row of the table.
+
+    Attributes
+    ----------
+    name : str
+    opening : bytes
+        Pattern of its beginning, by which a misnamed file is known.
+    writing : Writing
+        ANY is by trimesh.
+    holds_any_shape : bool
+        No trial need show that it can store a deformed shape.
+    has_digits : bool
+        Export takes a number of decimals.
+    is_in_metres : bool
+    has_parts : bool
+        It refers to files beside it.
+    """
+
+    name: str
+    opening: bytes
+    writing: Writing = Writing.OWN
+    holds_any_shape: bool = False
+    has_digits: bool = False
+    is_in_metres: bool = False
+    has_parts: bool = False
+
+
+XML_PROLOG = rb"\s*(?:<[?!][^>]*>\s*)*<"  # up to the name of the root element
+_NUMBER = rb"[ \t]+[-+.\d]\S*"
+
+MESH_FORMATS = {
+    ".obj": MeshFormat(
+        "OBJ",
+        rb"(?:[^\x00]*\n)?[ \t]*v" + 3 * _NUMBER + rb"[^\n]*\n",
+        Writing.ANY,
+        holds_any_shape=True,
+        has_digits=True,
+    ),
+    ".ply": MeshFormat("PLY", rb"ply\s", Writing.ANY),
+    ".stl": MeshFormat("STL", rb"(?i)\s*solid\b.*\bfacet\s+normal", Writing.ANY, holds_any_shape=True),
+    ".off": MeshFormat(
+        "OFF", rb"(?:ST)?C?N?4?n?OFF(?:\s|\d)", Writing.ANY, holds_any_shape=True, has_digits=True
+    ),
+    ".glb": MeshFormat("GLB", rb"glTF", Writing.ANY, is_in_metres=True),
+    ".gltf": MeshFormat("glTF", rb'\s*\{.*"asset"\s*:', has_parts=True),
+    ".3mf": MeshFormat("3MF", rb"PK\x03\x04.*3D/", Writing.NONE),
+    ".vtp": MeshFormat("VTP", XML_PROLOG + rb'VTKFile\s[^>]*type="PolyData"'),
+    ".vtu": MeshFormat("VTU", XML_PROLOG + rb'VTKFile\s[^>]*type="UnstructuredGrid"'),
+    ".vtk": MeshFormat("VTK", rb"# vtk DataFile"),
+}
+WRITABLE_FORMATS = tuple(suffix for suffix, each in MESH_FORMATS.items() if each.writing is Writing.ANY)

@@ -1,0 +1,67 @@
+"""A change of a setting is never ignored: a running solver is told it, or is replaced."""
+
+import numpy as np
+import pytest
+from driven_session import pose
+from meshes import box
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.convergence import Convergence
+from apd_viewer.geometry.solver.settings import SETTINGS
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.processes.mailbox import Mailbox
+from apd_viewer.session.processes.request_and_reply import Reply, Request
+from apd_viewer.session.processes.request_solver import RequestSolver
+
+FREE, LOCAL = {"contact": False}, {"method": "local"}
+# For each setting others by which it matters, and a value that is not the default.
+CHANGES = {
+    "method": (FREE, "arap"),
+    "stiffness": (FREE, 0.1),
+    "area_stiffness": (FREE | LOCAL, 2.0),
+    "shear_stiffness": (FREE | LOCAL, 2.0),
+    "area": (FREE, 120.0),
+    "volume": (FREE, 80.0),
+    "tolerance": (FREE | {"method": "paper"}, 0.1),
+    "hold_area": (FREE | LOCAL, True),
+    "calm": (FREE, False),
+    "contact": (FREE, True),
+    "thickness": ({"contact": True}, 0.3),
+    "yield_radius": ({"contact": True, "stiffness": 0.01}, 5.0),
+    "gas": ({"contact": True}, 0.5),
+    "convergence": (FREE, Convergence(3)),
+}
+
+
+class Asked:
+    """A solver that answers at once."""
+
+    def __init__(self) -> None:
+        self._replies: list[Reply] = []
+        self._solver = RequestSolver(Mailbox(), self._replies.append)
+
+    def last_frame(self, document: Document, generation: int) -> Frame:
+        self._solver.answer(Request(document, generation, document.mesh.V, iterate=True))
+        return self._replies[-1].frame
+
+
+def folded() -> Document:
+    """A bar, folded so that its walls touch; both of its ends are free, and calm."""
+    mesh = Mesh(*box(2, 2, 10))
+    z = mesh.V[:, 2]
+    document = initial_state(mesh).document.with_label(np.flatnonzero(z == 2.0), BASE)
+    return document.with_label(np.flatnonzero(z == 7.0), HANDLE).with_pose(0, pose(2.0))
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_request_solver_gives_after_any_change_of_a_setting_what_a_new_one_gives(name):
+    others, value = CHANGES[name]
+    before = folded().with_settings(**others)
+    after = before.with_settings(**{name: value})
+    running = Asked()
+    first, expected = running.last_frame(before, 0), Asked().last_frame(after, 0)
+    assert np.abs(first.U - expected.U).max() > 1e-3, "it makes a difference"
+    assert np.abs(running.last_frame(after, 1).U - expected.U).max() < 1e-9
