@@ -22,8 +22,8 @@ _MOST_DIRECTIONS, _LEAST_DIRECTIONS, _VERTICES_IN_ALL = 40, 9, 120_000
 _KNOWN_FALLING, _KNOWN_RISING = 0.3, 0.1
 # Curvatures from here on, relative to K, are told from rounding and from the last part of the descent.
 _FALLING = -1e-5
-# Most free vertices of a flat sheet that is looked at after so many iterations: larger ones have coarse levels,
-# which are not symmetric. Points of a flat one are so near to a plane, in mesh sizes.
+# Most free vertices of a flat sheet that is looked at after so many iterations: larger ones have coarse
+# levels, which are not symmetric. Points of a flat one are so near to a plane, in mesh sizes.
 _MOST_OF_FLAT, _FIRST_ITERATIONS, _FLAT = 5_000, 2, 1e-9
 # Times that a displacement along a falling direction is doubled while the energy falls.
 _DOUBLINGS = 12
@@ -215,8 +215,8 @@ class Stability:
     def is_due(self, at_rest: bool, iteration: int) -> bool:
         """True if a step is due: at rest, and at the beginning of a flat sheet's descent.
 
-        A sheet that is pushed in its plane, and not along the axes, would leave it by rounding errors, for any
-        fold.
+        A sheet that is pushed in its plane, and not along the axes, would leave it by rounding errors, for
+        any fold.
         """
         if self._begins_flat is None and iteration == _FIRST_ITERATIONS:
             self._begins_flat = self._lies_flat
