@@ -111,6 +111,8 @@ class CaseStep(NamedTuple):
             "handle_drift": frame.handle_drift,
             "iterations": frame.iteration,
             "settled": frame.settled,
+            "stable": frame.stable,
+            "saddle_escapes": frame.saddle_escapes,
             "share_reached": frame.share_reached,
             **dict(zip(("turned", "turned_held"), most_lost_turn(self.turns).degrees, strict=True)),
         }

@@ -8,7 +8,7 @@ from apd_viewer.cases.study_case import CaseSetting
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
 from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, check_no_factor
-from apd_viewer.geometry.solver.convergence import MOST_ITERATIONS
+from apd_viewer.geometry.solver.convergence import CRITERIA, LARGEST_SEED, LARGEST_TOLERANCE, MOST_ITERATIONS
 from apd_viewer.geometry.solver.methods import MOST_VERTICES_IN_CONTACT, method_named
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
 from apd_viewer.language import tr
@@ -65,12 +65,14 @@ def _part(text: str) -> float:
     return value / 100.0
 
 
-def _count(most: int) -> Callable[[str], int]:
+def _count(most: int, least: int = 1) -> Callable[[str], int]:
     def read(text: str) -> int:
         value = parse_number(text, {})
-        if not 1 <= value <= most or value != int(value):
+        if not least <= value <= most or value != int(value):
             raise InputError(
-                tr("“{text}” is no whole number from 1 to {most:,}.").format(text=text[:_SHOWN], most=most)
+                tr("“{text}” is no whole number from {least} to {most:,}.").format(
+                    text=text[:_SHOWN], least=least, most=most
+                )
             )
         return int(value)
 
@@ -157,11 +159,14 @@ SETTING_COLUMNS = {
         ).format(most=MOST_VERTICES_IN_CONTACT),
     ),
     "to": PlanColumn(_part, tr("percent of the motion at the last step; default: 100")),
+    "imperfection": PlanColumn(_number(0.0, LARGEST_TOLERANCE), CRITERIA["imperfection"]),
+    "seed": PlanColumn(_count(LARGEST_SEED, least=0), CRITERIA["seed"]),
     "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
 }
 COLUMNS = (*CASE_COLUMNS, *SETTING_COLUMNS)
 LENGTH_COLUMNS = {name for name, setting in SETTINGS.items() if setting.kind is SettingKind.LENGTH}
-COUNT_COLUMNS = ("steps", "iterations")  # columns of integers
+CRITERIA_COLUMNS = ("imperfection", "seed")
+COUNT_COLUMNS = ("steps", "iterations", "seed")  # columns of integers
 
 
 def parse_steps(text: str) -> int:

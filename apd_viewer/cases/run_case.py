@@ -13,7 +13,7 @@ import numpy as np
 from apd_viewer.cases.case import Case, CaseStep, case_of, run
 from apd_viewer.cases.case_file import DONE, FAILED, CaseResult, damaged_case_error, read_case
 from apd_viewer.cases.plan import parse_cell
-from apd_viewer.cases.plan_columns import LENGTH_COLUMNS
+from apd_viewer.cases.plan_columns import CRITERIA_COLUMNS, LENGTH_COLUMNS
 from apd_viewer.cases.study_case import InputFile, StudyCase
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import read_mesh
@@ -55,10 +55,11 @@ FINAL_READINGS = (
     "hull_volume",
     "iterations",
     "unsettled_steps",
+    "saddle_escapes",
     "turned",
     "turned_held",
 )
-_OF_ITERATIONS = "iterations", "settled"  # readings of a step that have no curve
+_OF_ITERATIONS = "iterations", "settled", "stable", "saddle_escapes"  # readings of a step that have no curve
 
 
 class MissingInputError(Exception):
@@ -136,7 +137,9 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
                 why=state.inspection.missing_volume_phrase
             )
         )
-    state = state.updated(state.document.with_settings(**said))
+    criteria: dict[str, Any] = {name: said.pop(name) for name in CRITERIA_COLUMNS if name in said}
+    convergence = state.document.settings.convergence._replace(**criteria)
+    state = state.updated(state.document.with_settings(**said, convergence=convergence))
     motion = motion_steps(state.document, "; ".join(case.motion), unit) if case.motion else ()
     return state, view, motion
 
@@ -269,6 +272,7 @@ def _result(case: StudyCase, computed: Case, steps: list[CaseStep], started: flo
         "hull_volume": room.hull.volume,
         "iterations": sum(step.frame.iteration for step in steps),
         "unsettled_steps": sum(not step.frame.settled for step in steps),
+        "saddle_escapes": sum(step.frame.saddle_escapes for step in steps),
         "seconds": round(time.perf_counter() - started, 3),
     }
     told = _sentence(case, computed, steps), {name: _number(value) for name, value in readings.items()}

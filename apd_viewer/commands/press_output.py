@@ -36,6 +36,7 @@ def press_row(
         "crossings": step.crossings,
         "iterations": step.iterations,
         "settled": step.settled,
+        "stable": step.stable,
         "opening": is_opening,
     }
     if newtons is not None:

@@ -76,6 +76,7 @@ def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMes
     lines += [f"{in_quotes(part.name)}  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(tr("largest local area change {change:.3g} %").format(change=100 * result.local_change))
     lines.append(tr("handle drift {drift:.4g}").format(drift=result.handle_drift))
+    lines.append(tr("stability: {words}").format(words=result.stability))
     if abs(written.area / result.area - 1.0) > _ROUNDED:
         lines.append(
             tr("rounding in the file changes the area to {area:.6g}; OBJ and OFF are more precise").format(

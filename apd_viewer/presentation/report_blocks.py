@@ -174,6 +174,9 @@ def _setting_rows(
                 yield tr("Step tolerance"), format_short(value.step_tolerance), ""
             else:
                 yield tr("Energy tolerance"), format_short(value.energy_tolerance), ""
+                yield tr("Imperfection"), format_short(value.imperfection), ""
+                if value.seed:
+                    yield tr("Seed"), format_grouped(value.seed, 0), ""
 
 
 def handle_rows(state: State, unit: Unit, check: ShapeCheck | None = None) -> Iterator[tuple[str, str, str]]:

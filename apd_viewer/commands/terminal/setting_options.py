@@ -5,18 +5,10 @@ from collections.abc import Iterable
 from typing import Any
 
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
+from apd_viewer.geometry.solver.convergence import CRITERIA, DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.methods import METHODS, MOST_VERTICES_IN_CONTACT, contact_by_default
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind
 from apd_viewer.language import tr
-
-_CRITERIA = {
-    "most_iterations": tr("stop after N iterations at the latest"),
-    "energy_tolerance": tr("converged once ten iterations reduce the energy by at most this part"),
-    "step_tolerance": tr(
-        "of 'paper' and 'sr-arap': converged once steps are below this part of the mesh's size"
-    ),
-}
 
 
 def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[str] = METHODS) -> None:
@@ -50,7 +42,7 @@ def _option(name: str) -> str:
 
 
 def _add_criteria(parser: Parser) -> None:
-    for name, words in _CRITERIA.items():
+    for name, words in CRITERIA.items():
         default = getattr(DEFAULT_CONVERGENCE, name)
         words = tr("{what}; default: %(default)s").format(what=words)
         metavar = "N" if isinstance(default, int) else "T"
@@ -82,4 +74,4 @@ def has_contact(options: argparse.Namespace, vertices: int) -> bool:
 def setting_arguments(options: argparse.Namespace) -> dict[str, Any]:
     """Arguments of :func:`deform` from the options."""
     given = {name: getattr(options, name) for name in SETTINGS if hasattr(options, name)}
-    return {**given, "convergence": Convergence(*(getattr(options, name) for name in _CRITERIA))}
+    return {**given, "convergence": Convergence(*(getattr(options, name) for name in CRITERIA))}

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import as_float, is_whole_number
-from apd_viewer.language import tr
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.language import tr, trn
 
 # Settled: the last iteration moved no vertex by more than the step tolerance, and the remaining ones together
 # will move none by more than _REMAINING times that, extrapolated from how fast the steps have become shorter
@@ -17,6 +18,7 @@ _CREEP = 0.5
 MEMORY = 10
 MOST_ITERATIONS = 10_000_000  # upper limit of the setting
 LARGEST_TOLERANCE = 0.1
+LARGEST_SEED = 1_000_000
 _ROUNDING = 1e-12
 
 
@@ -33,20 +35,41 @@ class Convergence(NamedTuple):
     step_tolerance : float
         Of the methods "paper" and "sr-arap": converged once a step moves no vertex by more than this part of
         the bounding box's diagonal, and those to come by no more than a hundred times that.
+    imperfection : float
+        Of methods that descend in an energy: displacement by which a shape at rest is pushed off where the
+        energy falls to the side, as part of the bounding box's diagonal; 0 leaves it there.
+    seed : int
+        Of the direction in which it is pushed: 0 where the energy falls most, any other a random mixture of
+        directions in which it falls.
 
     Examples
     --------
     >>> import apd_viewer
-    >>> apd_viewer.Convergence(most_iterations=500)
-    Convergence(most_iterations=500, energy_tolerance=1e-07, step_tolerance=1e-05)
+    >>> apd_viewer.Convergence(most_iterations=500).energy_tolerance
+    1e-07
     """
 
     most_iterations: int = 10_000
     energy_tolerance: float = 1e-7
     step_tolerance: float = 1e-5
+    imperfection: float = 1e-4
+    seed: int = 0
 
 
 DEFAULT_CONVERGENCE = Convergence()
+# What each criterion is, for the help of commands.
+CRITERIA = {
+    "most_iterations": tr("stop after N iterations at the latest"),
+    "energy_tolerance": tr("converged once ten iterations reduce the energy by at most this part"),
+    "step_tolerance": tr(
+        "of 'paper' and 'sr-arap': converged once steps are below this part of the mesh's size"
+    ),
+    "imperfection": tr(
+        "displacement by which a shape at rest is pushed off where the energy falls to the side, as part of "
+        "the mesh's size; 0 leaves it there"
+    ),
+    "seed": tr("direction of that: 0 where the energy falls most, others at random"),
+}
 
 
 def check_convergence(convergence: Convergence) -> None:
@@ -62,6 +85,41 @@ def check_convergence(convergence: Convergence) -> None:
         if not 0.0 < as_float(tolerance) <= LARGEST_TOLERANCE:
             sentence = tr("The tolerances of convergence must be above 0 and at most {most}, such as 1e-7.")
             raise InputError(sentence.format(most=LARGEST_TOLERANCE))
+    if not 0.0 <= as_float(convergence.imperfection) <= LARGEST_TOLERANCE:
+        raise InputError(
+            tr("The imperfection must be a number from 0 to {most}, such as 1e-4.").format(
+                most=LARGEST_TOLERANCE
+            )
+        )
+    if not is_whole_number(convergence.seed) or not 0 <= convergence.seed <= LARGEST_SEED:
+        raise InputError(tr("The seed must be a whole number from 0 to {most:,}.").format(most=LARGEST_SEED))
+
+
+def stability_text(frame: Frame, descends: bool) -> str:
+    """Whether the last shape is stable, or why that is not known.
+
+    Parameters
+    ----------
+    frame : Frame
+    descends : bool
+        The iterations descend in an energy, which plain ones and those of "paper" and "sr-arap" do not.
+    """
+    if frame.stable:
+        left = trn(
+            "stable, {n} saddle of the energy left",
+            "stable, {n} saddles of the energy left",
+            frame.saddle_escapes,
+        )
+        return left.format(n=frame.saddle_escapes) if frame.saddle_escapes else tr("stable")
+    if frame.stable is not None:
+        return tr("not stable, since the energy falls to the side")
+    if not descends:
+        return tr("not looked at, since such iterations descend in no energy")
+    if frame.unreached:
+        return tr("not looked at, since targets are out of reach")
+    if not frame.settled:
+        return tr("not looked at, since the shape has not converged")
+    return tr("not looked at")
 
 
 def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:

@@ -53,7 +53,7 @@ from apd_viewer.geometry.solver.methods import (
     method_material,
 )
 from apd_viewer.geometry.solver.restarts import make_solver
-from apd_viewer.geometry.solver.stability import DEFAULT_IMPERFECTION, Stability
+from apd_viewer.geometry.solver.stability import Stability
 from apd_viewer.language import tr
 
 
@@ -165,8 +165,6 @@ class Deformation:
         obstacles: Sequence[Obstacle] = (),
         yield_radius: float | None = None,
         gas: float | None = None,
-        imperfection: float = DEFAULT_IMPERFECTION,
-        seed: int = 0,
         weld: bool = False,
     ) -> None:
         self.rest = rest = checked_rest_mesh(rest, V, F, weld)
@@ -199,7 +197,7 @@ class Deformation:
                 touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
                 enclosed = None if gas is None else EnclosedGas(rest, gas)
                 self.solver = self.contact = contact_descent(self.solver, goals, *touching, enclosed)
-        self._stability = Stability(self.solver, rest.diagonal, imperfection, seed)
+        self._stability = Stability(self.solver, rest.diagonal)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
@@ -241,10 +239,12 @@ class Deformation:
     def convergence(self, convergence: Convergence) -> None:
         check_convergence(convergence)
         with cores_for(len(self.rest.solve_mesh.V)):
-            if convergence.energy_tolerance != self._convergence.energy_tolerance:
+            before, self._convergence = self._convergence, convergence
+            self._stability.imperfection, self._stability.seed = convergence.imperfection, convergence.seed
+            if convergence.energy_tolerance != before.energy_tolerance:
                 self.solver.set_tolerance(convergence.energy_tolerance)
+            if convergence[1:] != before[1:]:
                 self._begin()
-            self._convergence = convergence
 
     @checked
     def keep(
@@ -336,23 +336,26 @@ class Deformation:
         return self.frame()
 
     def iterate(self) -> None:
-        """Do one iteration, without the readings of its shape."""
-        solver = self.solver
+        """Do one iteration, without the readings of its shape; at rest, look at its stability."""
         with cores_for(len(self.rest.solve_mesh.V)):
             if self._stability.is_due(at_rest := self._would_rest, self._iteration):
                 if self._stability.step(at_rest):
                     self._steps = StepConvergence()
-                return
-            if self._kept.may_retry_calm_goals and self._would_settle(solver.progress):
-                self._kept.retry_calm_goals()
-                solver.set_goals(self._kept.goals)
-            before = solver.progress.U
-            solver.step()
-            if self._kept.has_calm_goals and not solver.progress.has_met_goals:
-                self._let_calm_go(before)
-            self._steps.append(largest_difference(solver.progress.U, before) / self.rest.diagonal)
-            self._iteration += 1
-            self._total += 1
+            else:
+                self._descend()
+        self._iteration += 1
+        self._total += 1
+
+    def _descend(self) -> None:
+        solver = self.solver
+        if self._kept.may_retry_calm_goals and self._would_settle(solver.progress):
+            self._kept.retry_calm_goals()
+            solver.set_goals(self._kept.goals)
+        before = solver.progress.U
+        solver.step()
+        if self._kept.has_calm_goals and not solver.progress.has_met_goals:
+            self._let_calm_go(before)
+        self._steps.append(largest_difference(solver.progress.U, before) / self.rest.diagonal)
 
     def _let_calm_go(self, before: np.ndarray) -> None:
         """Repeat the step from ``before`` without the area goals of calm parts."""

@@ -16,7 +16,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_turn import HeldTurn, pass_through_warnings
 from apd_viewer.geometry.pose.surface_turns import held_turns, relative_paths
-from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence, stability_text
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.held_vertices import HeldVertices
 from apd_viewer.geometry.solver.loose_components import GO
@@ -62,6 +62,12 @@ class Result:
         What the user should know about the mesh or the result.
     convergence : Convergence
         What the iterations were ended by.
+    stable : bool or None
+        Whether the energy falls in no direction looked at; None where that has not been looked at.
+    stability : str
+        That in words, with the reason.
+    saddle_escapes : int
+        Saddles of the energy that were left for a lower shape.
     share_reached : float
         Share of the way to the targets that contact has let the handles go.
     least_gap : float or None
@@ -115,6 +121,9 @@ class Result:
     seconds_per_iteration: float
     warnings: tuple[str, ...]
     convergence: Convergence
+    stable: bool | None
+    stability: str
+    saddle_escapes: int
     share_reached: float
     least_gap: float | None
     pairs_in_contact: int
@@ -343,6 +352,9 @@ def deformation_result(
             *pass_through_warnings(turns, frame, solver.rest.volume, *touch),
         ),
         convergence=solver.convergence,
+        stable=frame.stable,
+        stability=stability_text(frame, solver.solver.progress.converged is not None),
+        saddle_escapes=frame.saddle_escapes,
         share_reached=frame.share_reached,
         least_gap=None if frame.contact is None else frame.contact.least_gap,
         pairs_in_contact=0 if frame.contact is None else frame.contact.pairs,

@@ -233,6 +233,7 @@ class PlatePress:
             area_error=frame.area_error,
             crossings=None if crossed is None else len(crossed),
             settled=settled,
+            stable=frame.stable,
             iterations=frame.iteration,
         )
 
@@ -288,6 +289,8 @@ class PressStep:
         Triangles that cross others; None where that cannot be found.
     settled : bool
         The shape is at rest.
+    stable : bool or None
+        The energy falls in no direction looked at; None where that has not been looked at.
     iterations : int
 
     Examples
@@ -313,6 +316,7 @@ class PressStep:
     area_error: float
     crossings: int | None
     settled: bool
+    stable: bool | None
     iterations: int
 
 

@@ -9,6 +9,7 @@ that of K is 1 in every direction, and below 0 the energy falls. All is looked a
 import numpy as np
 from scipy.linalg import eigh_tridiagonal
 
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 from apd_viewer.geometry.solver.quasi_newton import Equilibrium
 
@@ -31,8 +32,6 @@ _DOUBLINGS = 12
 _MOST_ESCAPES = 10
 # Energy of a shape at rest up to rounding, relative to the size of the mesh; strains of 1e-8.
 _NO_ENERGY = 1e-16
-# Displacement by which a saddle is left by default, in mesh sizes.
-DEFAULT_IMPERFECTION = 1e-4
 
 
 class StabilitySearch:
@@ -163,19 +162,18 @@ class Stability:
     solver : IterativeSolver
     size : float
         Of the mesh, mesh units.
-    imperfection : float
-        Length of the displacement by which a saddle is left, in mesh sizes; 0 to stay there.
-    seed : int
-        Of the mixture of falling directions along which a saddle is left; 0 for the lowest alone.
 
     Attributes
     ----------
+    imperfection, seed : float, int
+        How saddles are left, as :class:`Convergence` has it.
     saddle_escapes : int
         Number of saddles left.
     """
 
-    def __init__(self, solver: IterativeSolver, size: float, imperfection: float, seed: int) -> None:
-        self._solver, self._size, self._imperfection, self._seed = solver, size, imperfection, seed
+    def __init__(self, solver: IterativeSolver, size: float) -> None:
+        self._solver, self._size = solver, size
+        self.imperfection, self.seed = DEFAULT_CONVERGENCE.imperfection, DEFAULT_CONVERGENCE.seed
         self._no_energy = _NO_ENERGY * size**2
         self.reset()
 
@@ -232,12 +230,12 @@ class Stability:
             self._search.step()
             return False
         search, self._search = self._search, None
-        at, way = search.at, search.falling_direction(self._seed)
+        at, way = search.at, search.falling_direction(self.seed)
         self._begins_flat = False
         if way is None:
             self._is_stable = True if at_rest else None
             return False
-        lower = lower_shape(at, self._imperfection * self._size * way) if self._imperfection else None
+        lower = lower_shape(at, self.imperfection * self._size * way) if self.imperfection else None
         if lower is None or self.saddle_escapes == _MOST_ESCAPES:
             self._is_stable = False if at_rest else None
             return False

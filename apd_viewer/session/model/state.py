@@ -165,6 +165,7 @@ def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
         volume_capped=inspection.volume_capped,
         handle_drift=0.0,
         converged=True,
+        stable=True,
         energy=0.0,
     )
 
@@ -177,7 +178,7 @@ def shape_frame(mesh: Mesh, inspection: Inspection, U: np.ndarray) -> Frame:
     rest = RestMesh(mesh.V, mesh.F, mesh.weld)
     with cores_for(len(mesh.weld.first)):
         found = rest.measure(U[mesh.weld.first])
-    return replace(frame, U=U, area_error=found.area / rest.area - 1.0, **found._asdict())
+    return replace(frame, U=U, stable=None, area_error=found.area / rest.area - 1.0, **found._asdict())
 
 
 def welded_state(state: State) -> State:

@@ -141,6 +141,8 @@ def frame_to_json(frame: Frame) -> dict[str, Any]:
         "handle_drift": float(frame.handle_drift),
         "unreached": frame.unreached,
         "energy": None if frame.energy is None else float(frame.energy),
+        "stable": frame.stable,
+        "saddle_escapes": int(frame.saddle_escapes),
         **({} if frame.share_reached == 1.0 else {"share_reached": float(frame.share_reached)}),
         **({} if frame.contact is None else {"contact": frame.contact._asdict()}),
         **_of_obstacles(frame),
@@ -168,6 +170,8 @@ def frame_from_json(fields: JsonFields, state: State, U: np.ndarray) -> Frame:
         regions=state.document.region_areas(U),
         unreached=fields.text("unreached") if fields.has_value("unreached") else None,
         energy=fields.number("energy", 0.0) if fields.has_value("energy") else None,
+        stable=fields.flag("stable") if fields.has_value("stable") else None,
+        saddle_escapes=fields.count("saddle_escapes") if fields.has_value("saddle_escapes") else 0,
         share_reached=fields.number("share_reached", 0.0, 1.0) if fields.has_value("share_reached") else 1.0,
         contact=_touch(fields.nested_fields("contact")) if fields.has_value("contact") else None,
         loads=vectors_from_json(fields, "loads", count),
@@ -297,6 +301,8 @@ def _convergence_from_json(fields: JsonFields) -> Convergence:
     found = Convergence(
         fields.count("most_iterations"), fields.number("energy_tolerance"), fields.number("step_tolerance")
     )
+    if fields.has_value("imperfection"):
+        found = found._replace(imperfection=fields.number("imperfection", 0.0), seed=fields.count("seed"))
     try:
         check_convergence(found)
     except InputError:

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from apd_viewer.geometry.solver.convergence import stability_text
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import format_grouped
@@ -193,6 +194,8 @@ class AreaSection(QWidget):
         elif activity == "not reached" and state.frame.unreached:
             said = tr("out of reach")
         self.activity.setText(said)
+        stability = stability_text(state.frame, not state.document.settings.traits.is_plain_only)
+        self.activity.setToolTip(tr("Stability: {words}").format(words=stability))
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""

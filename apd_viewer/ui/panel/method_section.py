@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
+    LARGEST_SEED,
     LARGEST_TOLERANCE,
     MOST_ITERATIONS,
     Convergence,
@@ -159,7 +160,7 @@ class ConvergenceFields(QWidget):
     ----------
     chosen : Signal(Convergence)
     heading : Heading
-    most_iterations, energy, step : NumberField
+    most_iterations, energy, step, imperfection, seed : NumberField
     """
 
     chosen = Signal(object)
@@ -185,9 +186,28 @@ class ConvergenceFields(QWidget):
                 "the bounding box, and those to come by at most 100 times that"
             ),
         )
+        self.imperfection = NumberField(
+            brief=True,
+            accessibleName=tr("Imperfection"),
+            toolTip=tr(
+                "How far a shape at rest is pushed off where the energy falls to the side, as part of the "
+                "diagonal of the bounding box; 0 leaves it there"
+            ),
+            maximum=LARGEST_TOLERANCE,
+            decimals=18,
+        )
+        self.seed = NumberField(
+            accessibleName=tr("Seed"),
+            toolTip=tr(
+                "Direction in which it is pushed off: 0 where the energy falls most, others at random, as "
+                "several folds may compete"
+            ),
+            maximum=float(LARGEST_SEED),
+            decimals=0,
+        )
         self._rows = {
             field: field_row(field.accessibleName(), field)
-            for field in (self.most_iterations, self.energy, self.step)
+            for field in (self.most_iterations, self.energy, self.step, self.imperfection, self.seed)
         }
         self._lay_out()
         for field in self._rows:
@@ -207,17 +227,20 @@ class ConvergenceFields(QWidget):
         self.heading.setChecked(False)
 
     def _choose(self) -> None:
-        most, energy, step = (field.value() for field in self._rows)
-        self.chosen.emit(Convergence(int(most), energy, step))
+        most, energy, step, imperfection, seed = (field.value() for field in self._rows)
+        self.chosen.emit(Convergence(int(most), energy, step, imperfection, int(seed)))
 
     def show_settings(self, document: Document) -> None:
         """Show the convergence criteria applicable to the method."""
         shown, plain = document.settings.convergence, document.settings.traits.is_plain_only
-        self._rows[self.energy].setVisible(not plain)
+        for field in (self.energy, self.imperfection, self.seed):
+            self._rows[field].setVisible(not plain)
         self._rows[self.step].setVisible(plain)
         self.most_iterations.show_value(shown.most_iterations)
         self.energy.show_value(shown.energy_tolerance)
         self.step.show_value(shown.step_tolerance)
+        self.imperfection.show_value(shown.imperfection)
+        self.seed.show_value(shown.seed)
         self.heading.show_reading("" if shown == DEFAULT_CONVERGENCE else tr("changed"), only_folded=True)
 
     def set_theme(self, theme: Theme) -> None:

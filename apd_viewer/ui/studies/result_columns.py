@@ -57,6 +57,8 @@ PLAN_TITLES = {
     "to": tr("Share of the motion"),
     "steps": tr("Steps"),
     "iterations": tr("Most iterations"),
+    "imperfection": tr("Imperfection"),
+    "seed": tr("Seed"),
     **{name: setting.title for name, setting in SETTINGS.items() if name in COLUMNS},
 }
 READING_TEXTS = {
@@ -81,6 +83,9 @@ READING_TEXTS = {
     "iterations": ReadingTexts(tr("Iterations"), tr("Of all steps together"), whole=True),
     "unsettled_steps": ReadingTexts(
         tr("Unsettled steps"), tr("Steps that stopped before they converged"), whole=True
+    ),
+    "saddle_escapes": ReadingTexts(
+        tr("Saddles left"), tr("Shapes that were left since their energy fell to the side"), whole=True
     ),
     "turned": ReadingTexts(
         tr("Turn asked"), tr("Of a handle against the base, degrees, whole turns counted")

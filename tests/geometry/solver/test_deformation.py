@@ -176,9 +176,7 @@ def test_deform_without_a_count_runs_until_converged(method):
     assert result.converged
     assert [frame.converged for frame in seen] == [False] * (len(seen) - 1) + [True]
     assert np.abs(seen[-1].U - seen[-2].U).max() <= 1e-5 * DIAGONAL
-    assert (result.method, result.iterations) == (method, seen[-1].iteration)
-    steps = [frame.iteration for frame in seen]
-    assert sorted(set(steps)) == [*range(1, result.iterations + 1)], "a look at its stability is no iteration"
+    assert (result.method, result.iterations) == (method, len(seen))
     assert result.seconds >= result.factor_seconds >= 0.0
     assert result.seconds >= result.seconds_per_iteration * result.iterations * 0.99
 
