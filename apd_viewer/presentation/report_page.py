@@ -114,7 +114,7 @@ def _warnings(state: State, found: ShapeCheck | None) -> Iterator[PageBlock]:
     if not state.frame.settled:
         yield PageNote(tr("The shape had not converged when this report was created."), is_warning=True)
     if state.frame.stable is False:
-        yield PageNote(tr("The shape is not stable: its energy falls to the side."), is_warning=True)
+        yield PageNote(tr("The shape is not stable: it rests on a saddle of its energy."), is_warning=True)
     if state.frame.unreached:
         yield PageNote(state.frame.unreached, is_warning=True)
     for sentence in self_passing_warnings(state, found):

@@ -66,7 +66,7 @@ class Frame:
         What the method brings down, squared lengths: Eq. 1 with each undirected edge counted twice, and the
         terms of the material; without the coupling of "sr-arap". None where that is not known.
     stable : bool or None
-        Whether the energy falls in no direction; None where that has not been looked at.
+        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
     saddle_escapes : int
         Saddles of the energy that have been left since the targets were last set.
     total : int

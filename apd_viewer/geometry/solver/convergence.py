@@ -36,11 +36,11 @@ class Convergence(NamedTuple):
         Of the methods "paper" and "sr-arap": converged once a step moves no vertex by more than this part of
         the bounding box's diagonal, and those to come by no more than a hundred times that.
     imperfection : float
-        Of methods that descend in an energy: displacement by which a shape at rest is pushed off where the
-        energy falls to the side, as part of the bounding box's diagonal; 0 leaves it there.
+        Displacement that disturbs a shape at rest on a saddle of its energy, as part of the bounding box's
+        diagonal, so that it goes on to a minimum; 0 leaves it on the saddle.
     seed : int
-        Of the direction in which it is pushed: 0 where the energy falls most, any other a random mixture of
-        directions in which it falls.
+        Direction of that disturbance: 0 for that of steepest descent, any other for a random mixture of all
+        directions found in which the energy falls.
 
     Examples
     --------
@@ -65,10 +65,10 @@ CRITERIA = {
         "of 'paper' and 'sr-arap': converged once steps are below this part of the mesh's size"
     ),
     "imperfection": tr(
-        "displacement by which a shape at rest is pushed off where the energy falls to the side, as part of "
-        "the mesh's size; 0 leaves it there"
+        "displacement that disturbs a shape at rest on a saddle of its energy, as part of the mesh's "
+        "size; 0: none"
     ),
-    "seed": tr("direction of that: 0 where the energy falls most, others at random"),
+    "seed": tr("direction of that disturbance: 0 for the steepest descent, others at random"),
 }
 
 
@@ -106,20 +106,20 @@ def stability_text(frame: Frame, descends: bool) -> str:
     """
     if frame.stable:
         left = trn(
-            "stable, {n} saddle of the energy left",
-            "stable, {n} saddles of the energy left",
+            "stable, after leaving {n} saddle of the energy",
+            "stable, after leaving {n} saddles of the energy",
             frame.saddle_escapes,
         )
         return left.format(n=frame.saddle_escapes) if frame.saddle_escapes else tr("stable")
     if frame.stable is not None:
-        return tr("not stable, since the energy falls to the side")
+        return tr("not stable: a saddle of the energy")
     if not descends:
-        return tr("not looked at, since such iterations descend in no energy")
+        return tr("not examined: such iterations descend in no energy")
     if frame.unreached:
-        return tr("not looked at, since targets are out of reach")
+        return tr("not examined: targets are out of reach")
     if not frame.settled:
-        return tr("not looked at, since the shape has not converged")
-    return tr("not looked at")
+        return tr("not examined: the shape has not converged")
+    return tr("not examined")
 
 
 def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:

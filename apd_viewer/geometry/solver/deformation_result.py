@@ -63,7 +63,7 @@ class Result:
     convergence : Convergence
         What the iterations were ended by.
     stable : bool or None
-        Whether the energy falls in no direction looked at; None where that has not been looked at.
+        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
     stability : str
         That in words, with the reason.
     saddle_escapes : int

@@ -290,7 +290,7 @@ class PressStep:
     settled : bool
         The shape is at rest.
     stable : bool or None
-        The energy falls in no direction looked at; None where that has not been looked at.
+        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
     iterations : int
 
     Examples

@@ -190,8 +190,8 @@ class ConvergenceFields(QWidget):
             brief=True,
             accessibleName=tr("Imperfection"),
             toolTip=tr(
-                "How far a shape at rest is pushed off where the energy falls to the side, as part of the "
-                "diagonal of the bounding box; 0 leaves it there"
+                "Displacement that disturbs a shape at rest on a saddle of its energy, as part of the "
+                "diagonal of the bounding box; 0 for none"
             ),
             maximum=LARGEST_TOLERANCE,
             decimals=18,
@@ -199,7 +199,7 @@ class ConvergenceFields(QWidget):
         self.seed = NumberField(
             accessibleName=tr("Seed"),
             toolTip=tr(
-                "Direction in which it is pushed off: 0 where the energy falls most, others at random, as "
+                "Direction of the disturbance: 0 for the steepest descent, others at random, since "
                 "several folds may compete"
             ),
             maximum=float(LARGEST_SEED),

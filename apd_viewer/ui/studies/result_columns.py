@@ -85,7 +85,7 @@ READING_TEXTS = {
         tr("Unsettled steps"), tr("Steps that stopped before they converged"), whole=True
     ),
     "saddle_escapes": ReadingTexts(
-        tr("Saddles left"), tr("Shapes that were left since their energy fell to the side"), whole=True
+        tr("Escaped saddles"), tr("Shapes left since they rested on a saddle of the energy"), whole=True
     ),
     "turned": ReadingTexts(
         tr("Turn asked"), tr("Of a handle against the base, degrees, whole turns counted")
