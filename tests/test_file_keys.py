@@ -220,7 +220,8 @@ KEYS = {
     deformation: """
         mesh unit vertices faces method iterations converged area_rest area area_error area_target
             volume_rest volume volume_target volume_capped_rest volume_capped openings energy handle_drift
-            regions local_change seconds factor_seconds seconds_per_iteration warnings convergence
+            regions local_change seconds factor_seconds seconds_per_iteration warnings convergence stable
+            stability saddle_escapes
             share_reached least_gap pairs_in_contact loads shifts turned turned_held load_excess_percent
             self_intersections_rest box_volume_rest packed_volume_rest packed_sides_rest hull_volume_rest
             minimum_width_rest bulk_volume_rest bulk_volume_range_rest self_intersections box_volume
@@ -228,7 +229,7 @@ KEYS = {
             largest_distance rms_distance mean_distance largest_distance_back rms_distance_back
             mean_distance_back largest_distance_by_vertex rms_distance_by_vertex mean_distance_by_vertex
         regions: name area_rest area area_target
-        convergence: most_iterations energy_tolerance step_tolerance
+        convergence: most_iterations energy_tolerance step_tolerance imperfection seed
     """,
     vertices: """
         vertex x y z apd_label apd_region area_change edge_strain bending displacement distance_to_rest
@@ -238,12 +239,12 @@ KEYS = {
     """,
     press_curve: """
         distance load_low load_high load_excess_percent stretching_percent energy volume volume_capped
-            area_error crossings iterations settled opening load_low_newton load_high_newton newton_factor
+            area_error crossings iterations settled stable opening load_low_newton load_high_newton newton_factor
     """,
     press_report: """
         mesh vertices faces method stiffness yield_radius gas area_rest volume_rest volume_capped_rest
             distance load_low load_high load_excess_percent stretching_percent energy volume volume_capped
-            area_error crossings iterations settled opening load_low_newton load_high_newton newton_factor
+            area_error crossings iterations settled stable opening load_low_newton load_high_newton newton_factor
             stopped yield_load yield_deflection apparent_stiffness work unit material material_source
             wall_thickness density young poisson mass_grams newtons_per_load stiffness_of_wall
             yield_load_newton apparent_stiffness_newton_per_mm work_joule self_intersections_rest
@@ -253,13 +254,14 @@ KEYS = {
     """,
     sweep: """
         method step part degrees way area area_error volume volume_capped volume_error energy local_change
-            handle_drift iterations settled share_reached turned turned_held
+            handle_drift iterations settled stable saddle_escapes share_reached turned
+            turned_held
     """,
     study: """
         mesh selection motion steps iterations status sentence area_error volume volume_capped energy
             crossings seconds area area_rest volume_rest volume_error local_change handle_drift
-            share_reached least_gap box_volume packed_volume hull_volume iterations unsettled_steps turned
-            turned_held line key
+            share_reached least_gap box_volume packed_volume hull_volume iterations unsettled_steps
+            saddle_escapes turned turned_held line key
     """,
     study_curves: """
         line step part degrees way area area_error volume volume_capped volume_error energy local_change
@@ -299,7 +301,7 @@ KEYS = {
             measurements base poses mirror
         document.handles: name pose pivot locked hidden waypoints earlier line falloff
         document.regions: name area locked hidden
-        document.convergence: most_iterations energy_tolerance step_tolerance
+        document.convergence: most_iterations energy_tolerance step_tolerance imperfection seed
         document.obstacles: name kind place axis radius length shift
         document.measurements: name kind points plane
         document.measurements.points: face weights
@@ -307,7 +309,8 @@ KEYS = {
         document.base: locked hidden
         document.poses: name handles
         document.poses.handles: name pose waypoints
-        frame: iteration settled converged handle_drift unreached energy share_reached contact loads shifts
+        frame: iteration settled converged handle_drift unreached energy stable saddle_escapes share_reached
+            contact loads shifts
         frame.contact: pairs least_gap exempt
         view: camera unit wall overlay unit_is_guess up_axis
         view.camera: position focal up angle

@@ -20,7 +20,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 # Version of the computation and its stored results; incremented to invalidate earlier results.
-RESULTS_VERSION = 2
+RESULTS_VERSION = 3
 _FOLDER = 16  # characters of the digest in the folder name
 
 CaseSetting = float | int | bool | str

@@ -65,6 +65,8 @@ SOUND = {
     **dict.fromkeys(("iterations", "steps", "most_iterations"), COUNTS),
     **dict.fromkeys(("shifts", "begin", "soft_targets", "rest", "area", "volume"), NONE),
     **dict.fromkeys(("start", "end", "vertex", "face"), VERTICES),
+    "imperfection": {"0"},
+    "seed": VERTICES,
     "vertices": IDS,
     "loose": IDS,
     "handle": {"None", "[]", "array"},
