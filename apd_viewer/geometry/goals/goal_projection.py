@@ -150,7 +150,7 @@ class GoalProjection:
         share = 1.0
         fresh = False  # true once gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
-            if worst <= GOAL_TOLERANCE:
+            if worst <= GOAL_TOLERANCE or worst == np.inf:  # a trial that goes too far by many powers of ten
                 break
             missing = self._target - self.values
             step = share * (self._inverse @ missing)
