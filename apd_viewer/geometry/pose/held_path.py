@@ -43,7 +43,11 @@ class HeldPath:
     ) -> None:
         self._X, self._Y, self._shifts = X, Y, shifts
         moved = np.unique(handle_of[(X != Y).any(axis=1)])
-        self._parts = [_part(X, Y, np.flatnonzero(handle_of == k)) for k in moved]
+        # Points have no orientation: hundreds of them go straight at once.
+        is_point = np.bincount(handle_of)[moved] == 1
+        self._parts = [_part(X, Y, np.flatnonzero(handle_of == k)) for k in moved[~is_point]]
+        if is_point.any():
+            self._parts.append(_line(X, Y, np.flatnonzero(np.isin(handle_of, moved[is_point]))))
         lengths = [length for _, _, length in self._parts]
         self.moves_held = len(moved) > 0
         self.moves_obstacles = bool((shifts[0] != shifts[1]).any())
@@ -64,21 +68,25 @@ class HeldPath:
         return at
 
 
-def _part(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, Callable, float]:
-    """Rows of one handle, its positions by path fraction, and its longest path."""
+_Part = tuple[np.ndarray, Callable[[float], np.ndarray], float]
+
+
+def _line(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> _Part:
+    """Rows of vertices on straight paths, their positions by fraction, and the longest path."""
     x, y = X[rows], Y[rows]
-    straight = float(np.linalg.norm(y - x, axis=1).max())
+    return rows, lambda share: x + share * (y - x), float(np.linalg.norm(y - x, axis=1).max())
 
-    def along_line(share: float) -> np.ndarray:
-        return x + share * (y - x)
 
+def _part(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> _Part:
+    """Rows of one handle, its positions by path fraction, and its longest path."""
+    x, y, line = X[rows], Y[rows], _line(X, Y, rows)
     try:
         pose = fitted_motion(x, y)
-        if np.abs(transform(pose, x) - y).max() > _RIGID * straight:
-            return rows, along_line, straight
+        if np.abs(transform(pose, x) - y).max() > _RIGID * line[2]:
+            return line
         path = screw_path(pose, x.mean(axis=0), allows_half_turn=True)
     except InputError:
-        return rows, along_line, straight
+        return line
     ways = np.linalg.norm(
         np.diff([transform(path.pose_at(s), x) for s in np.linspace(0, 1, 9)], axis=0), axis=2
     )

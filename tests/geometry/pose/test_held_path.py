@@ -43,3 +43,18 @@ def test_held_path_leads_each_handle_its_own_way_and_the_rest_stays():
     assert np.array_equal(now[:2], X[:2])
     assert np.allclose(pdist(now[2:6]), pdist(X[2:6]))
     assert np.allclose(now[6:], 0.5 * (X[6:] + Y[6:])), "what is deformed goes straight"
+
+
+def test_held_path_of_points_is_straight_and_as_quick_for_hundreds():
+    """Each of them is a handle of its own, beside one that turns."""
+    random = np.random.default_rng(0)
+    X = random.normal(size=(400, 3))
+    turning, handle_of = slice(0, 20), np.r_[np.ones(20, int), np.arange(2, 382)]
+    Y = X + random.normal(size=X.shape)
+    Y[turning] = moved(X[turning], rotation((0, 0, 1), 1.0))
+    path = HeldPath(X, Y, handle_of)
+    half = path.positions_at(0.5)
+    assert half[20:] == pytest.approx(0.5 * (X + Y)[20:], abs=1e-15)
+    alone = HeldPath(X[turning], Y[turning], handle_of[turning])
+    assert half[turning].tobytes() == alone.positions_at(0.5).tobytes()
+    assert path.length == pytest.approx(max(alone.length, np.linalg.norm((Y - X)[20:], axis=1).max()))
