@@ -91,14 +91,14 @@ class Reader:
     def read(self, scene, things=()):
         """All texts of all widgets and actions, seen or not, for what is hidden now is shown some time."""
         self.scene = scene
-        for thing in things or self._everything():
+        for thing in things or self._all_things():
             for name in told(type(thing)):
                 value = getattr(thing, name)
                 value = value() if callable(value) else value
                 if isinstance(value, str):
                     self.note(value, f"{name} of a {type(thing).__name__}")
 
-    def _everything(self):
+    def _all_things(self):
         widgets = QApplication.allWidgets()
         for widget in widgets:
             if isinstance(widget, QLabel | QAbstractButton) and is_cut(widget):
