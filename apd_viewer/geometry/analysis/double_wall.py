@@ -88,7 +88,7 @@ def double_wall(
     inner = _inner_side(V, T, areas, thickness)
     if inner is None:
         return None
-    both = [_capped(V, T[inner]), _capped(V, T[~inner])]
+    both = [_side_volume(V, T[inner]), _side_volume(V, T[~inner])]
     (within, openings), (around, _) = both
     if within > around:
         (within, openings), (around, _) = both[::-1]
@@ -151,7 +151,7 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
     return grown_sides(beside, start) == 1
 
 
-def _capped(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
+def _side_volume(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
     """Signed volume of a side with capped rims, and their number; NaN if not planar."""
     if missing_volume_reason(T, len(V)) is None:
         return volume(V, T), 0

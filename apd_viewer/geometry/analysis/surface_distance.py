@@ -120,7 +120,7 @@ def write_distances(
             x, y, z = px - first_guesses[i, 0], py - first_guesses[i, 1], pz - first_guesses[i, 2]
             best = x * x + y * y + z * z
             if last >= 0:  # neighbouring points often have the same nearest triangle
-                best = min(best, _squared(px, py, pz, V, F[last, 0], F[last, 1], F[last, 2]))
+                best = min(best, _squared_distance(px, py, pz, V, F[last, 0], F[last, 1], F[last, 2]))
             # Stackless traversal: a box is followed by the largest one that starts after its end.
             b, size = 0, top
             while b < count:
@@ -134,7 +134,7 @@ def write_distances(
                     continue
                 if near:
                     for t in range(BRANCHING * b, min(BRANCHING * (b + 1), len(F))):
-                        squared = _squared(px, py, pz, V, F[t, 0], F[t, 1], F[t, 2])
+                        squared = _squared_distance(px, py, pz, V, F[t, 0], F[t, 1], F[t, 2])
                         if squared < best:
                             best, last = squared, t
                 b = ((b >> (_BITS * size)) + 1) << (_BITS * size)
@@ -144,7 +144,7 @@ def write_distances(
 
 
 @njit(inline="always")
-def _squared(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: int) -> float:
+def _squared_distance(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: int) -> float:
     """Squared distance of a point from a triangle."""
     ax, ay, az = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
     bx, by, bz = V[k, 0] - V[i, 0], V[k, 1] - V[i, 1], V[k, 2] - V[i, 2]

@@ -92,7 +92,7 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     border = np.unique(edges)
     near = SEAM_TOLERANCE * mesh_size(V, corners)
     room = np.minimum(near, MOST_EDGE_SHARE * shortest_edges(V, edges)[border])
-    point, edge = _close(V, border, edges, near)
+    point, edge = _nearby_pairs(V, border, edges, near)
     a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]
     length = np.linalg.norm(along, axis=1)
     at = np.einsum("ij,ij->i", V[border[point]] - a, along) / length
@@ -106,7 +106,7 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     return np.unique(border[point[np.array(free, dtype=bool)]])
 
 
-def _close(
+def _nearby_pairs(
     V: np.ndarray, border: np.ndarray, edges: np.ndarray, near: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Candidate pairs (p,), (p,) of ``border`` vertices within ``near`` of ``edges``."""

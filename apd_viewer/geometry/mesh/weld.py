@@ -157,7 +157,7 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tol
     at_border = np.zeros(n, dtype=bool)
     at_border[border] = True
     between = _edge_keys(corners[at_border[corners].sum(axis=1) > 1], n)
-    return _clustered(pairs[np.argsort(gap, kind="stable")], set(between.tolist()), n)[representative]
+    return _cluster_leaders(pairs[np.argsort(gap, kind="stable")], set(between.tolist()), n)[representative]
 
 
 def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
@@ -169,7 +169,7 @@ def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
     return shortest
 
 
-def _clustered(pairs: np.ndarray, edges: set[int], n: int) -> np.ndarray:
+def _cluster_leaders(pairs: np.ndarray, edges: set[int], n: int) -> np.ndarray:
     """Lowest vertex in the cluster of each of ``n`` vertices.
 
     ``pairs`` (p, 2) are joined in their order, unless an edge would then lead from a cluster to itself: of a

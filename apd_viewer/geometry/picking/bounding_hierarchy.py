@@ -45,7 +45,7 @@ def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingHierarchy:
         sizes.append((sizes[-1] + BRANCHING - 1) // BRANCHING)
     level = np.cumsum([0, *sizes])
     with cores_for(len(U)):
-        T = _in_order(F, _cells(U, F))
+        T = _in_order(F, _morton_keys(U, F))
         corners = np.empty((level[-1], 2, 3))
         _around_triangles(U, T, _SLACK * np.abs(U).max(initial=0.0), corners[: level[1]])
     for i in range(1, len(sizes)):
@@ -54,7 +54,7 @@ def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingHierarchy:
 
 
 @parallel()
-def _cells(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+def _morton_keys(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Sort key of each triangle along a space-filling curve."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for t in range(len(F)):
@@ -67,13 +67,13 @@ def _cells(U: np.ndarray, F: np.ndarray) -> np.ndarray:
         found = 0
         for c in range(3):
             middle = (U[F[t, 0], c] + U[F[t, 1], c] + U[F[t, 2], c]) / 3.0
-            found |= _spread(min(max(int((middle - low[c]) * scale), 0), last)) << c
+            found |= _spread_bits(min(max(int((middle - low[c]) * scale), 0), last)) << c
         key[t] = found
     return key
 
 
 @njit(inline="always")
-def _spread(x: int) -> int:
+def _spread_bits(x: int) -> int:
     """Ten bits, each followed by two zero bits [Morton 1966]."""
     x = (x | (x << 16)) & 0x030000FF
     x = (x | (x << 8)) & 0x0300F00F

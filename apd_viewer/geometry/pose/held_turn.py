@@ -124,17 +124,19 @@ def pass_through_warnings(
             continue
         asked, held = (localized_number(f"{round(angle or 0.0, 1) + 0.0:g}") for angle in turn.degrees)
         lost = tr("The surface holds {held} of the {asked} degrees asked").format(held=held, asked=asked)
-        sentence = _because(lost, contact, may_touch) if turn.has_lost_whole_turns else f"{lost}."
+        sentence = (
+            _pass_through_sentence(lost, contact, may_touch) if turn.has_lost_whole_turns else f"{lost}."
+        )
         if len(turns) > 1:
             name = names[k] if names else tr("Handle {n}").format(n=k + 1)
             sentence = tr("{name}: {sentence}").format(name=name, sentence=sentence)
         said.append(sentence)
     if frame.volume is not None and volume_rest and frame.volume / volume_rest < -_LITTLE:
-        said.append(_because(tr("The surface has turned inside out"), contact, may_touch))
+        said.append(_pass_through_sentence(tr("The surface has turned inside out"), contact, may_touch))
     return tuple(said)
 
 
-def _because(what: str, contact: bool, may_touch: bool) -> str:
+def _pass_through_sentence(what: str, contact: bool, may_touch: bool) -> str:
     said = tr("{what}: it passed through itself.")
     if not may_touch:
         said = tr("{what}: it passed through itself, as this method knows no contact.")
