@@ -169,7 +169,7 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
 def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     curve, lines = found.curve, []
     if curve.yield_load is not None:
-        force = "" if newtons is None else _beside(newtons.newtons_per_load * curve.yield_load, "N")
+        force = "" if newtons is None else _in_parentheses(newtons.newtons_per_load * curve.yield_load, "N")
         lines.append(
             tr("yields at a load of {load:.5g}{newtons}, pressed by {deflection:.4g}").format(
                 load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
@@ -179,9 +179,9 @@ def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
         slope = (
             ""
             if newtons is None
-            else _beside(newtons.newtons_per_millimetre * curve.apparent_stiffness, "N/mm")
+            else _in_parentheses(newtons.newtons_per_millimetre * curve.apparent_stiffness, "N/mm")
         )
-        work = "" if newtons is None else _beside(newtons.joules_per_work * curve.work, "J")
+        work = "" if newtons is None else _in_parentheses(newtons.joules_per_work * curve.work, "J")
         lines.append(
             tr("apparent stiffness {stiffness:.5g}{slope}, work {work:.5g}{joules}").format(
                 stiffness=curve.apparent_stiffness, slope=slope, work=curve.work, joules=work
@@ -248,5 +248,5 @@ def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, rema
     ]
 
 
-def _beside(value: float, unit: str) -> str:
+def _in_parentheses(value: float, unit: str) -> str:
     return f" ({format_exact(value, 3)} {unit})"

@@ -149,7 +149,7 @@ def volumes_report(
     }
     if rest is not None:
         report |= {f"{name}_rest": value for name, value in _fields(rest, unit, density, bag).items()}
-    return report | {"published": _published()}
+    return report | {"published": _published_figures()}
 
 
 def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float) -> dict[str, Any]:
@@ -170,7 +170,7 @@ def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float
     }
 
 
-def _published() -> dict[str, list[dict[str, Any]]]:
+def _published_figures() -> dict[str, list[dict[str, Any]]]:
     return {
         quantity.value: [
             {name: None if value == math.inf else value for name, value in figure._asdict().items()}

@@ -64,13 +64,15 @@ def _of_session(path: Path, size: int) -> np.ndarray:
     state, view = open_session(path)
     document = state.document
     colors = label_colors(document.labels, document.member)[:, :3]
-    return _drawn(state.frame.U, document.mesh.F, colors, view.up_axis or _up_axis(document.mesh.path), size)
+    return _colored_picture(
+        state.frame.U, document.mesh.F, colors, view.up_axis or _up_axis(document.mesh.path), size
+    )
 
 
 def _of_mesh(path: Path, size: int) -> np.ndarray:
     _check_size(path)
     mesh = open_mesh(path)
-    return _drawn(mesh.V, mesh.F, mesh.colors, _up_axis(path), size)
+    return _colored_picture(mesh.V, mesh.F, mesh.colors, _up_axis(path), size)
 
 
 def _check_size(path: Path) -> None:
@@ -82,7 +84,9 @@ def _up_axis(path: Path | None) -> UpAxis:
     return UpAxis.from_suffix("" if path is None else path.suffix, UpAxis.PLUS_Y)
 
 
-def _drawn(U: np.ndarray, F: np.ndarray, colors: np.ndarray | None, up: UpAxis, size: int) -> np.ndarray:
+def _colored_picture(
+    U: np.ndarray, F: np.ndarray, colors: np.ndarray | None, up: UpAxis, size: int
+) -> np.ndarray:
     """Picture of a shape with its vertex colours (n, 3), if any."""
     paint = FREE_COLOR if colors is None else np.rint(colors[F].mean(axis=1)).astype(np.uint8)
     look = np.array(VIEW_DIRECTION) @ up.frame

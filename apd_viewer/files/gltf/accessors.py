@@ -40,13 +40,13 @@ def accessor_array(document: dict[str, Any], buffers: list[Any], accessor: objec
     if told.get("type") != _NAMES[width]:
         raise ValueError(tr("an accessor has the wrong type"))
     if "bufferView" in told:
-        array = _stored(document, buffers, told, count, width)
+        array = _buffer_numbers(document, buffers, told, count, width)
     elif count * width * kind.itemsize > LARGEST_FILE:
         raise too_large_error(tr("its sparse accessors"))
     else:
         array = np.zeros((count, width), kind)
     if "sparse" in told:
-        rows, values = _sparse(document, buffers, told, width)
+        rows, values = _sparse_rows_and_values(document, buffers, told, width)
         array = array.copy()
         array[rows] = values
     return array
@@ -64,14 +64,14 @@ def write_rows(
     """
     told, rows = document_entry(document, "accessors", accessor), rows.copy()
     if "sparse" in told:
-        those, values = _sparse(document, buffers, told, new.shape[1])
+        those, values = _sparse_rows_and_values(document, buffers, told, new.shape[1])
         values[rows[those]] = new[those][rows[those]]
         rows[those] = False
     if not rows.any():
         return
     if "bufferView" not in told:
         raise InputError(tr("The file stores only some of its positions; choose another format."))
-    _stored(document, buffers, told, len(new), new.shape[1])[rows] = new[rows]
+    _buffer_numbers(document, buffers, told, len(new), new.shape[1])[rows] = new[rows]
 
 
 def _kind(entry: dict[str, Any]) -> np.dtype[Any]:
@@ -81,7 +81,7 @@ def _kind(entry: dict[str, Any]) -> np.dtype[Any]:
     return np.dtype(_TYPES[code])
 
 
-def _sparse(
+def _sparse_rows_and_values(
     document: dict[str, Any], buffers: list[Any], entry: dict[str, Any], width: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Sparse row indices (k,) of an accessor, and their buffer values (k, width)."""
@@ -90,7 +90,7 @@ def _sparse(
         raise ValueError(tr("a sparse accessor has no indices or no values"))
     indices, values = (sparse[part] for part in _PARTS)
     count = whole_number(sparse, "count")
-    rows = _stored(document, buffers, indices, count, 1)[:, 0]
+    rows = _buffer_numbers(document, buffers, indices, count, 1)[:, 0]
     if rows.dtype.kind != "u":
         raise ValueError(tr("an accessor has the wrong type"))
     if count and rows.max() >= whole_number(entry, "count"):
@@ -100,10 +100,10 @@ def _sparse(
             )
         )
     values = {**values, "componentType": entry["componentType"]}
-    return rows, _stored(document, buffers, values, count, width)
+    return rows, _buffer_numbers(document, buffers, values, count, width)
 
 
-def _stored(
+def _buffer_numbers(
     document: dict[str, Any], buffers: list[Any], entry: dict[str, Any], count: int, width: int
 ) -> np.ndarray:
     """View (count, width) of buffer numbers, with type and offset from ``entry``."""

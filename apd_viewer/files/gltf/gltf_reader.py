@@ -96,9 +96,11 @@ class _Scene:
             key = block.position if shares else json.dumps([part["attributes"], part.get("targets")])
             if key not in blocks:
                 blocks[key] = block
-                self._show(block)
+                self._add_block(block)
             block = blocks[key]
-            F = _outwards(primitive_triangles(self._document, self._buffers, part, mode), block.matrix)
+            F = _outward_triangles(
+                primitive_triangles(self._document, self._buffers, part, mode), block.matrix
+            )
             self.F.append(F + block.first_vertex)
             self.pieces.append(PrimitiveTriangles(block.first_vertex, len(F), part))
 
@@ -125,14 +127,14 @@ class _Scene:
             None if normal is None else place.morph_displacement(*given, "NORMAL"),
         )
 
-    def _show(self, block: VertexBlock) -> None:
+    def _add_block(self, block: VertexBlock) -> None:
         local = accessor_numbers(self._document, self._buffers, block.position)
         self.blocks.append(block)
         self.V.append(transformed_positions(block.matrix, with_offset(local, block.position_shift)))
         self._count += len(local)
 
 
-def _outwards(F: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+def _outward_triangles(F: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     """Triangles (t, 3), reversed where the matrix of their vertices mirrors them."""
     with np.errstate(all="ignore"):  # invalid positions are rejected later
         mirrors = np.linalg.det(matrix[..., :3, :3]) < 0.0

@@ -56,16 +56,18 @@ def mesh_primitives(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]
 
 def world_matrices(document: dict[str, Any]) -> dict[int, np.ndarray]:
     """World matrices (4, 4) of all nodes of the scene."""
-    return _below(document, _roots(document, document.get("scene", 0)))
+    return _world_matrices(document, _roots(document, document.get("scene", 0)))
 
 
 def has_other_scenes(document: dict[str, Any], world: dict[int, np.ndarray]) -> bool:
     """True if another scene shows a mesh at a node not in ``world``."""
-    others = (_below(document, _roots(document, k)) for k in range(len(list_field(document, "scenes"))))
+    others = (
+        _world_matrices(document, _roots(document, k)) for k in range(len(list_field(document, "scenes")))
+    )
     return any("mesh" in document["nodes"][node] for other in others for node in other if node not in world)
 
 
-def _below(document: dict[str, Any], roots: list[Any]) -> dict[int, np.ndarray]:
+def _world_matrices(document: dict[str, Any], roots: list[Any]) -> dict[int, np.ndarray]:
     """World matrices (4, 4) of the root nodes and all their descendants."""
     found: dict[int, np.ndarray] = {}
     todo = [(root, np.eye(4)) for root in reversed(roots)]

@@ -99,9 +99,9 @@ class Selection:
                     least=LEAST_AREA, most=MOST_AREA
                 )
             )
-        if not self.handles or _last(self.labels) >= HANDLE + len(self.handles):
+        if not self.handles or _largest_code(self.labels) >= HANDLE + len(self.handles):
             raise InputError(_HANDLES.nameless)
-        if _last(self.member) > len(self.regions):
+        if _largest_code(self.member) > len(self.regions):
             raise InputError(_REGIONS.nameless)
         for name in ("labels", "member"):
             array = getattr(self, name)
@@ -120,9 +120,9 @@ class Selection:
         """Selection with default names for unnamed handles and regions."""
         if member is None:
             member = np.zeros(len(labels), dtype=np.uint8)
-        count = max(1, _last(labels) - HANDLE + 1)
+        count = max(1, _largest_code(labels) - HANDLE + 1)
         handles = handles or [default_name(tr("Handle"), k + 1) for k in range(count)]
-        regions = regions or [default_name(tr("Region"), k + 1) for k in range(_last(member))]
+        regions = regions or [default_name(tr("Region"), k + 1) for k in range(_largest_code(member))]
         areas = areas or [None] * len(regions)
         return cls(labels, member, tuple(handles), tuple(regions), tuple(areas), same_mesh)
 
@@ -160,7 +160,7 @@ def _codes(numbers: np.ndarray, n: int, last: int, otherwise: str) -> np.ndarray
     return numbers.astype(np.uint8)
 
 
-def _last(codes: np.ndarray) -> int:
+def _largest_code(codes: np.ndarray) -> int:
     return int(codes.max(initial=0))
 
 
@@ -223,7 +223,7 @@ def _runs(chosen: np.ndarray) -> list[int | list[int]]:
 
 def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
     """Parse a selection; raises ValueError or InputError if it does not fit ``mesh``."""
-    said = _object(_loaded(content), tr("it"))
+    said = _object(_parsed_json(content), tr("it"))
     if said.get("format") != _FORMAT:
         raise ValueError(tr("its format is not “{format}”").format(format=_FORMAT))
     if said.get("version") != _VERSION:
@@ -244,7 +244,7 @@ def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
     )
 
 
-def _loaded(content: bytes) -> object:
+def _parsed_json(content: bytes) -> object:
     try:
         return json.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError:

@@ -55,7 +55,7 @@ class VtkLegacyFile:
         """File content with positions ``U`` (n, 3); all data arrays unchanged."""
         if np.array_equal(mesh.V, U):
             return self.content
-        return spliced_content(self.content, [self._of_points(U.ravel()), *self._norms(U)])
+        return spliced_content(self.content, [self._of_points(U.ravel()), *self._norm_updates(U)])
 
     def _of_points(self, values: np.ndarray) -> Splice:
         old, start, end, is_text = self.points
@@ -63,7 +63,7 @@ class VtkLegacyFile:
             return Splice(start, end, with_replaced_values(self.content[start:end], old, values))
         return Splice(start, end, retyped_array(old, values).tobytes())
 
-    def _norms(self, U: np.ndarray) -> Iterator[Splice]:
+    def _norm_updates(self, U: np.ndarray) -> Iterator[Splice]:
         """Updates of the stored range of distances from the origin, if any."""
         size = np.linalg.norm(U, axis=1)
         for found in _NORMS.finditer(self.content, *self.points_metadata):
@@ -72,7 +72,7 @@ class VtkLegacyFile:
 
 
 @dataclass
-class _Found:
+class _Sections:
     """Sections of the file read so far."""
 
     points: LegacyArray | None = None
@@ -97,7 +97,7 @@ def read_vtk(content: bytes) -> ParsedMesh:
     if head is None:
         raise ValueError(tr("it does not start as a VTK file does"))
     reader = LegacyReader(content, head.end(), head[2].upper() == b"BINARY")
-    found = _Found()
+    found = _Sections()
     kind = _read(reader, found, lists_offsets=int(head[1]) >= 5)
     if found.points is None:
         raise ValueError(tr("it has no points"))
@@ -107,7 +107,7 @@ def read_vtk(content: bytes) -> ParsedMesh:
     return ParsedMesh(V, faces.triangles(V), origin)
 
 
-def _read(reader: LegacyReader, found: _Found, lists_offsets: bool) -> str:
+def _read(reader: LegacyReader, found: _Sections, lists_offsets: bool) -> str:
     """Read up to the point and cell data; return the kind of the data set."""
     kind = ""
     while (word := reader.peek_word()) and word not in ("POINT_DATA", "CELL_DATA"):
@@ -127,9 +127,9 @@ def _read(reader: LegacyReader, found: _Found, lists_offsets: bool) -> str:
         elif word == "CELL_TYPES":
             found.types = reader.read_array(reader.read_count(), b"int").values
         elif word == "CELLS":
-            found.cells = _cells(reader, found, lists_offsets)
+            found.cells = _read_cells(reader, found, lists_offsets)
         elif word in _KINDS:
-            found.polygons[word] = _cells(reader, found, lists_offsets)
+            found.polygons[word] = _read_cells(reader, found, lists_offsets)
         elif word == "METADATA":
             reader.position -= len(word)
             reader.skip_metadata()
@@ -149,19 +149,21 @@ def _skip_field(reader: LegacyReader) -> None:
         reader.skip_metadata()
 
 
-def _cells(reader: LegacyReader, found: _Found, lists_offsets: bool) -> Polygons:
+def _read_cells(reader: LegacyReader, found: _Sections, lists_offsets: bool) -> Polygons:
     """Read cells, stored as offsets and connectivity or as one list with sizes."""
     points = 0 if found.points is None else len(found.points.values) // 3
     first, second = reader.read_count(), reader.read_count()
     if not lists_offsets:
-        return _counted(reader.read_array(second, b"int").values.astype(np.int64), first, points)
+        return _size_prefixed_polygons(
+            reader.read_array(second, b"int").values.astype(np.int64), first, points
+        )
     if not first:
         return concatenated([])
-    offsets = _named(reader, "OFFSETS", first)
-    return cells_to_polygons(_named(reader, "CONNECTIVITY", second), offsets, points)
+    offsets = _read_named_array(reader, "OFFSETS", first)
+    return cells_to_polygons(_read_named_array(reader, "CONNECTIVITY", second), offsets, points)
 
 
-def _named(reader: LegacyReader, name: str, count: int) -> np.ndarray:
+def _read_named_array(reader: LegacyReader, name: str, count: int) -> np.ndarray:
     if reader.peek_word() != name:
         raise ValueError(tr("its cells have no {name}").format(name=name.lower()))
     reader.read_word()
@@ -170,7 +172,7 @@ def _named(reader: LegacyReader, name: str, count: int) -> np.ndarray:
     return values
 
 
-def _counted(row: np.ndarray, cells: int, points: int) -> Polygons:
+def _size_prefixed_polygons(row: np.ndarray, cells: int, points: int) -> Polygons:
     """Polygons from one list (k,) with the size of each cell before its vertices."""
     places, at, said = [], 0, row.tolist()
     for _ in range(cells):
@@ -183,13 +185,13 @@ def _counted(row: np.ndarray, cells: int, points: int) -> Polygons:
     return cells_to_polygons(np.delete(row, heads), start, points)
 
 
-def _grid_faces(found: _Found) -> Polygons:
+def _grid_faces(found: _Sections) -> Polygons:
     if found.cells is None or found.types is None:
         return concatenated([])
     return cell_faces(found.cells, found.types)
 
 
-def _poly_faces(found: _Found) -> Polygons:
+def _poly_faces(found: _Sections) -> Polygons:
     """Polygons, then the triangles of strips."""
     parts = []
     for name in ("POLYGONS", "TRIANGLE_STRIPS"):
