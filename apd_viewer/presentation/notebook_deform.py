@@ -38,7 +38,7 @@ def _is_asked(progress: object) -> bool:
     return isinstance(progress, bool | np.bool_) and bool(progress)
 
 
-def _shown(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
+def _wrap_deform(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     """Wrap ``deform`` with a progress line and a result with pictures."""
     signature = inspect.signature(deform)
 
@@ -62,7 +62,7 @@ def _shown(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     return shown
 
 
-deform = _shown(quietly_deform)
+deform = _wrap_deform(quietly_deform)
 
 
 _SIDE = 280  # pixels per side of each picture

@@ -47,7 +47,7 @@ def handle_color(k: int) -> tuple[int, int, int]:
     return HANDLE_COLORS[k % len(HANDLE_COLORS)]
 
 
-def _mixed() -> np.ndarray:
+def _mixed_colors() -> np.ndarray:
     """RGBA for each label and region number, (labels, 1 + regions, 4) uint8 array."""
     paint = np.array([handle_color(label - HANDLE) for label in range(256)], dtype=float)
     paint[BASE], paint[FREE] = BASE_COLOR, FREE_COLOR
@@ -59,7 +59,7 @@ def _mixed() -> np.ndarray:
     return np.rint(mixed).astype(np.uint8)
 
 
-_MIXED = _mixed()
+_MIXED = _mixed_colors()
 
 
 def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.ndarray:

@@ -130,7 +130,7 @@ def _volume(subject: ReportSubject) -> Iterator[tuple[str, str, str]]:
     yield tr("Volume"), said.change, said.volumes
     for line in said.remarks:
         yield "", line, ""
-    yield tr("Self-intersections"), _crossing(subject.shape_check), ""
+    yield tr("Self-intersections"), _crossing_count(subject.shape_check), ""
     if subject.state.is_contact_active:
         touch = readings.contact(subject.state, subject.unit)
         yield tr("Pairs in contact"), touch.pairs, ""
@@ -138,7 +138,7 @@ def _volume(subject: ReportSubject) -> Iterator[tuple[str, str, str]]:
         yield tr("Share of the way"), touch.share, ""
 
 
-def _crossing(found: ShapeCheck) -> str:
+def _crossing_count(found: ShapeCheck) -> str:
     if found.crossing is None:
         return tr("not checked: ipctk is missing")
     n = len(found.crossing)

@@ -216,18 +216,18 @@ class AutosaveWriter:
                 self._remove()
                 self._tell_done(number, self._pace)
             else:
-                self._try(number, copy)
-                self._rest()
+                self._try_write(number, copy)
+                self._wait_until_due()
         self._remove()
 
-    def _rest(self) -> None:
+    def _wait_until_due(self) -> None:
         """Wait until the next copy is due; newer copies replace the queued one."""
         since = time.monotonic()
         while not self._removes and (left := since + self._interval - time.monotonic()) > 0.0:
             self._hurry.wait(left)
             self._hurry.clear()
 
-    def _try(self, number: int, copy: AutosaveCopy) -> None:
+    def _try_write(self, number: int, copy: AutosaveCopy) -> None:
         since = time.monotonic()
         try:
             try:

@@ -66,17 +66,17 @@ def without_paint(document: Document) -> Document:
 def without_handle(document: Document, k: int) -> Document:
     """Document without handle ``k``; its vertices become free."""
     left = document.handles[:k] + document.handles[k + 1 :]
-    labels = _without(document.labels, HANDLE + k, FREE)
+    labels = _codes_without(document.labels, HANDLE + k, FREE)
     return replace(document, handles=left or (Handle(default_name(tr("Handle"), 1)),), labels=labels)
 
 
 def without_region(document: Document, k: int) -> Document:
     """Document without region ``k``."""
     left = document.regions[:k] + document.regions[k + 1 :]
-    return replace(document, regions=left, member=_without(document.member, k + 1, 0))
+    return replace(document, regions=left, member=_codes_without(document.member, k + 1, 0))
 
 
-def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
+def _codes_without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
     """Codes with ``gone`` replaced by ``instead``, and those above decremented."""
     return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))
 
@@ -139,12 +139,12 @@ class PaintedPart(NamedTuple):
 
     def name(self, document: Document) -> str:
         """Name of the part."""
-        named = self._named(document)
+        named = self._named_part(document)
         return tr("Base") if named is None else named.name
 
     def flags(self, document: Document) -> PartFlags:
         """Flags of the part."""
-        named = self._named(document)
+        named = self._named_part(document)
         return document.base if named is None else named.flags
 
     def document_with_flags(self, document: Document, flags: PartFlags) -> Document:
@@ -161,7 +161,7 @@ class PaintedPart(NamedTuple):
         """True if the document has the part; False for a region not yet created."""
         return not self.is_region or self.code <= len(document.regions)
 
-    def _named(self, document: Document) -> Handle | NamedRegion | None:
+    def _named_part(self, document: Document) -> Handle | NamedRegion | None:
         if self.is_region:
             return document.regions[self.code - 1]
         return None if self.code == BASE else document.handles[self.code - HANDLE]

@@ -191,8 +191,8 @@ def welded_state(state: State) -> State:
     document = replace(
         before,
         mesh=mesh,
-        labels=_alike(before.labels, mesh.weld, FREE),
-        member=_alike(before.member, mesh.weld, 0),
+        labels=_shared_codes(before.labels, mesh.weld, FREE),
+        member=_shared_codes(before.member, mesh.weld, 0),
         grip=beside(before.grip),
     )
     loose = {part.first for part in document.loose_components}
@@ -205,7 +205,7 @@ def welded_state(state: State) -> State:
     return found if U is mesh.V else found.as_unsettled()
 
 
-def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
+def _shared_codes(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
     """Codes shared by both sides of a seam; ``none`` yields to the other side's."""
     shared = np.full(len(weld.first), none, dtype=codes.dtype)
     said = np.flatnonzero(codes != none)[::-1]  # the first of several codes is used

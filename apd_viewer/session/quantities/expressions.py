@@ -84,7 +84,7 @@ class ExpressionParser:
         """Quantity of all tokens."""
         said = self._sum()
         if self._token:
-            raise self._misplaced()
+            raise self._misplaced_error()
         return said
 
     @property
@@ -103,12 +103,12 @@ class ExpressionParser:
         return total
 
     def _product(self) -> Quantity:
-        product = self._signed() * self._unit_behind()
+        product = self._signed_factor() * self._unit_behind()
         while self._token in ("*", "/", "(") or self._token[:1].isalpha():
             divides = self._token == "/"
             if self._token in ("*", "/"):
                 self._take()
-            factor, unit = self._signed(), self._unit_behind()
+            factor, unit = self._signed_factor(), self._unit_behind()
             if not divides:
                 product *= factor * unit
             elif product.powers == DIMENSIONLESS:
@@ -117,36 +117,36 @@ class ExpressionParser:
                 product /= factor * unit
         return product
 
-    def _signed(self) -> Quantity:
+    def _signed_factor(self) -> Quantity:
         self._nested += 1
         if self._nested > _MOST_NESTED:
             raise InputError(tr("Too many nested parentheses; use fewer."))
         sign = 1.0
         while self._token in ("+", "-"):
             sign *= 1.0 if self._take() == "+" else -1.0
-        power = self._raised(self._single())
+        power = self._power(self._primary())
         self._nested -= 1
         return Quantity(sign) * power
 
-    def _raised(self, root: Quantity) -> Quantity:
+    def _power(self, root: Quantity) -> Quantity:
         if self._token not in ("^", "**"):
             return root
         self._take()
-        return root ** self._signed()
+        return root ** self._signed_factor()
 
-    def _single(self) -> Quantity:
+    def _primary(self) -> Quantity:
         if self._token == "(":
             self._take()
             value = self._sum()
-            self._close()
+            self._close_parenthesis()
         elif is_number(self._token):
             value = _number(self._take())
         elif self._token in FUNCTIONS and self._token not in self._names:
             value = call_function(self._take(), self._arguments())
         elif self._token[:1].isalpha():
-            value = self._named(self._take())
+            value = self._named_value(self._take())
         else:
-            raise self._misplaced()
+            raise self._misplaced_error()
         while self._token == "%":
             self._take()
             value /= Quantity(100.0)
@@ -159,12 +159,12 @@ class ExpressionParser:
         while self._token == ",":
             self._take()
             values.append(self._sum())
-        self._close()
+        self._close_parenthesis()
         return values
 
-    def _close(self) -> None:
+    def _close_parenthesis(self) -> None:
         if self._token and self._token != ")":
-            raise self._misplaced()
+            raise self._misplaced_error()
         if not self._take():
             raise InputError(tr("A parenthesis is not closed; close it."))
 
@@ -172,9 +172,9 @@ class ExpressionParser:
         """Unit after a number; 1 if there is none."""
         if self._token in self._names or self._token not in (*_MICROMETRES, *_DEGREES):
             return Quantity(1.0)
-        return self._raised(self._named(self._take()))
+        return self._power(self._named_value(self._take()))
 
-    def _named(self, word: str) -> Quantity:
+    def _named_value(self, word: str) -> Quantity:
         if word in self._names:
             return Quantity(self._names[word], length=1.0)
         if word == "pi":
@@ -200,7 +200,7 @@ class ExpressionParser:
             raise NoUnitError(word)
         return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.symbol], length=1.0)
 
-    def _misplaced(self) -> InputError:
+    def _misplaced_error(self) -> InputError:
         if not self._token:
             return InputError(tr("The expression is incomplete; complete it."))
         if is_number(self._token):
