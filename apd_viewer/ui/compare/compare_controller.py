@@ -73,7 +73,7 @@ class CompareController:
             self._notice.show_failure(sentence)
             return
         if self.window is None:
-            self.window = self._made()
+            self.window = self._make_window()
         window, comparison = self.window, self.window.comparison
         window.show()
         if comparison is None or comparison.document is not state.document:
@@ -81,11 +81,11 @@ class CompareController:
         window.raise_()
         window.activateWindow()
 
-    def _made(self) -> ComparisonWindow:
+    def _make_window(self) -> ComparisonWindow:
         scale = self._looks.overlay.scales.get(Measure.AREA) or default_scale(Measure.AREA, 1.0)
         window = ComparisonWindow(self._memory, scale, self._canvas.viewport.camera_controller.camera)
         window.set_theme(self._theme)
-        window.repeat_requested.connect(self._again)
+        window.repeat_requested.connect(self._repeat)
         window.closed.connect(self._forget)
         for axis, action in self._views.items():
             window.add_shortcuts(action.shortcuts(), partial(window.linked.look_along, axis))
@@ -93,7 +93,7 @@ class CompareController:
             window.add_shortcuts(self._frame.shortcuts(), window.linked.frame_shapes)
         return window
 
-    def _again(self) -> None:
+    def _repeat(self) -> None:
         if (state := self._store.state) is None or self.window is None:
             return
         if sentence := _why_not(state):

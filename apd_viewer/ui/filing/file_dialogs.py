@@ -43,7 +43,9 @@ def ask_where_to_put_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple
     )
     if not path:
         return None
-    target = Path(path) if path.lower().endswith(SESSION_SUFFIX) else _ended(parent, path, SESSION_SUFFIX)
+    target = (
+        Path(path) if path.lower().endswith(SESSION_SUFFIX) else _confirmed_path(parent, path, SESSION_SUFFIX)
+    )
     return None if target is None else (target, chosen == _WITH)
 
 
@@ -64,7 +66,7 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
     )
     if not path or Path(path).suffix.lower() in SELECTION_FORMATS:
         return Path(path) if path else None
-    return _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
+    return _confirmed_path(parent, path, next(kind for kind, name in filters.items() if name == chosen))
 
 
 def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
@@ -82,8 +84,8 @@ def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | N
         return None
     target: Path | None = Path(path)
     if Path(path).suffix.lower() not in MESH_FORMATS:
-        target = _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
-    return target if target and _agreed(parent, mesh, target) else None
+        target = _confirmed_path(parent, path, next(kind for kind, name in filters.items() if name == chosen))
+    return target if target and _accepts_loss(parent, mesh, target) else None
 
 
 def ask_where_to_put_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, ScalarRows] | None:
@@ -99,11 +101,11 @@ def ask_where_to_put_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple
     if not path:
         return None
     suffix, rows = filters.get(chosen, (".ply", ScalarRows.VERTICES))
-    target = Path(path) if path.lower().endswith((".ply", ".csv")) else _ended(parent, path, suffix)
+    target = Path(path) if path.lower().endswith((".ply", ".csv")) else _confirmed_path(parent, path, suffix)
     return None if target is None else (target, rows)
 
 
-def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
+def _accepts_loss(parent: QWidget, mesh: Mesh, target: Path) -> bool:
     """True if the target format loses no data, or the user accepts the loss."""
     lost = dropped_contents(mesh, target)
     if not lost:
@@ -125,7 +127,7 @@ def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
     return answer == buttons.Save
 
 
-def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
+def _confirmed_path(parent: QWidget, path: str, suffix: str) -> Path | None:
     """Path with the chosen format's suffix; None if an overwrite is declined."""
     target = Path(path + suffix)
     buttons = QMessageBox.StandardButton
@@ -157,7 +159,7 @@ def ask_where_to_save(parent: QWidget, title: str, proposed: Path) -> Path | Non
     path, _ = QFileDialog.getSaveFileName(parent, title, str(proposed), f"{suffix[1:].upper()} (*{suffix})")
     if not path or path.lower().endswith(suffix):
         return Path(path) if path else None
-    return _ended(parent, path, suffix)
+    return _confirmed_path(parent, path, suffix)
 
 
 def show_about_box(parent: QWidget) -> None:

@@ -75,7 +75,7 @@ class HelpController(QObject):
             partial(searchable_entries, window, self.shortcuts.entries, panel, session.store, open_settings),
             look_up_in_manual,
         )
-        self.context = ContextHelp(window, canvas, actions.help["help"], self._marked)
+        self.context = ContextHelp(window, canvas, actions.help["help"], self._marked_place)
         for name, command in (
             ("manual", self.open_manual),
             ("help", self.context.explain_next_click),
@@ -177,7 +177,7 @@ class HelpController(QObject):
         card.hide()
         return True
 
-    def _marked(self) -> ManualPlace | None:
+    def _marked_place(self) -> ManualPlace | None:
         """Manual location of the entry selected in the search, if it has the focus."""
         marked = self.search.marked_entry if self.search.isAncestorOf(self._window.focusWidget()) else None
         return None if marked is None else marked.place

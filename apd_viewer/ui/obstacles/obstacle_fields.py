@@ -165,16 +165,16 @@ class ObstacleFields(QWidget):
                 obstacle, axis=frozen(checked_direction(values.parse_vector(self.axis.text())))
             )
         if self.radius.is_changed:
-            obstacle = replace(obstacle, radius=_positive(values.parse_length(self.radius.text())))
+            obstacle = replace(obstacle, radius=_positive_length(values.parse_length(self.radius.text())))
         if self.length.is_changed:
-            obstacle = replace(obstacle, length=_positive(values.parse_length(self.length.text())))
+            obstacle = replace(obstacle, length=_positive_length(values.parse_length(self.length.text())))
         return obstacle
 
     def _move(self) -> None:
         self.distance_entered.emit(self.along.currentData(), self.distance.text())
 
 
-def _positive(length: float) -> float:
+def _positive_length(length: float) -> float:
     if not 0.0 < length < np.inf:
         raise InputError(tr("Enter a length greater than 0."))
     return length

@@ -69,7 +69,7 @@ class FindingsController(QObject):
         )
         self.list.weld_requested.connect(session.shapes.weld)
         self.list.dismissed.connect(self._dismiss)
-        canvas.viewport.clicked.connect(self._clicked)
+        canvas.viewport.clicked.connect(self._close_on_click)
         for begun in (canvas.strokes.began, canvas.drag_began):
             begun.connect(self.close)
 
@@ -144,7 +144,7 @@ class FindingsController(QObject):
         self._canvas.coloring.mark(vertices)
         self._canvas.view.show_vertices(vertices, QRectF(self.list.geometry()))
 
-    def _clicked(self, _: QPointF) -> None:
+    def _close_on_click(self, _: QPointF) -> None:
         self.close()
 
     def _follow_keys(self, _: QWidget | None, now: QWidget | None) -> None:

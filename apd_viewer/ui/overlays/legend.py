@@ -147,10 +147,10 @@ class Legend(QFrame):
 
     def _fold(self) -> None:
         """Toggle between all lines and none."""
-        self._unfolded = any(line[0].isHidden() for line in self._lines if self._wants(line))
+        self._unfolded = any(line[0].isHidden() for line in self._lines if self._is_wanted(line))
         self._show_lines()
 
-    def _wants(self, line: list[QWidget]) -> bool:
+    def _is_wanted(self, line: list[QWidget]) -> bool:
         return self._scale.measure.is_signed or self.neutral not in line
 
     def _show_lines(self) -> None:
@@ -162,12 +162,12 @@ class Legend(QFrame):
             above.append([self.note])
         height = margins.top() + margins.bottom() + sum(self._height(line) for line in above)
         for line in self._lines:
-            wanted = self._wants(line)
+            wanted = self._is_wanted(line)
             height += self._height(line) if wanted else 0
             for widget in line:
                 if widget.isHidden() == (wanted and height <= room):
                     widget.setVisible(widget.isHidden())
-        folded = any(line[0].isHidden() for line in self._lines if self._wants(line))
+        folded = any(line[0].isHidden() for line in self._lines if self._is_wanted(line))
         if folded != self._folded:  # setting an icon triggers another layout, so only on change
             self._folded = folded
             self._draw_fold()
@@ -267,12 +267,12 @@ class ScaleBar(QWidget):
         painter.drawRect(bar)
         ink = palette.windowText().color()
         if self._span is not None:
-            low, high = (self._at(value, bar) for value in self._span)
+            low, high = (self._x_at(value, bar) for value in self._span)
             painter.setPen(QPen(ink, 2.0, c=Qt.PenCapStyle.FlatCap))
             y = bar.bottom() + _SPAN
             painter.drawLine(QPointF(min(low, high - 2.0), y), QPointF(high, y))
         if self.value is not None and self.value == self.value:
-            self._draw_tick(painter, self._at(self.value, bar), bar)
+            self._draw_tick(painter, self._x_at(self.value, bar), bar)
         painter.setPen(ink)
         for place, text in self.labels:
             room = QRectF(self.fontMetrics().boundingRect(text)).adjusted(-1, 0, 3, 0)
@@ -284,7 +284,7 @@ class ScaleBar(QWidget):
                 text,
             )
 
-    def _at(self, value: float, bar: QRectF) -> float:
+    def _x_at(self, value: float, bar: QRectF) -> float:
         return bar.left() + self._scale.position(value) * bar.width()
 
     def _draw_tick(self, painter: QPainter, x: float, bar: QRectF) -> None:

@@ -41,7 +41,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
     title = tr("Area error by iteration")
     if state is None or len(trace) < 2:
         return Chart(title, empty_text=tr("Move a handle to see the area error here."))
-    limit, name = _accepted(state.document)
+    limit, name = _area_tolerance(state.document)
     # Clip errors far below the tolerance; their size is irrelevant to the reader.
     miss = np.maximum(trace["area_miss"], _DEEPEST * (limit or _ROUGHLY))
     reached = [float(miss.min()), float(miss.max()), *([limit] if limit else [])]
@@ -58,7 +58,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
     )
 
 
-def _accepted(document: Document) -> tuple[float | None, str]:
+def _area_tolerance(document: Document) -> tuple[float | None, str]:
     """Area tolerance and its label; None if the area is free."""
     if kept_percentages(document)[0] is None:
         return None, ""

@@ -53,7 +53,7 @@ class Preferences:
         value: Any = self._settings.value(key, list(default))
         return [value] if isinstance(value, str) else [str(line) for line in value or []]
 
-    def _named(self, key: str) -> dict[str, str]:
+    def _dictionary(self, key: str) -> dict[str, str]:
         """Stored lines as a dictionary of name to text."""
         return {name: text for name, _, text in (line.partition(" ") for line in self._lines(key))}
 
@@ -164,7 +164,7 @@ class Preferences:
     @property
     def shortcuts(self) -> dict[str, str]:
         """User-defined shortcuts by action name."""
-        return self._named("shortcuts")
+        return self._dictionary("shortcuts")
 
     @shortcuts.setter
     def shortcuts(self, shortcuts: dict[str, str]) -> None:
@@ -173,7 +173,7 @@ class Preferences:
     @property
     def display_options(self) -> dict[str, str]:
         """Display options by name."""
-        return self._named("looks")
+        return self._dictionary("looks")
 
     @display_options.setter
     def display_options(self, looks: dict[str, str]) -> None:

@@ -220,7 +220,7 @@ class ScatterPlot(QWidget):
         self.upright = ColumnChoice(tr("Upright axis"))
         self.across = ColumnChoice(tr("Axis across"))
         self.color = ColumnChoice(tr("Colour"), may_be_none=True)
-        self.view = ScatterView(self._chart, self._about)
+        self.view = ScatterView(self._chart, self._row_tooltip)
         for choice in (self.across, self.upright, self.color):
             choice.chosen.connect(self.redraw)
         self._lay_out()
@@ -265,10 +265,10 @@ class ScatterPlot(QWidget):
 
     def _chart(self) -> Chart:
         if self._drawn is None:
-            self._drawn = self._made()
+            self._drawn = self._new_chart()
         return self._drawn
 
-    def _made(self) -> Chart:
+    def _new_chart(self) -> Chart:
         columns = {column.name: column for column in self._model.columns}
         x, y = columns.get(self.across.name), columns.get(self.upright.name)
         if x is None or y is None or not (x.is_numeric and y.is_numeric):
@@ -289,7 +289,7 @@ class ScatterPlot(QWidget):
         )
         return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
 
-    def _about(self, row: int) -> str:
+    def _row_tooltip(self, row: int) -> str:
         """Tooltip text of a row: its line number and the values of the chosen columns."""
         named = {self.upright.name, self.across.name, self.color.name}
         shown: list[ResultColumn] = [self._model.columns[0]]

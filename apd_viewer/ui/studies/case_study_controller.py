@@ -153,10 +153,10 @@ class CaseStudyController(QObject):
         self.open_study(folder)
 
     def _go_on(self, retry_failed: bool = False) -> None:
-        if self.panel.folder is not None and self._trusts(stored_options(self.panel.folder)):
+        if self.panel.folder is not None and self._confirm_scheduler(stored_options(self.panel.folder)):
             self._begin(self.panel.folder, None, retry_failed)
 
-    def _trusts(self, options: list[str]) -> bool:
+    def _confirm_scheduler(self, options: list[str]) -> bool:
         """Ask before connecting to a scheduler named in a folder of unknown origin."""
         address = scheduler_option(options)
         if not address:

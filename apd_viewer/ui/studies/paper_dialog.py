@@ -21,7 +21,7 @@ from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 
-def _about() -> str:
+def _introduction() -> str:
     return tr(
         "Reproduces Tables 1 and 2 of Li and Hui on the sample bottle and duck, with ARAP and "
         "with the paper's method (APD), and plots the area loss of ARAP by angle and the handle"
@@ -67,7 +67,7 @@ class PaperDialog(RunDialog):
         self.table: QGridLayout | None = None
         self.figures: list[FigureView] = []
         self._area: QScrollArea | None = None
-        self._column.addWidget(QLabel(_about(), objectName="quiet", wordWrap=True))
+        self._column.addWidget(QLabel(_introduction(), objectName="quiet", wordWrap=True))
         self._column.addWidget(self.run)
         resize_on_screen(self, QSize(640, self._column.totalHeightForWidth(640)))
 

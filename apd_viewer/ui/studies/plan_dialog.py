@@ -94,7 +94,7 @@ class PlanDialog(QDialog):
         self.setWindowTitle(tr("Study – {name}").format(name=window_title_text(mesh.name)))
         self.varied = VariedFields(self._state, Unit(view.unit))
         self.varied.changed.connect(self._count)
-        self.varied.end_focused.connect(self._look)
+        self.varied.end_focused.connect(self._preview_end)
         self.varied.focus_lost.connect(self._preview.hide)
         self.methods = MethodFields(self._state.document)
         self.methods.changed.connect(self._count)
@@ -120,7 +120,7 @@ class PlanDialog(QDialog):
             "measurements in a table. While you edit an end of a range, the view shows it."
         )
         column.addWidget(QLabel(about, objectName="quiet", wordWrap=True))
-        column.addWidget(QLabel(self._named, objectName="heading"))
+        column.addWidget(QLabel(self._vary_heading, objectName="heading"))
         column.addWidget(self.varied)
         column.addWidget(QFrame(objectName="rule", frameShape=QFrame.Shape.HLine))
         column.addLayout(self._make_rows(folder))
@@ -130,7 +130,7 @@ class PlanDialog(QDialog):
         resize_on_screen(self, QSize(_WIDTH, column.totalHeightForWidth(_WIDTH)))
 
     @property
-    def _named(self) -> str:
+    def _vary_heading(self) -> str:
         handles = self._state.document.handles
         if len(handles) == 1:
             return tr("Vary")
@@ -211,7 +211,7 @@ class PlanDialog(QDialog):
         self.count.setVisible(grid)
         self.words.setText("")
 
-    def _look(self, name: str, upper: bool) -> None:
+    def _preview_end(self, name: str, upper: bool) -> None:
         """Preview one end of a range on the mesh."""
         try:
             said = self.varied.values_at_end(name, upper)
@@ -236,7 +236,7 @@ class PlanDialog(QDialog):
         """Start the study as soon as its engine is available."""
         self._preview.hide()
         try:
-            self._asked = self._designed()
+            self._asked = self._designed_study()
             self.words.setText("")
             self.engine.check_engine()
         except InputError as error:
@@ -249,7 +249,7 @@ class PlanDialog(QDialog):
         self.start.setEnabled(True)
         self.words.setText(sentence)
 
-    def _designed(self) -> tuple[Path, PlanRows, list[str]]:
+    def _designed_study(self) -> tuple[Path, PlanRows, list[str]]:
         """Folder, plan rows and command options as entered; raises InputError."""
         folder = path_from_text(self.folder.text())
         options = self.engine.options()

@@ -166,30 +166,38 @@ def shown_columns(table: ResultTable) -> list[ResultColumn]:
 
 def result_columns(table: ResultTable) -> list[ResultColumn]:
     """Line number, varying columns of the plan, and all readings with numbers."""
-    found = [_plain(LINE_COLUMN, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows])]
+    found = [
+        _whole_number_column(
+            LINE_COLUMN, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows]
+        )
+    ]
     for k in sorted(range(len(table.columns)), key=lambda k: table.columns[k] != MOTION_COLUMN):
         cells = [row.cells[k] for row in table.rows]
-        found += _motions(cells) if table.columns[k] == MOTION_COLUMN else [_asked(table.columns[k], cells)]
-    readings = [_reading(table, name) for name in sorted(READINGS, key=_place)]
-    asked = [each for each in _told_once(found[1:]) if each.varies]
+        found += (
+            _motions(cells) if table.columns[k] == MOTION_COLUMN else [_plan_column(table.columns[k], cells)]
+        )
+    readings = [_reading(table, name) for name in sorted(READINGS, key=_reading_position)]
+    asked = [each for each in _without_repeated_notes(found[1:]) if each.varies]
     return [found[0], *asked, *(each for each in readings if each.is_numeric)]
 
 
-def _told_once(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
+def _without_repeated_notes(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
     """Columns without the notes whose numbers repeat another column."""
     notes = [each for each in columns if each.name.startswith(_NOTE)]
     others = [each for each in columns if each not in notes]
-    repeated = [note for note in notes if any(_agree(note.values, each.values) for each in others)]
+    repeated = [
+        note for note in notes if any(_have_equal_numbers(note.values, each.values) for each in others)
+    ]
     return [each for each in columns if each not in repeated]
 
 
-def _agree(one: np.ndarray, other: np.ndarray) -> bool:
+def _have_equal_numbers(one: np.ndarray, other: np.ndarray) -> bool:
     """True if both columns have equal numbers, except for gaps."""
     both = np.isfinite(one) & np.isfinite(other)
     return bool(both.any() and (one[both] == other[both]).all())
 
 
-def _place(name: str) -> int:
+def _reading_position(name: str) -> int:
     """Position of a reading among the columns; unknown readings come last."""
     return list(READING_TEXTS).index(name) if name in READING_TEXTS else len(READING_TEXTS)
 
@@ -199,11 +207,11 @@ def reading_texts(name: str) -> ReadingTexts:
     return READING_TEXTS.get(name, ReadingTexts(name, ""))
 
 
-def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultColumn:
+def _whole_number_column(name: str, title: str, tip: str, values: Sequence[float]) -> ResultColumn:
     return ResultColumn(name, title, tip, np.array(values), tuple(f"{value:.0f}" for value in values))
 
 
-def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
+def _plan_column(name: str, cells: Sequence[str]) -> ResultColumn:
     """Column of a plan, with numbers if all share one unit, or texts."""
     title = PLAN_TITLES.get(name, name.lstrip(NOTE_PREFIX).replace("_", " ").strip().capitalize())
     tip = tr("Column “{name}” of the plan").format(name=name)

@@ -140,9 +140,11 @@ class ResultModel(QAbstractTableModel):
         column = self.columns[section]
         if role == _ROLES.TextAlignmentRole:
             return _RIGHT if column.is_numeric else _LEFT
-        return {_ROLES.DisplayRole: self._titled(column), _ROLES.ToolTipRole: column.tip}.get(_ROLES(role))
+        return {_ROLES.DisplayRole: self._header_text(column), _ROLES.ToolTipRole: column.tip}.get(
+            _ROLES(role)
+        )
 
-    def _titled(self, column: ResultColumn) -> str:
+    def _header_text(self, column: ResultColumn) -> str:
         """Title of a column, with an arrow for the sort order."""
         name, way = self._sorted_by
         mark = "▴" if way is Qt.SortOrder.AscendingOrder else "▾"

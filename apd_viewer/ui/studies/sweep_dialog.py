@@ -72,7 +72,7 @@ class SweepDialog(RunDialog):
         name = document.handles[self._handle].name
         self.motion = ComboBox()
         self.motion.setAccessibleName(tr("Motion to sweep"))
-        pushed = self._pushed
+        pushed = self._is_pushed
         if document.relative_to_rest.is_posed or pushed:
             words = tr("current motion of the handles and obstacles")
             self.motion.addItem(words if pushed else tr("current motion of the handles"), _POSED)
@@ -86,7 +86,7 @@ class SweepDialog(RunDialog):
         return widget_row(self.motion, self.twist, spacing=8)
 
     @property
-    def _pushed(self) -> bool:
+    def _is_pushed(self) -> bool:
         """True if moved obstacles push the mesh by contact."""
         return self._state.is_contact_active and any(
             each.shift.any() for each in self._state.document.obstacles
@@ -108,7 +108,7 @@ class SweepDialog(RunDialog):
         self.methods = {name: CheckBox(METHODS[name].short_title) for name in COMPARED_METHODS}
         for name, check in self.methods.items():
             slow = METHODS[name].is_slow
-            may = METHODS[name].may_use_contact or not self._pushed
+            may = METHODS[name].may_use_contact or not self._is_pushed
             check.setEnabled(may)
             check.setChecked(may and (not slow or own == name))
             check.setToolTip(tr("Takes several times as long as the others") if slow else "")

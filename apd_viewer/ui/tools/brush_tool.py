@@ -43,7 +43,7 @@ class BrushTool(SelectionTool):
         """Begin a stroke if the cursor is on the surface."""
         if not may_begin_stroke(event):
             return False
-        self._look(event)
+        self._update_hit(event)
         if self._hit is None:
             return False
         self._covered = np.zeros(len(self._surface.U), dtype=bool)
@@ -54,7 +54,7 @@ class BrushTool(SelectionTool):
     def move(self, event: QMouseEvent) -> bool:
         """Continue the stroke, or show the brush ring."""
         if self._covered is None:
-            self._look(event)
+            self._update_hit(event)
             if self._hit is not None:
                 self._viewport.setCursor(Qt.CursorShape.CrossCursor)
             return self._hit is not None
@@ -111,7 +111,7 @@ class BrushTool(SelectionTool):
         painter.setPen(QPen(self._color, 2.0, self._pen_style))
         painter.drawPolyline(ring)
 
-    def _look(self, event: QMouseEvent) -> None:
+    def _update_hit(self, event: QMouseEvent) -> None:
         """Update the hit under the cursor; redraw the ring if needed."""
         before = self._hit, self.effect
         self._cursor = event.position() if self._enabled else None
@@ -137,11 +137,11 @@ class BrushTool(SelectionTool):
         spacing = np.hypot(way.x(), way.y()) / count
         for i in range(1, count + 1):
             hit = self._surface.hit(start + way * (i / count))
-            joined = last is not None and hit is not None and self._near(last, hit, spacing)
+            joined = last is not None and hit is not None and self._are_near(last, hit, spacing)
             yield (last if joined else None), hit
             last = hit
 
-    def _near(self, a: Hit, b: Hit, spacing: float) -> bool:
+    def _are_near(self, a: Hit, b: Hit, spacing: float) -> bool:
         reach = (
             STEEPEST_STEP
             * max(spacing, 1.0)
@@ -156,14 +156,14 @@ class BrushTool(SelectionTool):
         fresh = []
         for last, hit in steps:
             if hit is not None:
-                ids = self._under(hit if last is None else last, hit)
+                ids = self._vertices_under(hit if last is None else last, hit)
                 fresh.append(ids[~self._covered[ids]])
                 self._covered[ids] = True
         covered = np.concatenate(fresh) if fresh else np.empty(0, dtype=np.int32)
         if len(covered):
             self.vertices_painted.emit(covered)
 
-    def _under(self, last: Hit, hit: Hit) -> np.ndarray:
+    def _vertices_under(self, last: Hit, hit: Hit) -> np.ndarray:
         skin = self._surface.picking_index
         assert skin is not None
         return skin.under_brush(

@@ -79,7 +79,7 @@ class ClickTool(SelectionTool):
             return  # the press was cancelled
         self._pressed = False
         self._look(event)
-        vertices = self._under()
+        vertices = self._connected_vertices()
         if len(vertices):
             self._apply(self.effect, vertices)
         elif self._hit is not None:
@@ -128,19 +128,19 @@ class ClickTool(SelectionTool):
         self._show()
 
     def _show(self) -> None:
-        self.previewed.emit(self._under() if self._hit is not None else None)
+        self.previewed.emit(self._connected_vertices() if self._hit is not None else None)
 
-    def _under(self) -> np.ndarray:
+    def _connected_vertices(self) -> np.ndarray:
         """Vertices connected to the surface point under the cursor."""
         skin = self._surface.picking_index
         if skin is None or self._hit is None:
             return _NONE
         key = self._hit.face, self.crease_angle, self._surface.revision
         if self._known[0] != key:
-            self._known = key, self._found(skin, self._hit.face)
+            self._known = key, self._vertices_connected_to(skin, self._hit.face)
         return self._known[1]
 
-    def _found(self, skin: SurfaceIndex, face: int) -> np.ndarray:
+    def _vertices_connected_to(self, skin: SurfaceIndex, face: int) -> np.ndarray:
         if self._reach is ClickExtent.CREASE:
             return skin.vertices_up_to_creases(self._surface.U, face, np.deg2rad(self.crease_angle))
         return skin.component(face) if self._reach is ClickExtent.COMPONENT else skin.border_loop(face)

@@ -283,7 +283,7 @@ class InactiveHandles(MouseTool, QObject):
     def press(self, event: QMouseEvent) -> bool:
         """Take the handle under the cursor."""
         pans = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
-        number = self._taken_at(event.position())
+        number = self._number_at(event.position())
         if number is None or pans or event.button() != Qt.MouseButton.LeftButton:
             return False
         self.chosen.emit(number)
@@ -298,7 +298,7 @@ class InactiveHandles(MouseTool, QObject):
         """Drag the activated handle, or show the name of the one under the cursor."""
         if self._gizmo.is_dragged:
             return self._gizmo.move(event)
-        number = self._taken_at(event.position())
+        number = self._number_at(event.position())
         self._show(number)
         if number is not None:
             self._viewport.setCursor(Qt.CursorShape.PointingHandCursor)
@@ -354,7 +354,7 @@ class InactiveHandles(MouseTool, QObject):
                 return pivot.number
         return None
 
-    def _taken_at(self, position: QPointF) -> int | None:
+    def _number_at(self, position: QPointF) -> int | None:
         """Number of the inactive handle whose dot or paint is at a position, or None."""
         dot = self._dot_at(position)
         if dot is not None or not self.pivots:

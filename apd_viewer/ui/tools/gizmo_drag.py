@@ -66,12 +66,12 @@ class GizmoDrag:
         """Drag with the cursor moved to a pixel position."""
         frame = replace(self.frame, camera=camera)
         if self.handle in RINGS:
-            return self._turned(frame, x, y, snap)
+            return self._with_rotation(frame, x, y, snap)
         if self.handle == "scale":
-            return self._scaled(frame, x, y, snap)
-        return self._shifted(frame, x, y, snap)
+            return self._with_scaling(frame, x, y, snap)
+        return self._with_translation(frame, x, y, snap)
 
-    def _turned(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
+    def _with_rotation(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         i = axis_index(self.handle)
         angle = self.angle + cursor_rotation(frame, i, self.last, (x, y))
         shown = snapped(angle, SNAP_ANGLE) if snap else angle
@@ -79,14 +79,14 @@ class GizmoDrag:
         text = f"{format_signed(np.rad2deg(shown), 1)}°"
         return replace(self, last=(x, y), pose=pose, angle=angle, snapped_angle=shown, text=text)
 
-    def _scaled(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
+    def _with_scaling(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         far, before = (float(np.linalg.norm(np.array(p) - frame.screen_centre)) for p in ((x, y), self.start))
         factor = far / before
         factor = max(SNAP_SCALE, snapped(factor, SNAP_SCALE) if snap else factor)
         pose = scaling_about(frame.centre, factor) @ self.start_pose
         return replace(self, last=(x, y), pose=pose, text=f"× {format_grouped(factor, 2)}")
 
-    def _shifted(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
+    def _with_translation(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         directions, names = self._directions(frame)
         here, there = (self._offset(frame, *p) for p in ((x, y), self.start))
         if here is None or there is None:
