@@ -101,7 +101,7 @@ class PartEditor(DocumentEditor):
 
     def _flag(self, part: PaintedPart, gesture: str, **on: bool) -> None:
         state = self._gestures.state_without_gesture()
-        if part.is_in(state.document):
+        if part.exists_in(state.document):
             before = part.flags(state.document)
             if (flags := before._replace(**on)) != before:
                 self._gestures.record(gesture, state)
@@ -158,7 +158,7 @@ class Painting(DocumentEditor):
     def apply_operation(self, part: PaintedPart, operation: PartOperation) -> None:
         """Apply an operation to a whole part, unless it is locked."""
         state = self._gestures.state_without_gesture()
-        if part.is_in(state.document) and part.flags(state.document).locked:
+        if part.exists_in(state.document) and part.flags(state.document).locked:
             self._listener.failed(about_lock(part.name(state.document)))
         else:
             self.set_members(part, members_after(state, part, operation), operation.value)

@@ -433,14 +433,14 @@ def questions(driver):
     file_controller.ask_about_changed_file(window.shell, "mesh.apd", {})
     driver.wait()
     file_dialogs.ask_for_mesh(window, folder)
-    file_dialogs.ask_where_to_put_session(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_session(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_for_selection(window, folder)
-    file_dialogs.ask_where_to_put_selection(window, folder, session.store.state.document.mesh)
-    file_dialogs.ask_where_to_put_mesh(window, folder, session.store.state.document.mesh)
-    file_dialogs.ask_where_to_put_report(window, folder, session.store.state.document.mesh)
-    file_dialogs.ask_where_to_put_picture(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_selection(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_mesh(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_report(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_picture(window, folder, session.store.state.document.mesh)
     (folder / "there.obj.apd").write_text("")
-    file_dialogs.ask_where_to_put_session(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_session(window, folder, session.store.state.document.mesh)
 
 
 def files(driver):

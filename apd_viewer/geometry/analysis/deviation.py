@@ -15,7 +15,7 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
-from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bounding_hierarchy
+from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarchy, bounding_hierarchy
 
 
 class Deviation:
@@ -135,7 +135,7 @@ class Deviation:
         return self._curvature(self._V)
 
     @cached_property
-    def _boxes(self) -> BoundingHierarchy:
+    def _boxes(self) -> BoundingVolumeHierarchy:
         return bounding_hierarchy(self._V, self._F)
 
 

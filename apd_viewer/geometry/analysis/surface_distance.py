@@ -9,7 +9,11 @@ from numba import prange
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import vertex_areas
-from apd_viewer.geometry.picking.bounding_hierarchy import BRANCHING, BoundingHierarchy, bounding_hierarchy
+from apd_viewer.geometry.picking.bounding_hierarchy import (
+    BRANCHING,
+    BoundingVolumeHierarchy,
+    bounding_hierarchy,
+)
 
 _BITS = 3  # log2 of BRANCHING
 # Points per task of a core, and per check for cancellation.
@@ -67,7 +71,7 @@ def cancellable_distances(
     points: np.ndarray,
     first_guesses: np.ndarray,
     V: np.ndarray,
-    boxes: BoundingHierarchy,
+    boxes: BoundingVolumeHierarchy,
 ) -> np.ndarray | None:
     """Distances (k,) of points from a surface; None if ``is_cancelled()`` was True.
 

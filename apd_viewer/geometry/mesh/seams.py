@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.weld import (
     SEAM_TOLERANCE,
     Weld,
     boundary_edges,
-    shortest_edges,
+    shortest_edge_lengths,
 )
 from apd_viewer.language import trn
 
@@ -91,7 +91,7 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     edges = edges[np.linalg.norm(V[edges[:, 1]] - V[edges[:, 0]], axis=1) > 0.0]  # lengths may underflow
     border = np.unique(edges)
     near = SEAM_TOLERANCE * mesh_size(V, corners)
-    room = np.minimum(near, MOST_EDGE_SHARE * shortest_edges(V, edges)[border])
+    room = np.minimum(near, MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)[border])
     point, edge = _nearby_pairs(V, border, edges, near)
     a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]
     length = np.linalg.norm(along, axis=1)

@@ -152,7 +152,7 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tol
     border = np.unique(edges)
     pairs = border[KDTree(V[border]).query_pairs(tolerance * mesh_size(V, F), output_type="ndarray")]
     gap = np.linalg.norm(V[pairs[:, 0]] - V[pairs[:, 1]], axis=1)
-    room = MOST_EDGE_SHARE * shortest_edges(V, edges)[pairs].min(axis=1)
+    room = MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)[pairs].min(axis=1)
     pairs, gap = pairs[gap <= room], gap[gap <= room]
     at_border = np.zeros(n, dtype=bool)
     at_border[border] = True
@@ -160,7 +160,7 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tol
     return _cluster_leaders(pairs[np.argsort(gap, kind="stable")], set(between.tolist()), n)[representative]
 
 
-def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
+def shortest_edge_lengths(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Length of the shortest of ``edges`` (b, 2) at each vertex, (n,)."""
     shortest = np.full(len(V), np.inf)
     length = np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)

@@ -19,7 +19,7 @@ _CELL_BITS = 10
 _HALF_KEY = 3 * _CELL_BITS // 2
 
 
-class BoundingHierarchy(NamedTuple):
+class BoundingVolumeHierarchy(NamedTuple):
     """Bounding box hierarchy of the triangles of a shape.
 
     Attributes
@@ -38,7 +38,7 @@ class BoundingHierarchy(NamedTuple):
     level: np.ndarray
 
 
-def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingHierarchy:
+def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingVolumeHierarchy:
     """Bounding volume hierarchy of ``F`` (m, 3) at ``U`` (n, 3)."""
     sizes = [(len(F) + BRANCHING - 1) // BRANCHING]
     while sizes[-1] > 1:
@@ -50,7 +50,7 @@ def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingHierarchy:
         _around_triangles(U, T, _SLACK * np.abs(U).max(initial=0.0), corners[: level[1]])
     for i in range(1, len(sizes)):
         _around_boxes(corners[level[i - 1] : level[i]], corners[level[i] : level[i + 1]])
-    return BoundingHierarchy(T, corners, level)
+    return BoundingVolumeHierarchy(T, corners, level)
 
 
 @parallel()

@@ -21,7 +21,7 @@ from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.bounding_hierarchy import (
     BRANCHING,
     BRANCHING_BITS,
-    BoundingHierarchy,
+    BoundingVolumeHierarchy,
     bounding_hierarchy,
 )
 from apd_viewer.geometry.picking.picking import block_boxes, ray_hit, vertices_under_brush
@@ -38,7 +38,7 @@ _EDGE_ON = 1e-12
 def is_visible(
     eye: np.ndarray,
     U: np.ndarray,
-    boxes: BoundingHierarchy,
+    boxes: BoundingVolumeHierarchy,
     ids: np.ndarray,
     touching: float = TOUCHING_DISTANCE,
 ) -> np.ndarray:
@@ -52,7 +52,7 @@ def is_visible(
     ----------
     eye : (3,) float array
     U : (n, 3) float array
-    boxes : BoundingHierarchy
+    boxes : BoundingVolumeHierarchy
         The :func:`bounding_hierarchy` of the same ``U``.
     ids : (k,) int array
         The vertices, by the names that the triangles have for them.
@@ -249,7 +249,7 @@ class SurfaceIndex:
         """Mask (k,) of ``points`` (k, 2) inside a ``polygon`` (p, 2)."""
         return is_inside_polygon(points, polygon)
 
-    def visibility_tree(self, U: np.ndarray) -> BoundingHierarchy:
+    def visibility_tree(self, U: np.ndarray) -> BoundingVolumeHierarchy:
         """Search tree for :meth:`visible`, built once per shape ``U``."""
         return bounding_hierarchy(U, self.joined)
 
@@ -258,7 +258,7 @@ class SurfaceIndex:
         eye: np.ndarray,
         U: np.ndarray,
         ids: np.ndarray,
-        visibility_tree: BoundingHierarchy,
+        visibility_tree: BoundingVolumeHierarchy,
         touching: float = TOUCHING_DISTANCE,
     ) -> np.ndarray:
         """Mask (k,) of the vertices ``ids`` of ``U`` visible from ``eye`` (3,)."""

@@ -157,7 +157,7 @@ class PaintedPart(NamedTuple):
         k = self.code - HANDLE
         return document.with_handle(k, replace(document.handles[k], flags=flags))
 
-    def is_in(self, document: Document) -> bool:
+    def exists_in(self, document: Document) -> bool:
         """True if the document has the part; False for a region not yet created."""
         return not self.is_region or self.code <= len(document.regions)
 
@@ -168,7 +168,7 @@ class PaintedPart(NamedTuple):
 
     def document_with_members(self, document: Document, members: np.ndarray) -> Document:
         """Document with exactly the vertices ``members`` (n,) bool in the part."""
-        if not self.is_in(document) and members.any():
+        if not self.exists_in(document) and members.any():
             document = with_next_region(document)  # a stroke may create the region
         paint = type(document).with_region_number if self.is_region else type(document).with_label
         cleared = paint(document, np.flatnonzero(self.mask(document) & ~members), self.unpainted_code)

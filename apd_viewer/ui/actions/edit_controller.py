@@ -254,6 +254,6 @@ class PartController:
     def _flags(self) -> PartFlags | None:
         """Flags of the part painted by the current tool; None without such a part."""
         part, state = self._canvas.strokes.part, self._session.store.state
-        if state is None or self._give_up() or not part.is_in(state.document):
+        if state is None or self._give_up() or not part.exists_in(state.document):
             return None
         return part.flags(state.document)

@@ -16,7 +16,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.overlays.legend import ScaleBar
+from apd_viewer.ui.overlays.legend import LegendColorBar
 from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.scene.camera_controller import link_cameras
@@ -210,7 +210,7 @@ class SharedScale(QWidget):
         self.scale = scale
         self.span: tuple[float, float] | None = None
         self.setFixedWidth(_WIDTH)
-        self._bar = ScaleBar()
+        self._bar = LegendColorBar()
         tip = tr("Change at the ends of the scale, where the colours are strongest")
         self.reach = NumberField(
             brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9, suffix="\u00a0%"

@@ -36,7 +36,7 @@ def ask_for_target_shape(parent: QWidget, folder: Path) -> Path | None:
     return Path(path) if path else None
 
 
-def ask_where_to_put_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
+def ask_where_to_save_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
     """Ask for a session file to write, and whether to embed the mesh."""
     path, chosen = QFileDialog.getSaveFileName(
         parent, tr("Save session"), str(folder / f"{mesh.stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
@@ -55,7 +55,7 @@ def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
     return Path(path) if path else None
 
 
-def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask where to save a selection; None if cancelled."""
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
@@ -69,7 +69,7 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
     return _confirmed_path(parent, path, next(kind for kind, name in filters.items() if name == chosen))
 
 
-def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask for a file for the deformed mesh, confirming overwrite and data loss."""
     suffix = mesh.origin.suffix if mesh.origin else ".obj"
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITABLE_FORMATS])}
@@ -88,7 +88,7 @@ def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | N
     return target if target and _accepts_loss(parent, mesh, target) else None
 
 
-def ask_where_to_put_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, ScalarRows] | None:
+def ask_where_to_save_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, ScalarRows] | None:
     """Ask for a file for the scalars, and for a row per vertex or per triangle."""
     filters = {
         tr("PLY with scalars of vertices and faces (*.ply)"): (".ply", ScalarRows.VERTICES),
@@ -138,17 +138,17 @@ def _confirmed_path(parent: QWidget, path: str, suffix: str) -> Path | None:
     return target if answer == buttons.Yes else None
 
 
-def ask_where_to_put_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask for a report file to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Save report"), folder / f"{mesh.stem}-report.html")
 
 
-def ask_where_to_put_deck(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_deck(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask for an FE deck to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Export FE deck"), folder / f"{mesh.stem}.inp")
 
 
-def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask for a picture file to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Save picture"), folder / f"{mesh.stem}.png")
 

@@ -121,8 +121,8 @@ class HelpController(QObject):
 
     def plan_first_tour(self, opens_sample: bool) -> None:
         """On the first run, schedule the tour to start when the bottle opens."""
-        self._wished = opens_sample and not self._memory.has_toured
-        self._memory.has_toured = True
+        self._wished = opens_sample and not self._memory.has_seen_tour
+        self._memory.has_seen_tour = True
 
     def refresh(self) -> None:
         """Start a scheduled tour once the bottle is open; end it with another mesh."""

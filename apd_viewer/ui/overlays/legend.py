@@ -64,7 +64,7 @@ class Legend(QFrame):
         self.close_button.clicked.connect(lambda: self.measure_chosen.emit(None))
         self.fold_button = small_button(tr("Fold legend"), tr("Show fewer or all lines of the legend"))
         self.fold_button.clicked.connect(self._fold)
-        self.bar = ScaleBar()
+        self.bar = LegendColorBar()
         self.note = QLabel(objectName="quiet", wordWrap=True)
         self.under_cursor, self.largest = QLabel(), QLabel()
         self.next_extreme = small_button(tr("Next extreme"), tr("Go to the next extreme"))
@@ -213,7 +213,7 @@ _STEPS = 256
 _TALL, _SPAN, _TICK = 14, 3, 7  # px: colour height, gap to the range line below, and tick length
 
 
-class ScaleBar(QWidget):
+class LegendColorBar(QWidget):
     """Colour bar, labelled at its ends and at zero, with a tick at one value.
 
     A line below the colours spans the values that the shape has, as far as the scale reaches.

@@ -180,13 +180,13 @@ class Preferences:
         self._keep_named("looks", looks)
 
     @property
-    def has_toured(self) -> bool:
+    def has_seen_tour(self) -> bool:
         """True from the second run on: the tour then starts only on request."""
         return bool(self._settings.value("tour", False, bool))
 
-    @has_toured.setter
-    def has_toured(self, toured: bool) -> None:
-        self._settings.setValue("tour", toured)
+    @has_seen_tour.setter
+    def has_seen_tour(self, seen: bool) -> None:
+        self._settings.setValue("tour", seen)
 
     def save_layout(self, window: QMainWindow) -> None:
         """Store the size, position and panels of ``window``."""

@@ -282,7 +282,7 @@ class OffscreenScene:
         self._surface.set_color_map(None)
         return self._take_picture(U)
 
-    def measured_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
+    def colored_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
         """Picture of ``U`` coloured by scalars on a ``scale``."""
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
         self._surface.set_color_map(scale.measure.colors, neutral)

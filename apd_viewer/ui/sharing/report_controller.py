@@ -120,7 +120,7 @@ class ReportController:
         """Ask for a file and write a report to it."""
         if (state := self._session.store.state) is None:
             return
-        path = file_dialogs.ask_where_to_put_report(
+        path = file_dialogs.ask_where_to_save_report(
             self._window, self._memory.last_folder, state.document.mesh
         )
         if path is not None:
@@ -134,7 +134,7 @@ class ReportController:
         dialog = PictureDialog(self._window, pictures, self._wish or PictureSettings(pictures.view_size * 2))
         if dialog.exec():
             self._wish = wish = dialog.settings
-            path = file_dialogs.ask_where_to_put_picture(
+            path = file_dialogs.ask_where_to_save_picture(
                 self._window, self._memory.last_folder, state.document.mesh
             )
             if path is not None:
@@ -200,7 +200,7 @@ class ReportController:
         return [
             studio.painted_picture(V),
             studio.painted_picture(U),
-            studio.measured_picture(U, measured.shades, scale),
+            studio.colored_picture(U, measured.shades, scale),
         ]
 
     def _legend(self, subject: ReportSubject, measured: _ReportMeasurements, scale: Scale) -> str:

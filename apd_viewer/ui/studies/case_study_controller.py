@@ -208,7 +208,7 @@ class CaseStudyController(QObject):
             before = self._opened()
             self._session.files.open_result(name, lambda: _seen_as(before, *case_session(folder, found.key)))
 
-        self._filing.run_unless_unsaved(go)
+        self._filing.run_after_save_prompt(go)
 
     # Window events
 

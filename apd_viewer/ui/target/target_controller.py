@@ -22,7 +22,7 @@ class _TargetComparison(NamedTuple):
 
     target: TargetShape
     U: np.ndarray
-    found: TargetDistance | None
+    distance: TargetDistance | None
 
 
 class TargetController(QObject):
@@ -92,7 +92,7 @@ class TargetController(QObject):
     def _take(self, result: object) -> None:
         """Show the thread's result; None if memory ran out."""
         if isinstance(result, _TargetComparison):
-            self._section.show_distance(result.found)
+            self._section.show_distance(result.distance)
 
     def close(self) -> None:
         """Cancel the measurement in progress and wait for its thread."""

@@ -16,7 +16,7 @@ from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
 from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy
+    from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarchy
     from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 _SMALLEST = 3.0  # px: smallest extent of an outline; a smaller one is a click
@@ -52,7 +52,7 @@ class OutlineTool(SelectionTool):
         self._through = False
         self._corners: list[QPointF] = []
         self._cursor = QPointF()
-        self._seen: tuple[object, np.ndarray, BoundingHierarchy] | None = None
+        self._seen: tuple[object, np.ndarray, BoundingVolumeHierarchy] | None = None
         self._foreseen: tuple[object, ...] = ()  # inputs of the latest preview
         self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE)
         self.preview_timer.timeout.connect(self._preview)
