@@ -51,11 +51,11 @@ def _mixed_colors() -> np.ndarray:
     """RGBA for each label and region number, (labels, 1 + regions, 4) uint8 array."""
     paint = np.array([handle_color(label - HANDLE) for label in range(256)], dtype=float)
     paint[BASE], paint[FREE] = BASE_COLOR, FREE_COLOR
-    share = np.full((len(paint), 1, 1), _OVER_PAINT)
-    share[FREE] = _OVER_FREE
+    opacity = np.full((len(paint), 1, 1), _OVER_PAINT)
+    opacity[FREE] = _OVER_FREE
     mixed = np.full((len(paint), 1 + len(REGION_COLORS), 4), 255.0)
     mixed[:, 0, :3] = paint
-    mixed[:, 1:, :3] = paint[:, None] + share * (np.array(REGION_COLORS) - paint[:, None])
+    mixed[:, 1:, :3] = paint[:, None] + opacity * (np.array(REGION_COLORS) - paint[:, None])
     return np.rint(mixed).astype(np.uint8)
 
 

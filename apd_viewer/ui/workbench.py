@@ -358,7 +358,7 @@ class Workbench(QObject):
         self.actions_.tools[tool].setChecked(True)
         self.measurements.tool.enabled = measures = tool is Tool.MEASURE
         self.status.show_hint(self.measurements.hint if measures else tool.hint(self.canvas.selection_mode))
-        self.mode_bar.show_for(tool.words.is_brush)
+        self.mode_bar.show_for(tool.traits.is_brush)
         self.kind_bar.show_for(measures)
         self.obstacles.follow_tool(tool)
         self._show_next_step()

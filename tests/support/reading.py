@@ -282,18 +282,18 @@ def many_cases(driver):
         row.check.setChecked(name == "twist")  # or there would be 46,875 cases
     dialog.varied.rows["twist"].high.setText("?")
     dialog.begin()
-    driver.scene("an end that is none", dialog.words)
+    driver.scene("an end that is none", dialog.message)
     dialog.varied.rows["twist"].high.setText("90deg")
     for text in ("0", "?"):
         dialog.engine.limit.setText(text)
         dialog.begin()
-        driver.scene("a limit that is none", dialog.words)
+        driver.scene("a limit that is none", dialog.message)
     dialog.engine.limit.setText("")
     dialog.engine.where.setCurrentIndex(1)
     for text in ("", "there.obj", "there.json", "127.0.0.1:9"):
         dialog.engine.address.setText(text)
         dialog.begin()
-        driver.scene("the address of a scheduler", dialog.words)
+        driver.scene("the address of a scheduler", dialog.message)
     driver.wait(lambda: not dialog.engine.check.is_waiting)
     dialog.engine.check.failed.emit("")
     driver.scene("a study by a scheduler")
@@ -343,9 +343,9 @@ def parts(driver):
     driver.scene("a second handle")
     for tool in Tool:
         window.tools.choose_tool(tool)
-        for way in SelectionMode if tool.words.is_brush else ():
+        for way in SelectionMode if tool.traits.is_brush else ():
             window.tools.choose_mode(way)
-            driver.scene("a way to choose", window.status.words)
+            driver.scene("a way to choose", window.status.hint)
     window.tools.choose_tool(Tool.BASE)
     window.parts.remove_handle(1)
     window.edits.add_region()

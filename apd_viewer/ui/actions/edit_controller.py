@@ -130,7 +130,7 @@ class EditController:
     def open_brush_entry(self) -> None:
         """Open a card to enter the brush radius."""
         if self._is_open:
-            if not self._canvas.tool.words.is_brush:
+            if not self._canvas.tool.traits.is_brush:
                 self._take(Tool.HANDLE)
             self.text_entries.open_brush_entry()
 

@@ -270,7 +270,7 @@ class TourTargets:
 
     def brushes(self) -> QRect | None:
         """Rectangle of the buttons of the painting tools."""
-        return self._buttons([self._actions.tools[tool] for tool in Tool if tool.words.is_brush])
+        return self._buttons([self._actions.tools[tool] for tool in Tool if tool.traits.is_brush])
 
     def export(self) -> QRect | None:
         """Rectangle of the export button."""

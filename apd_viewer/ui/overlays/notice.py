@@ -292,7 +292,7 @@ class NextStepHint:
             self._invitation.show_text(self._waits or self._sentence(*self._asked))
 
     def _sentence(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> str:
-        if document.has_active_obstacles and not tool.words.is_brush:
+        if document.has_active_obstacles and not tool.traits.is_brush:
             nothing_held = not document.label_counts[BASE] and not document.label_counts[HANDLE:].any()
             if obstacle is not None or nothing_held:  # moving obstacles needs no painted base or handle
                 return self._of_obstacles(document, tool, obstacle)

@@ -120,8 +120,8 @@ class TextEntries:
         size = self._canvas.brush.size
         length = (
             None
-            if size.length is None
-            else f"{format_editable(size.length, 4)}{self._session.store.unit.symbol}"
+            if size.mesh_radius is None
+            else f"{format_editable(size.mesh_radius, 4)}{self._session.store.unit.symbol}"
         )
         self.brush.text.setText(length or f"{size.radius:.0f}{_PIXELS}")
         self.open_entry(self.brush)
@@ -148,7 +148,7 @@ class TextEntries:
             if pixels:
                 self._canvas.brush.size.radius = radius
             else:
-                self._canvas.brush.size.length = radius
+                self._canvas.brush.size.mesh_radius = radius
             self.brush.close_card()
 
     # Pivot entry

@@ -213,7 +213,7 @@ class VolumeSection(Section):
         In percent.
     target_changed : Signal(object)
         The volume to keep in percent, or None to leave it free.
-    volume, litres, pairs, least_gap, share : QLabel
+    volume, litres, pairs, least_gap, path_fraction : QLabel
     crossings : CrossingsButton
     """
 
@@ -257,7 +257,7 @@ class VolumeSection(Section):
             values.append(QLabel(readings.NO_VALUE, accessibleName=title, toolTip=tip))
             grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
             grid.addWidget(values[-1], row, 1, Qt.AlignmentFlag.AlignRight)
-        self.pairs, self.least_gap, self.share = values
+        self.pairs, self.least_gap, self.path_fraction = values
         self._contact.hide()  # shown once contact is on
         self.column.addWidget(self._contact)
 
@@ -301,7 +301,7 @@ class VolumeSection(Section):
         self.litres.setVisible(bool(said.remarks))
         if state.is_contact_active:
             touch = readings.contact(state, unit)
-            for label, text in zip((self.pairs, self.least_gap, self.share), touch, strict=True):
+            for label, text in zip((self.pairs, self.least_gap, self.path_fraction), touch, strict=True):
                 label.setText(text)
         self._contact.setVisible(state.is_contact_active)
 

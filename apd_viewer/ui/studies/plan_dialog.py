@@ -180,14 +180,14 @@ class PlanDialog(QDialog):
         return row
 
     def _make_foot(self) -> QHBoxLayout:
-        self.words = QLabel(objectName="quiet", wordWrap=True)
+        self.message = QLabel(objectName="quiet", wordWrap=True)
         self.cancel = QPushButton(tr("Cancel"), clicked=self.reject, autoDefault=False)
         self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)
         self.start.setDefault(True)
         self.help = HelpButton()
         row = QHBoxLayout(spacing=8)
         row.addWidget(self.help)
-        row.addWidget(self.words, 1)
+        row.addWidget(self.message, 1)
         row.addWidget(self.cancel)
         row.addWidget(self.start)
         return row
@@ -209,7 +209,7 @@ class PlanDialog(QDialog):
         total = self.methods.chosen_count * math.pow(self.samples.value(), varying) if grid else 0.0
         self.count.setText(tr("= {n:,.0f} cases,").format(n=total) if grid else "")
         self.count.setVisible(grid)
-        self.words.setText("")
+        self.message.setText("")
 
     def _preview_end(self, name: str, upper: bool) -> None:
         """Preview one end of a range on the mesh."""
@@ -217,10 +217,10 @@ class PlanDialog(QDialog):
             said = self.varied.values_at_end(name, upper)
             document = document_with_values(self._state, Unit(self._view.unit), self._handle, said)
         except InputError as error:
-            self.words.setText(str(error))
+            self.message.setText(str(error))
             self._preview.hide()
         else:
-            self.words.setText("")
+            self.message.setText("")
             self._preview.show(document)
 
     def _browse(self) -> None:
@@ -237,17 +237,17 @@ class PlanDialog(QDialog):
         self._preview.hide()
         try:
             self._asked = self._designed_study()
-            self.words.setText("")
+            self.message.setText("")
             self.engine.check_engine()
         except InputError as error:
-            self.words.setText(str(error))
+            self.message.setText(str(error))
         if self.engine.check.is_waiting:
             self.start.setEnabled(False)
-            self.words.setText(tr("Connecting to the scheduler …"))
+            self.message.setText(tr("Connecting to the scheduler …"))
 
     def _say_unreached(self, sentence: str) -> None:
         self.start.setEnabled(True)
-        self.words.setText(sentence)
+        self.message.setText(sentence)
 
     def _designed_study(self) -> tuple[Path, PlanRows, list[str]]:
         """Folder, plan rows and command options as entered; raises InputError."""
@@ -272,7 +272,7 @@ class PlanDialog(QDialog):
         try:
             write_study(folder, rows, self._state, self._view)
         except InputError as error:
-            self.words.setText(str(error))
+            self.message.setText(str(error))
             return
         self.study_designed.emit(folder, options)
         self.accept()

@@ -225,7 +225,7 @@ class AnimationDialog(RunDialog):
     def _tell(self) -> None:
         # A failed export leaves an existing file unchanged; the summary gives the reason.
         if self._path is not None and _stamp(self._path) != self._before:
-            self.run.words.setText(tr("Exported {name}.").format(name=self._path.name))
+            self.run.message.setText(tr("Exported {name}.").format(name=self._path.name))
 
 
 def _sweep_arguments(

@@ -203,7 +203,7 @@ class BrushSize(QObject):
         super().__init__(viewport)
         self._viewport = viewport
         self._radius = DEFAULT_RADIUS
-        self._length: float | None = None
+        self._mesh_radius: float | None = None
 
     @property
     def radius(self) -> float:
@@ -213,8 +213,8 @@ class BrushSize(QObject):
     @radius.setter
     def radius(self, radius: float) -> None:
         radius = float(np.clip(radius, SMALLEST_RADIUS, LARGEST_RADIUS))
-        if radius != self._radius or self._length is not None:
-            self._radius, self._length = radius, None
+        if radius != self._radius or self._mesh_radius is not None:
+            self._radius, self._mesh_radius = radius, None
             self._say()
 
     def set_radius(self, radius: float) -> None:
@@ -222,35 +222,35 @@ class BrushSize(QObject):
         self.radius = radius
 
     @property
-    def length(self) -> float | None:
+    def mesh_radius(self) -> float | None:
         """Radius in mesh units, independent of the zoom; None if set in pixels."""
-        return self._length
+        return self._mesh_radius
 
-    @length.setter
-    def length(self, length: float | None) -> None:
-        if length != self._length:
-            self._length = length
+    @mesh_radius.setter
+    def mesh_radius(self, radius: float | None) -> None:
+        if radius != self._mesh_radius:
+            self._mesh_radius = radius
             self._say()
 
     def scale(self, factor: float) -> None:
         """Scale the radius by a factor."""
-        if self._length is None:
+        if self._mesh_radius is None:
             self.radius = self._radius * factor
         else:
-            self.length = self._length * factor
+            self.mesh_radius = self._mesh_radius * factor
 
     def radius_on_mesh(self, hit: Hit) -> float:
         """Radius in mesh units at a hit."""
-        if self._length is not None:
-            return self._length
+        if self._mesh_radius is not None:
+            return self._mesh_radius
         return self._radius * self._viewport.camera_controller.camera.world_per_pixel(hit.point)
 
     def dab_spacing(self, hit: Hit | None) -> float:
         """Largest spacing of dabs without a gap, in pixels."""
-        if self._length is None or hit is None:
+        if self._mesh_radius is None or hit is None:
             return max(self._radius / 2, SMALLEST_RADIUS)
         return max(
-            self._length / (2 * self._viewport.camera_controller.camera.world_per_pixel(hit.point)), 1.0
+            self._mesh_radius / (2 * self._viewport.camera_controller.camera.world_per_pixel(hit.point)), 1.0
         )
 
     def _say(self) -> None:

@@ -149,7 +149,7 @@ class Canvas(QObject):
     def _put_into_hand(self) -> None:
         self._prepare_strokes()
         for way, selector in self.selectors.items():
-            selector.enabled = self.tool.words.is_brush and way is self.selection_mode
+            selector.enabled = self.tool.traits.is_brush and way is self.selection_mode
         self._show_tool()
 
     def _prepare_strokes(self) -> None:
@@ -209,7 +209,7 @@ class Canvas(QObject):
         self.surface.set_mesh(state.surface_index, state.frame.U, self.coloring.begin_mesh(state.document))
 
     def _show_whole(self, document: Document) -> None:
-        self.brush.size.length = self.bend_line = None  # both refer to the previous mesh
+        self.brush.size.mesh_radius = self.bend_line = None  # both refer to the previous mesh
         self.picker.marked_points = np.empty((0, 3))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):

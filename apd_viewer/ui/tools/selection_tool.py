@@ -210,4 +210,4 @@ class SelectionStrokes(QObject):
 
     def _end(self) -> None:
         erased = self._act is StrokeEffect.REMOVE
-        self.ended.emit((Tool.ERASE if erased else self._tool).words.title)
+        self.ended.emit((Tool.ERASE if erased else self._tool).traits.title)
