@@ -207,11 +207,11 @@ def redacted_text(text: str) -> str:
     if len(home) > len(Path.home().anchor):
         for spelling in (home.replace("\\", "\\\\"), home):
             text = text.replace(spelling, "~")
-    roots = sorted({_below_home(root, home) for root in sys.path if Path(root).is_absolute()}, key=len)
+    roots = sorted({_home_shortened(root, home) for root in sys.path if Path(root).is_absolute()}, key=len)
     return _PATH.sub(lambda match: _shortened_path(match, roots[::-1]), text)
 
 
-def _below_home(path: str, home: str) -> str:
+def _home_shortened(path: str, home: str) -> str:
     return path.replace(home, "~", 1) if path.startswith(home) else path
 
 

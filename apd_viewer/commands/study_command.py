@@ -165,7 +165,7 @@ def counts_text(counts: CaseCounts) -> str:
 
 def mistake_lines(plan: Plan) -> str:
     """One line for each invalid or repeated row of a plan."""
-    lines = [_on_line(row.line, row.mistake) for row in plan.rows if row.mistake]
+    lines = [_line_sentence(row.line, row.mistake) for row in plan.rows if row.mistake]
     return "".join(f"{line}\n" for line in _first_lines(lines))
 
 
@@ -207,7 +207,7 @@ def study_summary(table: ResultTable, folder: Path) -> str:
         f"{format_grouped(number, 0)} {status_text(status)}" for status, number in count.items()
     )
     lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
-    failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
+    failed = [_line_sentence(row.line, row.sentence) for row in table.rows if row.status == FAILED]
     return "\n".join([*lines, *_first_lines(failed)])
 
 
@@ -219,7 +219,7 @@ def damaged_results_line(count: int) -> str:
     return said.format(count=count) + "\n" if count else ""
 
 
-def _on_line(line: int, sentence: str) -> str:
+def _line_sentence(line: int, sentence: str) -> str:
     return tr("line {line}: {sentence}").format(line=line, sentence=sentence)
 
 

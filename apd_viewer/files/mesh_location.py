@@ -126,7 +126,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
         if mesh.digest == digest:
             _found[mesh] = stamp
             return mesh
-        problems.append(_not_the_one(mesh, description, session))
+        problems.append(_changed_mesh_sentence(mesh, description, session))
     if description.has_value("embedded"):
         return _embedded(description, there[0] if there else session.parent / name, archive, prefix)
     if problems:
@@ -160,7 +160,7 @@ def _places(description: JsonFields, session: Path, name: str) -> list[Path]:
     return list(dict.fromkeys(places))
 
 
-def _not_the_one(mesh: Mesh, description: JsonFields, session: Path) -> str:
+def _changed_mesh_sentence(mesh: Mesh, description: JsonFields, session: Path) -> str:
     before = description.count("vertices")
     change = tr("it has been changed")
     if len(mesh.V) != before:

@@ -56,8 +56,8 @@ def volume_rows(
     bag : float
         Litres.
     """
-    yield from _of_one(rest, now, unit)
-    yield from _of_many(rest, now, unit, density, bag)
+    yield from _single_object_rows(rest, now, unit)
+    yield from _bulk_rows(rest, now, unit, density, bag)
     values = rest.material, now.material
     lacks = now.material is None
     about = (
@@ -70,7 +70,7 @@ def volume_rows(
     yield _volumes(VolumeName.MATERIAL, tr("Material volume"), about, values, unit)
 
 
-def _of_one(rest: VolumeReadings, now: VolumeReadings, unit: Unit) -> Iterator[VolumeRow]:
+def _single_object_rows(rest: VolumeReadings, now: VolumeReadings, unit: Unit) -> Iterator[VolumeRow]:
     hulls = rest.hull, now.hull
     caps = caps_phrase(rest.openings) if rest.openings else ""
     values: RestAndCurrent = rest.enclosed, now.enclosed
@@ -85,7 +85,7 @@ def _of_one(rest: VolumeReadings, now: VolumeReadings, unit: Unit) -> Iterator[V
     yield _row(VolumeName.WIDTH, tr("Least width"), about, widths, (rest.hull.width, now.hull.width))
 
 
-def _of_many(
+def _bulk_rows(
     rest: VolumeReadings, now: VolumeReadings, unit: Unit, density: float | None, bag: float
 ) -> Iterator[VolumeRow]:
     pair = rest, now

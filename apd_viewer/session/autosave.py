@@ -214,7 +214,7 @@ class AutosaveWriter:
             number, copy = put
             if copy is None:
                 self._remove()
-                self._tell_done(number, self._pace)
+                self._report_done(number, self._pace)
             else:
                 self._try_write(number, copy)
                 self._wait_until_due()
@@ -233,7 +233,7 @@ class AutosaveWriter:
             try:
                 path = self._write(copy)
             finally:
-                self._tell_done(number, time.monotonic() - since)
+                self._report_done(number, time.monotonic() - since)
             flush_to_disk(path)
             for left in copy.superseded_files:
                 left.discard()
@@ -249,7 +249,7 @@ class AutosaveWriter:
                 self._failures.put(_FAILED.format(why=why))
                 self._wake()
 
-    def _tell_done(self, number: int, pace: float) -> None:
+    def _report_done(self, number: int, pace: float) -> None:
         with self._doing:
             self._done, self._pace = number, pace
             self._doing.notify_all()

@@ -140,7 +140,7 @@ class ObstacleEditor(DocumentEditor):
         obstacle = replace(obstacle, shift=_NOWHERE, axis=frozen(np.array(obstacle.axis, dtype=float)))
         if not is_clear(obstacle, state, apart):
             if obstacle.kind is not ObstacleKind.PLATE:
-                raise InputError(_stands_in(obstacle, state, apart, self._store.unit))
+                raise InputError(_inside_sentence(obstacle, state, apart, self._store.unit))
             obstacle = moved_clear(obstacle, state, apart)
             self._listener.message_sent(
                 tr("{name} would cut the shape; it was moved back to touch it.").format(name=obstacle.name)
@@ -205,7 +205,7 @@ def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Uni
     )
 
 
-def _stands_in(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
+def _inside_sentence(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
     """Sentence about an obstacle inside the shape, with the nearest free position."""
     free = moved_clear(obstacle, state, distance).place
     return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(

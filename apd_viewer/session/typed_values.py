@@ -68,7 +68,7 @@ def parse_vertices(text: str, state: State, unit: Unit) -> np.ndarray:
     if not text:
         raise InputError(tr("Nothing was entered; {how}.").format(how=_HOW))
     if _IDS.fullmatch(text):
-        return _by_ids(text, len(state.frame.U))
+        return _vertices_by_ids(text, len(state.frame.U))
     found = np.zeros(len(state.frame.U), dtype=bool)
     for way in re.split(r"\bor\b|\|+", text):
         holds = np.ones(len(found), dtype=bool)
@@ -78,7 +78,7 @@ def parse_vertices(text: str, state: State, unit: Unit) -> np.ndarray:
     return np.flatnonzero(found)
 
 
-def _by_ids(text: str, n: int) -> np.ndarray:
+def _vertices_by_ids(text: str, n: int) -> np.ndarray:
     found = np.zeros(n, dtype=bool)
     rest = _ID.sub("", text).strip(" \t\n,;")
     if re.search(r"[–-]", rest):

@@ -60,7 +60,7 @@ def _desktop(options: argparse.Namespace) -> None:
 
 
 def _check_system() -> None:
-    """Raise InputError for other systems and packaged programs, with advice."""
+    """Raise InputError, with advice, except on Linux outside a packaged program."""
     if sys.platform == "win32":
         raise InputError(
             tr(
@@ -133,7 +133,7 @@ def install_files(folder: Path, command: Sequence[str]) -> list[str]:
         with contextlib.suppress(OSError):  # replacing_file reports the error
             path.parent.mkdir(parents=True, exist_ok=True)
         with replacing_file(path) as scratch:
-            scratch.write_bytes(_started_by(command, resource_path(source).read_bytes()))
+            scratch.write_bytes(_with_start_command(command, resource_path(source).read_bytes()))
     return [program for program, part, _ in _COLLECTORS if not _run_collector(program, folder / part)]
 
 
@@ -187,7 +187,7 @@ def _remove_empty(folder: Path, top: Path) -> None:
         folder = folder.parent
 
 
-def _started_by(command: Sequence[str], content: bytes) -> bytes:
+def _with_start_command(command: Sequence[str], content: bytes) -> bytes:
     """Content of a desktop file, with its start command replaced."""
     words = " ".join(map(_exec_word, command)).encode()
     content = re.sub(rb"(?m)^Exec=apd-viewer\b", lambda _: b"Exec=" + words, content)

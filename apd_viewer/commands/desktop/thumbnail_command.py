@@ -44,12 +44,16 @@ def _thumbnail(options: argparse.Namespace) -> None:
             tr("--size is a number of pixels from {least} to {most:,}.").format(least=_LEAST, most=_MOST)
         )
     check_readable(path, more_suffixes=(SESSION_SUFFIX,))
-    pixels = _of_session(path, size) if path.suffix.lower() == SESSION_SUFFIX else _of_mesh(path, size)
+    pixels = (
+        _session_thumbnail(path, size)
+        if path.suffix.lower() == SESSION_SUFFIX
+        else _mesh_thumbnail(path, size)
+    )
     with replacing_file(options.output) as scratch:
         scratch.write_bytes(png_content(pixels))
 
 
-def _of_session(path: Path, size: int) -> np.ndarray:
+def _session_thumbnail(path: Path, size: int) -> np.ndarray:
     """Picture stored in a session; drawn from its shape if there is none."""
     picture = session_picture(path)
     if picture is not None:
@@ -69,7 +73,7 @@ def _of_session(path: Path, size: int) -> np.ndarray:
     )
 
 
-def _of_mesh(path: Path, size: int) -> np.ndarray:
+def _mesh_thumbnail(path: Path, size: int) -> np.ndarray:
     _check_size(path)
     mesh = open_mesh(path)
     return _colored_picture(mesh.V, mesh.F, mesh.colors, _up_axis(path), size)

@@ -119,7 +119,7 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
         "asset": {"version": "2.0", "generator": "APD Viewer"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": mesh.stem, **_in_metres(mesh.unit)}],
+        "nodes": [{"mesh": 0, "name": mesh.stem, **_metre_scale(mesh.unit)}],
         "meshes": [
             {"name": mesh.stem, "primitives": [surface], "weights": [0] * (count - 1), "extras": names}
         ],
@@ -132,7 +132,7 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
     return document, layout.length
 
 
-def _in_metres(unit: str) -> dict[str, Any]:
+def _metre_scale(unit: str) -> dict[str, Any]:
     """Node scale to metres for a mesh with a known unit; otherwise empty."""
     return {"scale": [METRES[unit]] * 3} if METRES.get(unit, 1.0) != 1.0 else {}
 

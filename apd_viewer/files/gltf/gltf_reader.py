@@ -60,13 +60,13 @@ def read_gltf(content: bytes, path: Path) -> ParsedMesh:
     for place in mesh_instances(document, buffers, world):
         scene.add(place)
     file = GltfFile(content, path.suffix.lower(), text, document, buffers, scene.blocks, scene.pieces)
-    remarks = [*_of_places(scene.blocks)]
+    remarks = [*_instance_remarks(scene.blocks)]
     if has_other_scenes(document, world):
         remarks.append(tr("The file has several scenes; only the one that it opens with is read."))
     return ParsedMesh(np.vstack(scene.V), np.vstack(scene.F), file, tuple(remarks), "m")
 
 
-def _of_places(blocks: list[VertexBlock]) -> Iterator[str]:
+def _instance_remarks(blocks: list[VertexBlock]) -> Iterator[str]:
     most = max(Counter(block.position for block in blocks).values(), default=0)
     if most > 1:
         yield tr(

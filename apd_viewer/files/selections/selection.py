@@ -228,7 +228,7 @@ def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
         raise ValueError(tr("its format is not “{format}”").format(format=_FORMAT))
     if said.get("version") != _VERSION:
         raise InputError(tr("Its version is not supported; save it again as version 1."))
-    same_mesh = _is_for(_object(said.get("mesh"), tr("its “mesh”")), mesh)
+    same_mesh = _is_for_mesh(_object(said.get("mesh"), tr("its “mesh”")), mesh)
     n = len(mesh.V)
     handles = _parts(said, "handles", MOST_HANDLES)
     regions = _parts(said, "regions", MOST_REGIONS)
@@ -274,7 +274,7 @@ def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
     return [_object(part, tr("one of its “{key}”").format(key=key)) for part in parts]
 
 
-def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
+def _is_for_mesh(about: dict[str, Any], mesh: Mesh) -> bool:
     """True if the digest matches ``mesh``; raises InputError on different counts."""
     n, m, digest = about.get("vertices"), about.get("faces"), about.get("digest", mesh.digest)
     if type(n) is not int or type(m) is not int or not isinstance(digest, str):

@@ -55,9 +55,9 @@ class VtkLegacyFile:
         """File content with positions ``U`` (n, 3); all data arrays unchanged."""
         if np.array_equal(mesh.V, U):
             return self.content
-        return spliced_content(self.content, [self._of_points(U.ravel()), *self._norm_updates(U)])
+        return spliced_content(self.content, [self._point_update(U.ravel()), *self._norm_updates(U)])
 
-    def _of_points(self, values: np.ndarray) -> Splice:
+    def _point_update(self, values: np.ndarray) -> Splice:
         old, start, end, is_text = self.points
         if is_text:
             return Splice(start, end, with_replaced_values(self.content[start:end], old, values))
@@ -277,7 +277,7 @@ class LegacyReader:
         """Skip the next ``count`` values of a type, possibly texts or bits."""
         name = kind.lower()
         if name == b"string":
-            self.position = self._behind_line()
+            self.position = self._line_end()
             for _ in range(count):
                 self._skip_text()
         elif name == b"bit":
@@ -296,14 +296,14 @@ class LegacyReader:
         number = int.from_bytes(self.content[self.position : self.position + size], "big")
         self.position += size + number % (1 << 8 * size - 2)
 
-    def _behind_line(self) -> int:
+    def _line_end(self) -> int:
         """Offset after the blank rest of a line."""
         space = _SPACE.match(self.content, self.position)
         assert space is not None  # the pattern also matches the empty string
         return space.end()
 
     def _bytes(self, count: int, dtype: np.dtype) -> LegacyArray:
-        start = self._behind_line()
+        start = self._line_end()
         end = start + count * dtype.itemsize
         if end > len(self.content):
             raise ValueError(tr("it ends early"))

@@ -84,7 +84,7 @@ def double_wall(
     if len(F) > _MOST_TRIANGLES or not 0.0 < 2.0 * material <= _THIN * mesh_size(V, F) * area:
         return None
     thickness = 2.0 * material / area
-    T = _facing_outward(F, parts)
+    T = _outward_triangles(F, parts)
     inner = _inner_side(V, T, areas, thickness)
     if inner is None:
         return None
@@ -117,7 +117,7 @@ def _nested_components(V: np.ndarray, F: np.ndarray, component: np.ndarray) -> l
     return parts if nested.all() else []
 
 
-def _facing_outward(F: np.ndarray, parts: list[_WallComponent]) -> np.ndarray:
+def _outward_triangles(F: np.ndarray, parts: list[_WallComponent]) -> np.ndarray:
     """Triangles ``F`` (m, 3) facing away from the wall; inner ones face inwards."""
     T = F.copy()
     for k, (triangles, inside) in enumerate(parts):

@@ -75,7 +75,7 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     F = F[proper].astype(np.int64)
     if not len(F):
         return np.zeros((0, 2), dtype=np.int64)
-    X = _of_size_one(U, F)
+    X = _unit_size_positions(U, F)
     edges, tree = _Edges.of(F, len(X)), ipctk.LBVH()
     tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
     near = tree.detect_edge_face_candidates()  # excludes pairs with a common vertex
@@ -93,7 +93,7 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     return proper[np.concatenate(found)]
 
 
-def _of_size_one(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+def _unit_size_positions(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Positions centred and scaled to unit size, for a single-precision library."""
     used = np.zeros(len(U), dtype=bool)
     used[F.ravel()] = True

@@ -160,12 +160,14 @@ def _squared_distance(px: float, py: float, pz: float, V: np.ndarray, i: int, j:
     b2 = (ay * dz - az * dy) * nx + (az * dx - ax * dz) * ny + (ax * dy - ay * dx) * nz
     if nn > 0.0 and b1 >= 0.0 and b2 >= 0.0 and b1 + b2 <= nn:
         return (dx * nx + dy * ny + dz * nz) ** 2 / nn
-    side = min(_to_side(dx, dy, dz, ax, ay, az), _to_side(dx, dy, dz, bx, by, bz))
-    return min(side, _to_side(dx - ax, dy - ay, dz - az, bx - ax, by - ay, bz - az))
+    side = min(
+        _squared_segment_distance(dx, dy, dz, ax, ay, az), _squared_segment_distance(dx, dy, dz, bx, by, bz)
+    )
+    return min(side, _squared_segment_distance(dx - ax, dy - ay, dz - az, bx - ax, by - ay, bz - az))
 
 
 @njit(inline="always")
-def _to_side(dx: float, dy: float, dz: float, ex: float, ey: float, ez: float) -> float:
+def _squared_segment_distance(dx: float, dy: float, dz: float, ex: float, ey: float, ez: float) -> float:
     """Squared distance of point ``d`` from the segment from the origin to ``e``."""
     ee = ex * ex + ey * ey + ez * ez
     along = dx * ex + dy * ey + dz * ez

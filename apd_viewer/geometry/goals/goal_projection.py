@@ -146,7 +146,7 @@ class GoalProjection:
         """
         mu = np.zeros(len(self.goals))
         self.values = self._measures.values(U)
-        worst = foreseen = self._worst_that_can_move(self.values)
+        worst = foreseen = self._largest_reachable_violation(self.values)
         share = 1.0
         fresh = False  # true once gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
@@ -159,7 +159,7 @@ class GoalProjection:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step
             tried = self._measures.values(there)
-            left = self._worst_that_can_move(tried)
+            left = self._largest_reachable_violation(tried)
             if left < (1.0 - 0.1 * share) * worst:
                 self._inverse = _broyden_update(self._inverse, step, tried - self.values)
                 foreseen = left * max(left / worst, _CURVED * worst) if len(mu) == 1 else left
@@ -171,7 +171,7 @@ class GoalProjection:
                 fresh, foreseen = True, worst
         return U, mu
 
-    def _worst_that_can_move(self, values: np.ndarray) -> float:
+    def _largest_reachable_violation(self, values: np.ndarray) -> float:
         return _largest_violation(values, self._target, self._reach)
 
 

@@ -65,10 +65,10 @@ def geodesic_path(
     faces = [place.face for place in places]
     if faces[0] == faces[1] or np.array_equal(*ends):
         return ends
-    V, F, corners = _with_points(V, F, places, ends)
+    V, F, corners = _mesh_with_points(V, F, places, ends)
     ids = [int(F[face, corner]) for face, corner in corners]
     first = _first_path(V, F, *ids)
-    kept = _within_reach(V, F, ends, path_length(V[first]))
+    kept = _reachable_triangles(V, F, ends, path_length(V[first]))
     new = np.cumsum(kept) - 1
     G, old = manifold_pieces(F[kept], len(V))
     ids = [int(G[new[face], corner]) for face, corner in corners]
@@ -80,7 +80,7 @@ def path_length(path: np.ndarray) -> float:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
-def _with_points(
+def _mesh_with_points(
     V: np.ndarray, F: np.ndarray, places: Sequence[SurfacePoint], ends: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, list[tuple[int, int]]]:
     """Mesh with the points inserted as vertices, and a face and corner of each."""
@@ -124,7 +124,7 @@ def _first_path(V: np.ndarray, F: np.ndarray, start: int, end: int) -> np.ndarra
 
 
 def _unfolded_distances(A: np.ndarray, B: np.ndarray, P: np.ndarray, Q: np.ndarray) -> np.ndarray:
-    """Distances of corners P, Q unfolded about edges AB; infinite beyond their ends."""
+    """Distances from P to Q across edges AB, unfolded; infinite if beside an edge."""
     edge = B - A
     long = np.linalg.norm(edge, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -138,7 +138,7 @@ def _unfolded_distances(A: np.ndarray, B: np.ndarray, P: np.ndarray, Q: np.ndarr
     return np.where(crosses, np.hypot(along_q - along_p, high_p + high_q), np.inf)
 
 
-def _within_reach(V: np.ndarray, F: np.ndarray, ends: np.ndarray, most: float) -> np.ndarray:
+def _reachable_triangles(V: np.ndarray, F: np.ndarray, ends: np.ndarray, most: float) -> np.ndarray:
     """Mask (m,) of triangles within reach of a path of length ``most`` between ends."""
     detour = sum(np.linalg.norm(V - end, axis=1) for end in ends)
     T = V[F]

@@ -60,7 +60,7 @@ class Weld:
         representative = np.empty(len(V), dtype=np.int64)
         representative[order] = leader
         if F is not None:
-            representative = _cracks_closed(V, F, representative, tolerance)
+            representative = _representatives_across_cracks(V, F, representative, tolerance)
         return cls.from_representatives(V, representative)
 
     @classmethod
@@ -71,7 +71,9 @@ class Weld:
 
     def with_seams(self, V: np.ndarray, F: np.ndarray) -> Weld:
         """The weld, also joining boundaries within :data:`SEAM_TOLERANCE`."""
-        return Weld.from_representatives(V, _cracks_closed(V, F, self.representative, SEAM_TOLERANCE))
+        return Weld.from_representatives(
+            V, _representatives_across_cracks(V, F, self.representative, SEAM_TOLERANCE)
+        )
 
     @classmethod
     def from_maps(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
@@ -141,7 +143,9 @@ def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
     return np.minimum(a, b)[edge] * n + np.maximum(a, b)[edge]
 
 
-def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tolerance: float) -> np.ndarray:
+def _representatives_across_cracks(
+    V: np.ndarray, F: np.ndarray, representative: np.ndarray, tolerance: float
+) -> np.ndarray:
     """Representatives with border vertices joined across cracks, but never neighbours."""
     corners, n = representative[F], len(V)
     edges = boundary_edges(corners, n)

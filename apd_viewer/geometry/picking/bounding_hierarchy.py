@@ -45,11 +45,11 @@ def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingVolumeHierarchy:
         sizes.append((sizes[-1] + BRANCHING - 1) // BRANCHING)
     level = np.cumsum([0, *sizes])
     with cores_for(len(U)):
-        T = _in_order(F, _morton_keys(U, F))
+        T = _sorted_triangles(F, _morton_keys(U, F))
         corners = np.empty((level[-1], 2, 3))
-        _around_triangles(U, T, _SLACK * np.abs(U).max(initial=0.0), corners[: level[1]])
+        _write_triangle_boxes(U, T, _SLACK * np.abs(U).max(initial=0.0), corners[: level[1]])
     for i in range(1, len(sizes)):
-        _around_boxes(corners[level[i - 1] : level[i]], corners[level[i] : level[i + 1]])
+        _write_outer_boxes(corners[level[i - 1] : level[i]], corners[level[i] : level[i + 1]])
     return BoundingVolumeHierarchy(T, corners, level)
 
 
@@ -82,7 +82,7 @@ def _spread_bits(x: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
+def _sorted_triangles(F: np.ndarray, key: np.ndarray) -> np.ndarray:
     """Triangles sorted stably by ``key`` (m,)."""
     order, lower = np.arange(len(F)).astype(np.int32), (1 << _HALF_KEY) - 1
     for half in range(2):
@@ -100,8 +100,8 @@ def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
 
 
 @parallel()
-def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.ndarray) -> None:
-    """Boxes (b, 2, 3) around each ``BRANCHING`` triangles, enlarged by ``slack``."""
+def _write_triangle_boxes(U: np.ndarray, F: np.ndarray, slack: float, corners: np.ndarray) -> None:
+    """Write boxes (b, 2, 3) around ``BRANCHING`` triangles each, with some ``slack``."""
     for b in prange(len(corners)):
         for c in range(3):
             low, high = np.inf, -np.inf
@@ -112,7 +112,7 @@ def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.nd
 
 
 @njit(cache=True, nogil=True)
-def _around_boxes(inner: np.ndarray, outer: np.ndarray) -> None:
+def _write_outer_boxes(inner: np.ndarray, outer: np.ndarray) -> None:
     """Write the ``outer`` boxes (b, 2, 3) around each group of ``inner`` boxes."""
     for b in range(len(outer)):
         for c in range(3):

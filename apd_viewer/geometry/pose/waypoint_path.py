@@ -44,12 +44,12 @@ def extended_waypoints(
     if not (np.isfinite(current_pose).all() and np.isfinite(pose).all()):
         return ()
     passed = [np.eye(4), *waypoints, current_pose]
-    while len(passed) > 1 and _can_skip(passed[-2], passed[-1], pose):
+    while len(passed) > 1 and _is_redundant(passed[-2], passed[-1], pose):
         passed.pop()
     return tuple(frozen(np.array(each)) for each in passed[1:])
 
 
-def _can_skip(before: np.ndarray, between: np.ndarray, after: np.ndarray) -> bool:
+def _is_redundant(before: np.ndarray, between: np.ndarray, after: np.ndarray) -> bool:
     ways = (before, between), (between, after), (before, after)
     return max(_angle(*way) for way in ways) <= _FARTHEST
 

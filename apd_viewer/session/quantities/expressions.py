@@ -103,12 +103,12 @@ class ExpressionParser:
         return total
 
     def _product(self) -> Quantity:
-        product = self._signed_factor() * self._unit_behind()
+        product = self._signed_factor() * self._unit_factor()
         while self._token in ("*", "/", "(") or self._token[:1].isalpha():
             divides = self._token == "/"
             if self._token in ("*", "/"):
                 self._take()
-            factor, unit = self._signed_factor(), self._unit_behind()
+            factor, unit = self._signed_factor(), self._unit_factor()
             if not divides:
                 product *= factor * unit
             elif product.powers == DIMENSIONLESS:
@@ -168,7 +168,7 @@ class ExpressionParser:
         if not self._take():
             raise InputError(tr("A parenthesis is not closed; close it."))
 
-    def _unit_behind(self) -> Quantity:
+    def _unit_factor(self) -> Quantity:
         """Unit after a number; 1 if there is none."""
         if self._token in self._names or self._token not in (*_MICROMETRES, *_DEGREES):
             return Quantity(1.0)
@@ -244,10 +244,12 @@ def call_function(name: str, values: list[Quantity]) -> Quantity:
         return replace(first, value=abs(first.value))
     if name == "sqrt":
         return first ** Quantity(0.5)
-    return _of_angle(name, first) if name in _OF_ANGLES else _to_angle(name, first)
+    return (
+        _trigonometric_value(name, first) if name in _OF_ANGLES else _inverse_trigonometric_value(name, first)
+    )
 
 
-def _of_angle(name: str, value: Quantity) -> Quantity:
+def _trigonometric_value(name: str, value: Quantity) -> Quantity:
     if value.powers not in (DIMENSIONLESS, (0.0, 1.0)):
         raise InputError(
             tr("{name} does not accept {kind}; enter an angle, as in {name}(30deg).").format(
@@ -260,7 +262,7 @@ def _of_angle(name: str, value: Quantity) -> Quantity:
     return Quantity(_OF_ANGLES[name](turn))
 
 
-def _to_angle(name: str, value: Quantity) -> Quantity:
+def _inverse_trigonometric_value(name: str, value: Quantity) -> Quantity:
     if value.powers != DIMENSIONLESS:
         raise InputError(
             tr("{name} does not accept {kind}; enter a number, as in {name}(0.5).").format(

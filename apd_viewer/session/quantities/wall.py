@@ -52,8 +52,8 @@ class WallText(NamedTuple):
     def text(self, unit: Unit) -> str:
         """Thickness and density, with units added to bare numbers; empty if none."""
         thickness, density = self.thickness.strip(), self.density.strip()
-        thickness = unit.format_length(thickness) if _is_bare(thickness) else thickness
-        density = f"{density}\u00a0g/cm³" if _is_bare(density) else density
+        thickness = unit.format_length(thickness) if _is_without_unit(thickness) else thickness
+        density = f"{density}\u00a0g/cm³" if _is_without_unit(density) else density
         return comma_separated(filter(None, (thickness, density)))
 
     def usable_thickness(self, unit: Unit) -> float | None:
@@ -204,7 +204,7 @@ def _optional_number(text: str, parse: Callable[[str], float]) -> float | None:
     return parse(text) if text.strip() else None
 
 
-def _is_bare(text: str) -> bool:
+def _is_without_unit(text: str) -> bool:
     with suppress(InputError):
         parse_number(text, {})
         return True

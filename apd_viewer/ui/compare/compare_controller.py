@@ -69,7 +69,7 @@ class CompareController:
         """Compare methods on the current document, or report a missing step."""
         if (state := self._store.state) is None:
             return
-        if sentence := _why_not(state):
+        if sentence := _refusal(state):
             self._notice.show_failure(sentence)
             return
         if self.window is None:
@@ -96,7 +96,7 @@ class CompareController:
     def _repeat(self) -> None:
         if (state := self._store.state) is None or self.window is None:
             return
-        if sentence := _why_not(state):
+        if sentence := _refusal(state):
             self.window.show_refusal(sentence)
         else:
             self.window.compare(state, self._store.unit)
@@ -124,6 +124,6 @@ class CompareController:
             self.window.close()
 
 
-def _why_not(state: State) -> str | None:
+def _refusal(state: State) -> str | None:
     """Sentence on the step missing before a comparison; None if there is none."""
     return state.document.paint_problem or (_AT_REST if state.is_at_rest else None)

@@ -95,7 +95,7 @@ def command_entries(
         entry = by_action.get(action)
         if entry is not None:
             where = tr("{menu} > {entry}").format(menu=menu, entry=within) if within else menu
-            why_not = "" if action.isEnabled() else _why_not(entry, store)
+            why_not = "" if action.isEnabled() else _disabled_reason(entry, store)
             title = found.full_title(entry.title)
             texts = SearchTexts(title, entry.tip, SYNONYMS.get(entry.name, ""))
             keys = native_keys(keys_of(action))
@@ -103,7 +103,7 @@ def command_entries(
             yield Searchable(texts, where, action.trigger, place, keys, why_not, entry.image)
 
 
-def _why_not(entry: ShortcutEntry, store: StateStore) -> str:
+def _disabled_reason(entry: ShortcutEntry, store: StateStore) -> str:
     """Reason for a disabled menu action."""
     name = entry.name
     if store.state is None:

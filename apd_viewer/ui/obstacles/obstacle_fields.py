@@ -147,13 +147,13 @@ class ObstacleFields(QWidget):
         field = self.sender()
         assert isinstance(field, TypedField)
         try:
-            obstacle = self._as_typed()
+            obstacle = self._edited_obstacle()
         except InputError as error:
             field.show_error(str(error))
         else:
             self.obstacle_entered.emit(obstacle)
 
-    def _as_typed(self) -> NamedObstacle:
+    def _edited_obstacle(self) -> NamedObstacle:
         """Obstacle with the edited values; all others keep their full precision."""
         assert self._shown is not None
         assert self._values is not None

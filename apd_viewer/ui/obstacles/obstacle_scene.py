@@ -119,7 +119,7 @@ class _Figure:
         fill.point_data["Normals"] = shape.normals.astype(np.float32)
         fill.GetPointData().SetActiveNormals("Normals")
         self._set(self._fill, fill)
-        self._set(self._line, _with_marks(shape))
+        self._set(self._line, _outline_with_tips(shape))
         self._set(self._ghost, _lines(shape.dashes))
         flat = obstacle.kind is ObstacleKind.PLATE
         self._fill.GetProperty().SetBackfaceCulling(not flat)
@@ -176,7 +176,7 @@ def _lines(segments: np.ndarray) -> pv.PolyData:
     return data
 
 
-def _with_marks(shape: ObstacleShape) -> pv.PolyData:
+def _outline_with_tips(shape: ObstacleShape) -> pv.PolyData:
     """Outline and arrow tips as PolyData."""
     data = _lines(shape.outline)
     if len(shape.marks):

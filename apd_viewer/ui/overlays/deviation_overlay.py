@@ -191,7 +191,7 @@ class DeviationOverlay(QObject):
             fitted = self.scale.fitted_to(span, self._size)
             self._rescale(fitted.reach, fitted.neutral)
 
-    def _fit_first(self) -> None:
+    def _fit_first_scale(self) -> None:
         span, self._fresh = self.reading.span, False
         if span is not None and self.measure is not None and self.measure not in self.scales:
             self._fitted = self.scale.fitted_to(span, self._size)
@@ -270,7 +270,7 @@ class DeviationOverlay(QObject):
             self._change = result.change
             self._legend.show_note("")
             self._canvas.viewport.update()
-        elif isinstance(result, _SlowValues) and self._still_wants(result):
+        elif isinstance(result, _SlowValues) and self._is_current(result):
             self.reading.values = result.values
             self._legend.show_note(result.seen.measure.traits.note_for(result.values))
             self._color()
@@ -279,7 +279,7 @@ class DeviationOverlay(QObject):
             if result.seen != self._seen:
                 self._measure_soon()
 
-    def _still_wants(self, result: _SlowValues) -> bool:
+    def _is_current(self, result: _SlowValues) -> bool:
         """True if the values match the displayed shape, or may lag behind it."""
         lags = self.measure is not None and self.measure.is_delayed
         now, seen = self._seen, result.seen
@@ -293,7 +293,7 @@ class DeviationOverlay(QObject):
         if values is None:
             return
         if self._fresh:
-            self._fit_first()
+            self._fit_first_scale()
         surface, scale = self._canvas.surface, self.scale
         write_shades(values, scale.measure.is_signed, scale.end, surface.shades)
         surface.update_shades()

@@ -109,7 +109,7 @@ class FindingsController(QObject):
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         if on:
-            self._listed = self._all_listed()
+            self._listed = self._listed_findings()
             rows = [FindingRow(each.sentence, parts, each.kind == SEAMS) for each, parts in self._listed]
             self.list.open(issue_count_text(len(self._findings)), rows)
             self.refresh()
@@ -124,7 +124,7 @@ class FindingsController(QObject):
         if self.badge.isChecked():
             self.list.show_staying(self._session.store.required_state().document.staying_components)
 
-    def _all_listed(self) -> list[ListedFinding]:
+    def _listed_findings(self) -> list[ListedFinding]:
         """All findings, with loose components listed below the finding about them."""
         document = self._session.store.required_state().document
         listed = []

@@ -87,7 +87,7 @@ def energy(trace: Trace, unit: Unit) -> Chart:
         _seconds(trace),
         axis,
         (Curve(trace["seconds"], E),),
-        vertical_lines=_let_go(trace),
+        vertical_lines=_release_lines(trace),
     )
 
 
@@ -104,7 +104,7 @@ def area_and_volume(state: State | None, trace: Trace) -> Chart:
     both = np.concatenate([area, volume[np.isfinite(volume)]])
     y = rounded_axis(min(float(both.min()), -_SMALLEST), max(float(both.max()), _SMALLEST), " %")
     curves = Curve(trace["seconds"], volume, "warm"), Curve(trace["seconds"], area, "accent")
-    return Chart(title, tuple(said), _seconds(trace), y, curves, vertical_lines=_let_go(trace))
+    return Chart(title, tuple(said), _seconds(trace), y, curves, vertical_lines=_release_lines(trace))
 
 
 def local_change(change: LocalChange | None, empty: str = "") -> Chart:
@@ -130,7 +130,7 @@ def _seconds(trace: Trace) -> Axis:
     return linear_axis(0.0, float(trace["seconds"][-1]), tr(" s"))
 
 
-def _let_go(trace: Trace) -> tuple[ReferenceLine, ...]:
+def _release_lines(trace: Trace) -> tuple[ReferenceLine, ...]:
     """Reference line at the end of the drag; convergence follows."""
     moment, last = trace.released_at, float(trace["seconds"][-1])
     return (ReferenceLine(moment, tr("released")),) if moment is not None and moment < last else ()

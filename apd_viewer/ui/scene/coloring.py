@@ -69,7 +69,7 @@ class Coloring:
     def follow(self, document: Document) -> None:
         """Update the colours to a new document of the mesh."""
         before, self._document = self._document, document
-        if before is not None and not _looks_like(before, document):
+        if before is not None and not _have_same_colors(before, document):
             self._restore(differing_vertices(before, document))
 
     def _restore(self, ids: np.ndarray) -> None:
@@ -142,7 +142,7 @@ def drawn_labels(document: Document, ids: np.ndarray | slice) -> tuple[np.ndarra
     return labels, member
 
 
-def _looks_like(old: Document, new: Document) -> bool:
+def _have_same_colors(old: Document, new: Document) -> bool:
     return (
         have_same_paint(old, new) and old.soft_constraints is new.soft_constraints and old.flags == new.flags
     )

@@ -59,7 +59,7 @@ def scene_picture(
         with (
             _draw_only(window, scene),
             _widened_view(scene, seen, size),
-            _on_nothing(window, scene, transparent),
+            _transparent_background(window, scene, transparent),
             _thicker_lines(scene, finer * picture_scale(seen, size)),
         ):
             # FXAA would blend the outline of a transparent picture with the omitted background.
@@ -183,7 +183,7 @@ def _widened_view(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None
 
 
 @contextmanager
-def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) -> Iterator[None]:
+def _transparent_background(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) -> Iterator[None]:
     """Make the background transparent within the context, if requested."""
     if not transparent:
         yield

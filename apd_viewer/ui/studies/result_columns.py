@@ -295,14 +295,14 @@ def _writer(words: ReadingTexts) -> Callable[[float], str]:
 def _statuses(table: ResultTable) -> ResultColumn:
     ranks = np.array([_ORDER.index(row.status) for row in table.rows], dtype=float)
     texts = tuple(status_text(row.status) for row in table.rows)
-    return ResultColumn(STATUS_COLUMN, tr("State"), tr("Of the case"), _no_numbers(texts), texts, ranks=ranks)
+    return ResultColumn(STATUS_COLUMN, tr("State"), tr("Of the case"), _gaps(texts), texts, ranks=ranks)
 
 
 def _sentences(table: ResultTable) -> ResultColumn:
     texts = tuple(row.sentence for row in table.rows)
     tip = tr("Why it failed, or what to know of it")
-    return ResultColumn(REMARK_COLUMN, tr("Remark"), tip, _no_numbers(texts), texts)
+    return ResultColumn(REMARK_COLUMN, tr("Remark"), tip, _gaps(texts), texts)
 
 
-def _no_numbers(texts: Sequence[str]) -> np.ndarray:
+def _gaps(texts: Sequence[str]) -> np.ndarray:
     return np.full(len(texts), np.nan)

@@ -203,8 +203,8 @@ class ResultsView(QTableView):
         down.setDefaultSectionSize(_ROW)
         down.hide()
         model.modelReset.connect(self._fit)
-        model.rows_moving.connect(self._hold)
-        model.rows_moved.connect(self._hold_no_more)
+        model.rows_moving.connect(self._store_selection)
+        model.rows_moved.connect(self._restore_selection)
         self.clicked.connect(self._click)
 
     def _fit(self) -> None:
@@ -214,13 +214,13 @@ class ResultsView(QTableView):
             widest = max(map(metrics.horizontalAdvance, column.longest_texts), default=0) + _PAD
             self.setColumnWidth(k, min(max(widest, head.sectionSizeHint(k)) + 8, _WIDEST))
 
-    def _hold(self) -> None:
+    def _store_selection(self) -> None:
         """Store and clear the selection, as Qt would take seconds to move 5,000 rows."""
         self._held = self.chosen_rows
         with QSignalBlocker(self.selectionModel()):
             self.selectionModel().clearSelection()
 
-    def _hold_no_more(self) -> None:
+    def _restore_selection(self) -> None:
         """Restore the stored selection at the new row positions."""
         with QSignalBlocker(self.selectionModel()):
             self._select(self._held, _SELECTION.Select)

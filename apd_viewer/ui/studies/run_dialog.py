@@ -332,10 +332,10 @@ class RunBar(QWidget):
                 shutil.copytree(results, scratch, dirs_exist_ok=True)
             return target
 
-        self._job = Job(tr("Saving"), work, self._saved_as, self._delivered.emit)
+        self._job = Job(tr("Saving"), work, self._show_saved, self._delivered.emit)
         self.save.setEnabled(False)
 
-    def _saved_as(self, folder: Path) -> None:
+    def _show_saved(self, folder: Path) -> None:
         self._saved = folder
         self.save.setEnabled(True)
         self.message.setText(tr("Saved as {folder}.").format(folder=folder))

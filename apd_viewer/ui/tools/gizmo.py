@@ -311,7 +311,7 @@ class InactiveHandles(MouseTool, QObject):
     def paint(self, painter: QPainter) -> None:
         """Draw the dots, and the name of the handle under the cursor."""
         for pivot in self.pivots:
-            at = self._on_screen(pivot)
+            at = self._screen_position(pivot)
             if at is not None:
                 self._draw(painter, pivot, QPointF(*at))
 
@@ -339,7 +339,7 @@ class InactiveHandles(MouseTool, QObject):
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, pivot.name)
         painter.setOpacity(1.0)
 
-    def _on_screen(self, pivot: HandlePivot) -> np.ndarray | None:
+    def _screen_position(self, pivot: HandlePivot) -> np.ndarray | None:
         eye = self._viewport.camera_controller.camera
         if float(eye.depth(pivot.centre)) <= 1e-6 * eye.distance:
             return None
@@ -349,7 +349,7 @@ class InactiveHandles(MouseTool, QObject):
     def _dot_at(self, position: QPointF) -> int | None:
         cursor = np.array([position.x(), position.y()])
         for pivot in self.pivots:
-            at = self._on_screen(pivot)
+            at = self._screen_position(pivot)
             if at is not None and np.linalg.norm(at - cursor) <= PICK_RADIUS:
                 return pivot.number
         return None

@@ -142,17 +142,17 @@ def position_along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float 
     """
     axis = frame.axes[i]
     sight = unit(frame.centre - frame.camera.position)
-    point = _on_plane(frame, sight - (sight @ axis) * axis, x, y)
+    point = _plane_point(frame, sight - (sight @ axis) * axis, x, y)
     return None if point is None else float((point - frame.centre) @ axis)
 
 
 def offset_in_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
     """Offset (3,) from the centre to the cursor in a plane through the centre."""
-    point = _on_plane(frame, normal, x, y)
+    point = _plane_point(frame, normal, x, y)
     return None if point is None else point - frame.centre
 
 
-def _on_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
+def _plane_point(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
     origin, direction = frame.camera.ray(x, y)
     slope = float(direction @ normal)
     if abs(slope) < 1e-3 * float(np.linalg.norm(normal)):
