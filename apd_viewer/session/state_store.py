@@ -131,7 +131,7 @@ class StateStore:
         self._ask_and_show(state.as_unsettled() if iterate else state, iterate)
 
     def solve_from_grip(self, document: Document) -> None:
-        """Replace the document and solve from its grip shape, along the handles' paths."""
+        """Replace the document; solve from its grip positions along the handles' paths."""
         self.jump_to(self.required_state().updated(document).as_unsettled(), from_grip=True)
 
     def pause_or_resume(self) -> None:

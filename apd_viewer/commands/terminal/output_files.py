@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 
 
 def check_files(paths: Iterable[Path | None]) -> None:
-    """Raise InputError unless all files are distinct and writable; None is no file."""
+    """Raise InputError unless all files are distinct and writable; skip None."""
     asked = [path for path in paths if path is not None]
     check_distinct(asked)
     for path in asked:

@@ -109,7 +109,7 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
 def _nearby_pairs(
     V: np.ndarray, border: np.ndarray, edges: np.ndarray, near: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Candidate pairs (p,), (p,) of ``border`` vertices within ``near`` of ``edges``."""
+    """Pairs (p,), (p,) of ``border`` vertices and ``edges`` possibly within ``near``."""
     from scipy.spatial import KDTree  # imported here: slow, and most meshes have no boundary
 
     ends, points = V[edges], KDTree(V[border])

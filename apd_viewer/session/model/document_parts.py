@@ -45,7 +45,7 @@ def obstacle_shifts(document: Document) -> np.ndarray:
 
 
 def with_handles_reset(document: Document, *numbers: int) -> Document:
-    """Document with handles reset; once none is moved, the whole shape is at rest."""
+    """Document with handles reset; if none remains moved, all of the shape is at rest."""
     document = document.relative_to_rest
     handles = list(document.handles)
     for k in numbers:

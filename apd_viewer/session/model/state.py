@@ -89,7 +89,7 @@ class State:
 
     @property
     def load_excess(self) -> float | None:
-        """Expected excess of loads on the obstacles; None without stiffness."""
+        """Expected relative overestimate of the obstacle loads; None without stiffness."""
         return load_excess_of(self.document)
 
     @property
@@ -214,6 +214,6 @@ def _shared_codes(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
 
 
 def load_excess_of(document: Document) -> float | None:
-    """Expected excess of loads on the obstacles; None without stiffness."""
+    """Expected relative overestimate of the obstacle loads; None without stiffness."""
     cells = memo.cell_stiffness(document.mesh.V, document.mesh.joined_F)
     return load_excess(document.settings.in_effect.material, cells)

@@ -136,7 +136,7 @@ def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Findi
     """Finding on vertices exempt from contact, near triangles crossing at rest."""
     if crossing is None or not len(crossing):
         return ()
-    # Imported here: the window shows other sentences before these modules are loaded.
+    # Imported here: other sentences of this module are shown before these modules are loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
     from apd_viewer.geometry.contact.contact import is_near_crossing
 

@@ -105,9 +105,8 @@ class Unit(Enum):
         if self._is_of_inches:
             symbol, factor = _fitting_unit(_LITRES_OF_INCHES, abs(litres))
         else:
-            symbol, factor = _fitting_unit(
-                _LITRES, 10.0 * abs(litres)
-            )  # litres are usual from a tenth of a litre
+            # Litres are customary for a tenth of a litre and more.
+            symbol, factor = _fitting_unit(_LITRES, 10.0 * abs(litres))
         return symbol + self._mark, factor
 
     def mass_unit(self, grams: float) -> tuple[str, float]:

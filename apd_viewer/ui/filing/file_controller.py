@@ -203,9 +203,8 @@ class FileController:
         found = FileState.SAME if file is None else file.state
         answer = ask_before_leaving(self._window, name, closes, found)
         if answer is UnsavedAnswer.SAVE:
-            self.save(
-                partial(self.run_after_save_prompt, action, closes)
-            )  # the user may continue working while the file is written
+            # Asked again when the file is written: the user may have continued working.
+            self.save(partial(self.run_after_save_prompt, action, closes))
         elif answer is UnsavedAnswer.EXPORT:
             self.export_mesh(action)
         return answer is UnsavedAnswer.DISCARD

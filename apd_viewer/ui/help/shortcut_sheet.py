@@ -222,7 +222,7 @@ class ShortcutSheet(QFrame):
         self._say(_WAITING if waits else _HINT)
 
     def _say(self, sentence: str, warn: bool = False) -> None:
-        """Show a status message and withdraw an offer to swap keys."""
+        """Show a status message and decline a pending swap of keys."""
         self._wish = None
         self.swap.hide()
         self.restore_all.show()
@@ -240,7 +240,7 @@ class ShortcutSheet(QFrame):
             self.setGeometry(left, _MARGIN, width, self._canvas.height() - 2 * _MARGIN)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Withdraw an offer or close on Esc; move from search to list on Down."""
+        """Decline a swap or close on Esc; move from the search to the list on Down."""
         shown = self._visible_rows
         if event.key() == Qt.Key.Key_Escape and self._wish is not None:
             self._wish[0].keys.setFocus()

@@ -312,7 +312,7 @@ class VolumeSection(Section):
             label.setText(readings.NO_VALUE)
 
     def show_check(self, state: State, check: ShapeCheck | None, under_way: bool) -> None:
-        """Show the self-intersections of a state, as far as known."""
+        """Show the self-intersections of a state, or that they are not known yet."""
         if check is not None:
             count = None if check.crossing is None else len(check.crossing)
             self.crossings.show_count(count, state.is_contact_active)

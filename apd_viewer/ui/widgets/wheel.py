@@ -1,4 +1,4 @@
-"""Events of the mouse that widgets leave to others, or keep from them."""
+"""Mouse events that a widget passes on to its parent, or keeps from it."""
 
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QWidget
