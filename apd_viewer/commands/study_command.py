@@ -69,8 +69,8 @@ def study_parser() -> Parser:
 
 def _columns() -> str:
     words = [*CASE_COLUMNS.items(), *((name, column.description) for name, column in SETTING_COLUMNS.items())]
-    said = "; ".join(f"{name} ({about})" for name, about in words)
-    return tr("Columns of a plan, besides notes that begin with #: {columns}.").format(columns=said)
+    text = "; ".join(f"{name} ({about})" for name, about in words)
+    return tr("Columns of a plan, besides notes that begin with #: {columns}.").format(columns=text)
 
 
 def _study(options: argparse.Namespace) -> None:
@@ -183,12 +183,12 @@ def work_left_lines(work_left: StudyForecast, processes: int) -> str:
             tr("failed so far: {failed:,}; --retry-failed tries again").format(failed=work_left.failed)
         )
     if work_left.wrong:
-        said = trn(
+        text = trn(
             "{wrong:,} row is wrong and is left out",
             "{wrong:,} rows are wrong and are left out",
             work_left.wrong,
         )
-        lines.append(said.format(wrong=work_left.wrong))
+        lines.append(text.format(wrong=work_left.wrong))
     if work_left.seconds is None:
         lines.append(tr("No case was timed yet, so nobody knows how long they take."))
     elif work_left.cases > work_left.done:
@@ -213,10 +213,10 @@ def study_summary(table: ResultTable, folder: Path) -> str:
 
 def damaged_results_line(count: int) -> str:
     """Line on the number of damaged results; empty if there are none."""
-    said = trn(
+    text = trn(
         "{count:,} damaged result is computed again", "{count:,} damaged results are computed again", count
     )
-    return said.format(count=count) + "\n" if count else ""
+    return text.format(count=count) + "\n" if count else ""
 
 
 def _line_sentence(line: int, sentence: str) -> str:

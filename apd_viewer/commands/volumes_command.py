@@ -77,10 +77,12 @@ def _volumes(options: argparse.Namespace) -> None:
     for each, found in ((mesh, now), (before, rest)):
         if each is None or found is None:
             continue
-        said = mesh_remarks(each)
+        remarks = mesh_remarks(each)
         if found.enclosed is None:
-            said.insert(0, tr("There is no volume: {why}.").format(why=inspect(each).missing_volume_phrase))
-        for sentence in said:
+            remarks.insert(
+                0, tr("There is no volume: {why}.").format(why=inspect(each).missing_volume_phrase)
+            )
+        for sentence in remarks:
             print(f"{each.name}: {sentence}")
 
 
@@ -104,11 +106,11 @@ def volume_lines(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
     lines = [name]
     width = max([_WIDTH, *(column_count(row.title) + _GAP for row in rows)])
     for row in rows:
-        said = _reading_text(row.now)
+        text = _reading_text(row.now)
         if has_rest:
-            said = tr("{now} of {rest}").format(now=said, rest=_reading_text(row.rest))
-            said += f"  {row.change}" if row.change else ""
-        lines.append(padded_text(row.title, width) + said)
+            text = tr("{now} of {rest}").format(now=text, rest=_reading_text(row.rest))
+            text += f"  {row.change}" if row.change else ""
+        lines.append(padded_text(row.title, width) + text)
         lines += [f"    {row.definition}"] if row.definition else []
         for words, source, *_ in row.published:
             lines.append("    " + tr("published: {words} [{source}]").format(words=words, source=source))

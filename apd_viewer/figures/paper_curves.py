@@ -104,14 +104,14 @@ def handle_curve(
     return found + sorted(set(ways), key=lambda held: held.asked)
 
 
-def _pull_points(document: Document, share: float, tick: ProgressCallback) -> Iterator[HandleCurvePoint]:
+def _pull_points(document: Document, fraction: float, tick: ProgressCallback) -> Iterator[HandleCurvePoint]:
     line = _base_to_handle(document)
-    case = case_of(document.with_pose(0, translation(share * line)), _STEPS_OF_A_PULL)
+    case = case_of(document.with_pose(0, translation(fraction * line)), _STEPS_OF_A_PULL)
     handle = document.labels == HANDLE
     for step in run(case, tick):
         away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)
         got = float(away @ line / (line @ line))
-        yield HandleCurvePoint("pull", share * step.share + 0.0, round(got, 12) + 0.0)
+        yield HandleCurvePoint("pull", fraction * step.share + 0.0, round(got, 12) + 0.0)
 
 
 def _base_to_handle(document: Document) -> np.ndarray:

@@ -186,8 +186,8 @@ def _rows(ids: np.ndarray) -> Iterator[str]:
 
 def _number(value: float, digits: int = _DIGITS) -> str:
     """Number in at most 20 characters, as many as FE programs read."""
-    said = f"{value + 0.0:.{digits}g}"
-    return said if "." in said or "e" in said else said + "."
+    text = f"{value + 0.0:.{digits}g}"
+    return text if "." in text or "e" in text else text + "."
 
 
 def _ascii_name(name: str) -> str:

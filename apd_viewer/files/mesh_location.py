@@ -43,14 +43,14 @@ class MissingMesh:
 
 def mesh_location_to_json(mesh: Mesh, session: Path) -> dict[str, Any]:
     """JSON description of a mesh's location, relative to the session file."""
-    told = {"name": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
+    fields = {"name": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
     if mesh.path is None:
-        return told
+        return fields
     path, folder = os.path.abspath(mesh.path), os.path.abspath(session.parent)  # noqa: PTH100
-    told |= {"path": path, "sample": next((name for name in SAMPLES if _sample(name) == path), None)}
+    fields |= {"path": path, "sample": next((name for name in SAMPLES if _sample(name) == path), None)}
     with contextlib.suppress(ValueError):  # no relative path leads to another drive
-        told["relative"] = Path(os.path.relpath(path, folder)).as_posix()
-    return told
+        fields["relative"] = Path(os.path.relpath(path, folder)).as_posix()
+    return fields
 
 
 def _sample(name: str) -> str:

@@ -50,10 +50,10 @@ def area(state: State, unit: Unit) -> str:
 def _of_rest(now: float, rest: float, unit: Unit, power: int) -> str:
     """Current and rest area or volume, in one unit suited to both."""
     larger, factor = unit.legible_unit(max(now, rest, key=abs), power)
-    said = tr("{now} of {rest}").format(
+    text = tr("{now} of {rest}").format(
         now=format_significant(factor * now), rest=format_significant(factor * rest)
     )
-    return larger.format_area(said) if power == 2 else larger.format_volume(said)
+    return larger.format_area(text) if power == 2 else larger.format_volume(text)
 
 
 def area_verdict(state: State) -> str:

@@ -126,9 +126,9 @@ def _area(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
 
 
 def _volume(subject: ReportSubject) -> Iterator[tuple[str, str, str]]:
-    said = readings.volume(subject.state, subject.unit)
-    yield tr("Volume"), said.change, said.volumes
-    for line in said.remarks:
+    reading = readings.volume(subject.state, subject.unit)
+    yield tr("Volume"), reading.change, reading.volumes
+    for line in reading.remarks:
         yield "", line, ""
     yield tr("Self-intersections"), _crossing_count(subject.shape_check), ""
     if subject.state.is_contact_active:

@@ -86,11 +86,11 @@ def _vertices_by_ids(text: str, n: int) -> np.ndarray:
     for first, last in _ID.findall(text):
         low, high = int(first), int(last or first)
         if max(low, high) >= n:
-            said = tr("There is no vertex {vertex:,}; IDs run from 0 to {last:,}.")
-            raise InputError(said.format(vertex=max(low, high), last=n - 1))
+            sentence = tr("There is no vertex {vertex:,}; IDs run from 0 to {last:,}.")
+            raise InputError(sentence.format(vertex=max(low, high), last=n - 1))
         if low > high:
-            said = tr("The range {first}-{last} runs backwards; enter the lower ID first.")
-            raise InputError(said.format(first=first, last=last))
+            sentence = tr("The range {first}-{last} runs backwards; enter the lower ID first.")
+            raise InputError(sentence.format(first=first, last=last))
         found[low : high + 1] = True
     return np.flatnonzero(found)
 

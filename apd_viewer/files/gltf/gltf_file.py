@@ -163,22 +163,22 @@ class GltfFile:
     def _file_content(self, buffers: list[bytearray], touched: list[int]) -> bytes:
         changes = []
         for accessor in touched:
-            told = self.document["accessors"][accessor]
+            entry = self.document["accessors"][accessor]
             before, after = self._array(self.buffers, accessor), self._array(buffers, accessor)
             for bound, of in (("min", np.min), ("max", np.max)):
                 value = of(after, axis=0)
-                if bound in told and not np.array_equal(of(before, axis=0), value):
+                if bound in entry and not np.array_equal(of(before, axis=0), value):
                     changes.append((("accessors", accessor, bound), json.dumps(value.astype(float).tolist())))
         for k, buffer in enumerate(buffers):
             if buffer != self.buffers[k] and "uri" in self.document["buffers"][k]:
                 changes.append(
                     (("buffers", k, "uri"), json.dumps(data_uri(self.document["buffers"][k]["uri"], buffer)))
                 )
-        said = with_replaced_values(self.text, changes)
+        text = with_replaced_values(self.text, changes)
         if self.suffix == ".gltf":
-            return said.encode()
+            return text.encode()
         own = buffers and "uri" not in self.document["buffers"][0]
-        return rewritten_glb(self.content, None if said == self.text else said, buffers[0] if own else None)
+        return rewritten_glb(self.content, None if text == self.text else text, buffers[0] if own else None)
 
 
 def _local_positions(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:

@@ -111,11 +111,11 @@ class _Scene:
             whole_number(primitive["attributes"], "POSITION"),
             primitive["attributes"].get("NORMAL"),
         )
-        told = document_entry(self._document, "accessors", position)
+        entry = document_entry(self._document, "accessors", position)
         packed = [name for name in COMPRESSED if extension_fields(primitive, name) is not None]
-        if packed and "bufferView" not in told:
+        if packed and "bufferView" not in entry:
             raise compressed_error(packed[0])
-        if self._count + whole_number(told, "count") > MOST_VERTICES:
+        if self._count + whole_number(entry, "count") > MOST_VERTICES:
             raise too_large_error(tr("all its instances"))
         return VertexBlock(
             self._count,
@@ -250,14 +250,14 @@ def _joints(
     document: dict[str, Any], buffers: list[Any], skin: object, world: dict[int, np.ndarray]
 ) -> np.ndarray:
     """Joint matrices (j, 4, 4) of a skin, from its bind pose to the world."""
-    told = document_entry(document, "skins", skin)
-    names = list_field(told, "joints")
+    entry = document_entry(document, "skins", skin)
+    names = list_field(entry, "joints")
     if not names or not all(isinstance(name, int) and name in world for name in names):
         raise ValueError(tr("a joint of its skin is not in the scene"))
     joints = np.array([world[name] for name in names])
-    if "inverseBindMatrices" not in told:
+    if "inverseBindMatrices" not in entry:
         return joints
-    inverse = accessor_numbers(document, buffers, told["inverseBindMatrices"], 16)
+    inverse = accessor_numbers(document, buffers, entry["inverseBindMatrices"], 16)
     if len(inverse) < len(joints):
         raise ValueError(tr("its skin has fewer matrices than joints"))
     with np.errstate(all="ignore"):  # invalid positions are rejected later

@@ -170,16 +170,16 @@ def _is_area(area: object) -> bool:
     return isinstance(area, int | float) and not isinstance(area, bool) and LEAST_AREA <= area <= MOST_AREA
 
 
-def _check_names(said: _Refusals, names: Sequence[str], most: int) -> None:
+def _check_names(refusals: _Refusals, names: Sequence[str], most: int) -> None:
     if len(names) > most:
-        raise InputError(said.many.format(n=len(names), most=most))
+        raise InputError(refusals.many.format(n=len(names), most=most))
     for name in names:
         if not isinstance(name, str) or not name.strip():
-            raise InputError(said.nameless)
+            raise InputError(refusals.nameless)
         if any(unicodedata.category(sign) in _UNFIT for sign in name):
-            raise InputError(said.unfit)
+            raise InputError(refusals.unfit)
     if len(set(names)) < len(names):
-        raise InputError(said.twice)
+        raise InputError(refusals.twice)
 
 
 _FORMAT, _VERSION = "apd-selection", 1
@@ -223,16 +223,16 @@ def _runs(chosen: np.ndarray) -> list[int | list[int]]:
 
 def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
     """Parse a selection; raises ValueError or InputError if it does not fit ``mesh``."""
-    said = _object(_parsed_json(content), tr("it"))
-    if said.get("format") != _FORMAT:
+    document = _object(_parsed_json(content), tr("it"))
+    if document.get("format") != _FORMAT:
         raise ValueError(tr("its format is not “{format}”").format(format=_FORMAT))
-    if said.get("version") != _VERSION:
+    if document.get("version") != _VERSION:
         raise InputError(tr("Its version is not supported; save it again as version 1."))
-    same_mesh = _is_for_mesh(_object(said.get("mesh"), tr("its “mesh”")), mesh)
+    same_mesh = _is_for_mesh(_object(document.get("mesh"), tr("its “mesh”")), mesh)
     n = len(mesh.V)
-    handles = _parts(said, "handles", MOST_HANDLES)
-    regions = _parts(said, "regions", MOST_REGIONS)
-    held = [said.get("base", []), *(part.get("vertices") for part in handles)]
+    handles = _parts(document, "handles", MOST_HANDLES)
+    regions = _parts(document, "regions", MOST_REGIONS)
+    held = [document.get("base", []), *(part.get("vertices") for part in handles)]
     inside = [part.get("vertices") for part in regions]
     return Selection.with_default_names(
         _member_codes(held, n, FREE, [BASE, *range(HANDLE, HANDLE + len(handles))]),
@@ -261,8 +261,8 @@ def _object(value: object, what: str) -> dict[str, Any]:
     return value
 
 
-def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
-    parts = said.get(key, [])
+def _parts(fields: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
+    parts = fields.get(key, [])
     if not isinstance(parts, list):
         raise ValueError(tr("its “{key}” are not a list").format(key=key))
     if len(parts) > most:

@@ -113,8 +113,8 @@ def one_line_message(error: Exception) -> str:
 
 def _shortened_line(text: str, most: int) -> str:
     """Text on one line, cut to at most ``most`` characters."""
-    said = "".join(sign if sign.isprintable() else " " for sign in text)
-    return said if len(said) <= most else said[:most] + "…"
+    line = "".join(sign if sign.isprintable() else " " for sign in text)
+    return line if len(line) <= most else line[:most] + "…"
 
 
 # Bytes: 44 million vertices with normals in single precision, far more than can be deformed. A small file

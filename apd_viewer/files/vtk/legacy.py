@@ -97,17 +97,19 @@ def read_vtk(content: bytes) -> ParsedMesh:
     if head is None:
         raise ValueError(tr("it does not start as a VTK file does"))
     reader = LegacyReader(content, head.end(), head[2].upper() == b"BINARY")
-    found = _Sections()
-    kind = _read(reader, found, lists_offsets=int(head[1]) >= 5)
-    if found.points is None:
+    sections = _Sections()
+    kind = _read(reader, sections, lists_offsets=int(head[1]) >= 5)
+    if sections.points is None:
         raise ValueError(tr("it has no points"))
-    V = point_positions(found.points.values)
-    faces = _grid_faces(found) if kind == "UNSTRUCTURED_GRID" else _poly_faces(found)
-    origin = VtkLegacyFile(content, found.points, found.about_points, tuple(dict.fromkeys(found.others)))
+    V = point_positions(sections.points.values)
+    faces = _grid_faces(sections) if kind == "UNSTRUCTURED_GRID" else _poly_faces(sections)
+    origin = VtkLegacyFile(
+        content, sections.points, sections.about_points, tuple(dict.fromkeys(sections.others))
+    )
     return ParsedMesh(V, faces.triangles(V), origin)
 
 
-def _read(reader: LegacyReader, found: _Sections, lists_offsets: bool) -> str:
+def _read(reader: LegacyReader, sections: _Sections, lists_offsets: bool) -> str:
     """Read up to the point and cell data; return the kind of the data set."""
     kind = ""
     while (word := reader.peek_word()) and word not in ("POINT_DATA", "CELL_DATA"):
@@ -119,24 +121,24 @@ def _read(reader: LegacyReader, found: _Sections, lists_offsets: bool) -> str:
                     tr("The file holds a grid or a field and no surface; extract the surface first.")
                 )
         elif word == "FIELD":
-            found.others.append(_DATA[word])
+            sections.others.append(_DATA[word])
             _skip_field(reader)
         elif word == "POINTS":
-            found.points = reader.read_array(3 * reader.read_count(), reader.read_word())
-            found.about_points = reader.skip_metadata()
+            sections.points = reader.read_array(3 * reader.read_count(), reader.read_word())
+            sections.about_points = reader.skip_metadata()
         elif word == "CELL_TYPES":
-            found.types = reader.read_array(reader.read_count(), b"int").values
+            sections.types = reader.read_array(reader.read_count(), b"int").values
         elif word == "CELLS":
-            found.cells = _read_cells(reader, found, lists_offsets)
+            sections.cells = _read_cells(reader, sections, lists_offsets)
         elif word in _KINDS:
-            found.polygons[word] = _read_cells(reader, found, lists_offsets)
+            sections.polygons[word] = _read_cells(reader, sections, lists_offsets)
         elif word == "METADATA":
             reader.position -= len(word)
             reader.skip_metadata()
         else:
             raise ValueError(tr("it has an unknown part {text}").format(text=f"“{word}”"))
     for match in re.finditer(rb"^(POINT_DATA|CELL_DATA)\b", reader.content[reader.position :], re.MULTILINE):
-        found.others.append(_DATA[match[1].decode()])
+        sections.others.append(_DATA[match[1].decode()])
     return kind
 
 
@@ -149,9 +151,9 @@ def _skip_field(reader: LegacyReader) -> None:
         reader.skip_metadata()
 
 
-def _read_cells(reader: LegacyReader, found: _Sections, lists_offsets: bool) -> Polygons:
+def _read_cells(reader: LegacyReader, sections: _Sections, lists_offsets: bool) -> Polygons:
     """Read cells, stored as offsets and connectivity or as one list with sizes."""
-    points = 0 if found.points is None else len(found.points.values) // 3
+    points = 0 if sections.points is None else len(sections.points.values) // 3
     first, second = reader.read_count(), reader.read_count()
     if not lists_offsets:
         return _size_prefixed_polygons(
@@ -174,28 +176,28 @@ def _read_named_array(reader: LegacyReader, name: str, count: int) -> np.ndarray
 
 def _size_prefixed_polygons(row: np.ndarray, cells: int, points: int) -> Polygons:
     """Polygons from one list (k,) with the size of each cell before its vertices."""
-    places, at, said = [], 0, row.tolist()
+    places, at, numbers = [], 0, row.tolist()
     for _ in range(cells):
-        if at >= len(said) or said[at] < 0:
+        if at >= len(numbers) or numbers[at] < 0:
             raise ValueError(tr("its cells do not fit the list of their vertices"))
         places.append(at)
-        at += said[at] + 1
+        at += numbers[at] + 1
     heads = np.array(places, dtype=np.int64)
     start = np.concatenate([[0], np.cumsum(row[heads])]) if cells else np.zeros(1, dtype=np.int64)
     return cells_to_polygons(np.delete(row, heads), start, points)
 
 
-def _grid_faces(found: _Sections) -> Polygons:
-    if found.cells is None or found.types is None:
+def _grid_faces(sections: _Sections) -> Polygons:
+    if sections.cells is None or sections.types is None:
         return concatenated([])
-    return cell_faces(found.cells, found.types)
+    return cell_faces(sections.cells, sections.types)
 
 
-def _poly_faces(found: _Sections) -> Polygons:
+def _poly_faces(sections: _Sections) -> Polygons:
     """Polygons, then the triangles of strips."""
     parts = []
     for name in ("POLYGONS", "TRIANGLE_STRIPS"):
-        cells = found.polygons.get(name)
+        cells = sections.polygons.get(name)
         if cells is not None:
             parts.append(cell_faces(cells, np.full(len(cells.start) - 1, _KINDS[name])))
     return concatenated(parts)

@@ -163,10 +163,10 @@ class XmlArrays:
         self.root, self.appended = parse_elements(content)
         if self.root.name != "VTKFile":
             raise ValueError(tr("it is not a VTK file"))
-        said = self.root.attributes
-        self._order = ">" if said.get("byte_order") == "BigEndian" else "<"
-        self._header = np.dtype(self._order + ("u8" if said.get("header_type") == "UInt64" else "u4"))
-        self._compressor = said.get("compressor", "")
+        attributes = self.root.attributes
+        self._order = ">" if attributes.get("byte_order") == "BigEndian" else "<"
+        self._header = np.dtype(self._order + ("u8" if attributes.get("header_type") == "UInt64" else "u4"))
+        self._compressor = attributes.get("compressor", "")
         data = self.root.first_child("AppendedData")
         self._is_raw = data is not None and data.attributes.get("encoding") == "raw"
         # A file may reference one array many times, so the total size is bounded.

@@ -137,8 +137,8 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
     if areas[facing].sum() < _FACING * total:
         return None
     order = np.argsort(away[facing])
-    share = np.cumsum(areas[facing][order]) / areas[facing].sum()
-    low, middle, high = away[facing][order][np.searchsorted(share, [0.1, 0.5, 0.9])]
+    fraction = np.cumsum(areas[facing][order]) / areas[facing].sum()
+    low, middle, high = away[facing][order][np.searchsorted(fraction, [0.1, 0.5, 0.9])]
     if low < _SPREAD[0] * middle or high > _SPREAD[1] * middle:
         return None
     beside = opposite_half_edges(T.astype(np.int32), len(V)) // 3

@@ -342,16 +342,16 @@ def held_turns(
         Of each handle: its poses against the base, one after another, and from one to the next by the
         shortest rotation; none where it is not known.
     """
-    asked = [RequestedTurn.from_poses(poses) for poses in paths]
-    turned = any(way.angle >= LEAST_TURN for way in asked)
+    requested = [RequestedTurn.from_poses(poses) for poses in paths]
+    turned = any(way.angle >= LEAST_TURN for way in requested)
     looks = turned and (labels == BASE).any() and np.isfinite(U).all()
     surface = SurfaceTurns(V, U, F, labels) if looks else None
-    said = []
-    for k, way in enumerate(asked):
+    turns = []
+    for k, way in enumerate(requested):
         held = surface.turn(k, way) if surface and way.angle >= LEAST_TURN else None
         sign = math.copysign(1.0, signed_angle_about(way.axis, _base_to_handle(V, labels, k))[0])
-        said.append(HeldTurn(sign * way.angle, None if held is None else sign * held))
-    return tuple(said)
+        turns.append(HeldTurn(sign * way.angle, None if held is None else sign * held))
+    return tuple(turns)
 
 
 def relative_paths(X: np.ndarray, positions: np.ndarray, labels: np.ndarray) -> list[list[np.ndarray]]:

@@ -59,10 +59,10 @@ def _parse_value(
         raise InputError(
             tr("The entry is too long; enter at most {most} characters.").format(most=MOST_CHARACTERS)
         )
-    said = ExpressionParser(tokenize(text), names, unit).parsed_quantity()
-    if said.powers not in (DIMENSIONLESS, powers):
-        raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=said.kind, wanted=wanted))
-    return said.value
+    quantity = ExpressionParser(tokenize(text), names, unit).parsed_quantity()
+    if quantity.powers not in (DIMENSIONLESS, powers):
+        raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=quantity.kind, wanted=wanted))
+    return quantity.value
 
 
 # Limit of nested parentheses, far below Python's recursion limit.
@@ -82,10 +82,10 @@ class ExpressionParser:
 
     def parsed_quantity(self) -> Quantity:
         """Quantity of all tokens."""
-        said = self._sum()
+        quantity = self._sum()
         if self._token:
             raise self._misplaced_error()
-        return said
+        return quantity
 
     @property
     def _token(self) -> str:

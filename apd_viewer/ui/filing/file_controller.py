@@ -285,12 +285,12 @@ def ask_before_leaving(
     parent: QWidget, name: str, closes: bool, fate: FileState = FileState.SAME
 ) -> UnsavedAnswer:
     """Ask about unsaved work before closing, or before opening another file."""
-    said = tr("Save changes to “{name}” before closing?")
+    text = tr("Save changes to “{name}” before closing?")
     if not closes:
-        said = tr("Save changes to “{name}” before opening another file?")
+        text = tr("Save changes to “{name}” before opening another file?")
     kept = tr("A session keeps paint, handles, targets, settings and the shape; a mesh only the shape.")
     lost = lost_file_text("{name}", fate)
-    question = Question(tr("Unsaved changes"), said, name, f"{lost}\n{kept}".lstrip())
+    question = Question(tr("Unsaved changes"), text, name, f"{lost}\n{kept}".lstrip())
     return ask_question(parent, question, UnsavedAnswer)
 
 
@@ -301,12 +301,12 @@ def ask_about_changed_file(
 
     Whoever has found the change may still be at work. ``Enter`` loses nothing.
     """
-    said = tr("“{name}” has been changed by another window or program. Overwrite it?")
+    text = tr("“{name}” has been changed by another window or program. Overwrite it?")
     about = tr(
         "Overwrite loses what is in the file. Reload opens the file instead and takes this window’s "
         "changes away; Undo brings them back."
     )
-    question = Question(tr("File changed"), said, name, about)
+    question = Question(tr("File changed"), text, name, about)
 
     def ask() -> None:
         actions.get(ask_question(parent, question, ChangedFileAnswer), lambda: None)()

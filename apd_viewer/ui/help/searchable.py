@@ -116,8 +116,8 @@ def _disabled_reason(entry: ShortcutEntry, store: StateStore) -> str:
         return tr("load a target shape first")
     if name.endswith("_obstacle"):
         return tr("click an obstacle first")
-    said = entry.action.toolTip()  # for instance: the file has no texture
-    return said if said and said != entry.full_tip else tr("not with what is open")
+    tip = entry.action.toolTip()  # for instance: the file has no texture
+    return tip if tip and tip != entry.full_tip else tr("not with what is open")
 
 
 def control_entries(panel: Panel) -> Iterator[Searchable]:

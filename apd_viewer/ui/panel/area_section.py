@@ -185,14 +185,14 @@ class AreaSection(QWidget):
     def show_activity(self, state: State, session: Session) -> None:
         """Show the solver's activity."""
         activity = session.store.activity.value
-        said = _WORDS[activity]
+        text = _WORDS[activity]
         if session.store.is_previewing:
-            said = tr("preview")
+            text = tr("preview")
         elif session.store.is_preparing:
-            said = tr("preparing")
+            text = tr("preparing")
         elif activity == "not reached" and state.frame.unreached:
-            said = tr("out of reach")
-        self.activity.setText(said)
+            text = tr("out of reach")
+        self.activity.setText(text)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""
@@ -363,14 +363,14 @@ class CrossingsButton(QToolButton):
                 "sound",
             )
         else:
-            said = tr("{n:,} intersecting triangles")
+            sentence = tr("{n:,} intersecting triangles")
             tip = tr("The volume counts overlaps twice. Show where this is")
             if kept_apart:
                 tip = tr(
                     "Contact leaves what crosses at rest as it is, and keeps no loose part apart from what "
                     "carries it; the volume counts such overlaps twice. Show where this is"
                 )
-            self._say(said.format(n=triangles), tip, "warning")
+            self._say(sentence.format(n=triangles), tip, "warning")
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""

@@ -174,11 +174,11 @@ class CompilingProgress(QWidget):
         row.addWidget(QLabel(tr("compiling for this computer, only once…")))
         self.hide()
 
-    def follow(self, share: float | None) -> None:
+    def follow(self, fraction: float | None) -> None:
         """Show the fraction of kernels compiled; hide if None or 1."""
-        self.setVisible(share is not None and share < 1.0)
-        if share is not None:
-            self.bar.show_fraction(share)
+        self.setVisible(fraction is not None and fraction < 1.0)
+        if fraction is not None:
+            self.bar.show_fraction(fraction)
 
 
 # Faster convergence needs no progress bar; during a drag of a handle the solver restarts constantly.

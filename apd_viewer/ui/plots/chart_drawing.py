@@ -283,17 +283,17 @@ def draw_color_bar(
     bar.setLeft(rect.right() - widest - _GAP - _BAR)
     bar.setWidth(_BAR)
     fill = QLinearGradient(bar.bottomLeft(), bar.topLeft())
-    for share, color in zip(
+    for fraction, color in zip(
         np.linspace(0.0, 1.0, len(color_bar.colors)).tolist(), color_bar.colors, strict=True
     ):
-        fill.setColorAt(share, QColor(color))
+        fill.setColorAt(fraction, QColor(color))
     painter.fillRect(bar, fill)
     painter.setPen(QPen(QColor(theme.line), 1.0))
     painter.drawRect(bar)
     painter.setPen(QColor(theme.quiet))
     for place, text in ticks:
-        share = (place - color_bar.axis.low) / (color_bar.axis.high - color_bar.axis.low)
-        y = bar.bottom() - share * bar.height() + 0.35 * metrics.ascent()
+        fraction = (place - color_bar.axis.low) / (color_bar.axis.high - color_bar.axis.low)
+        y = bar.bottom() - fraction * bar.height() + 0.35 * metrics.ascent()
         painter.drawText(QPointF(bar.right() + _GAP, y), text)
     return rect.adjusted(0.0, 0.0, -(widest + 3 * _GAP + _BAR), 0.0)
 

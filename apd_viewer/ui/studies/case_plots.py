@@ -333,9 +333,9 @@ def color_bar_colors() -> tuple[str, ...]:
 
 def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
     """Colours for positions (n,) on an axis; grey for NaN."""
-    share = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
+    fraction = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
     shades = [*map(_hex, SEQUENTIAL.colors(np.linspace(0.0, 1.0, _SHADES)).tolist()), _NOTHING]
-    chosen = np.where(np.isfinite(share), np.rint((_SHADES - 1) * np.nan_to_num(share)), _SHADES)
+    chosen = np.where(np.isfinite(fraction), np.rint((_SHADES - 1) * np.nan_to_num(fraction)), _SHADES)
     return tuple(shades[k] for k in chosen.astype(int).tolist())
 
 

@@ -180,9 +180,9 @@ class CaseStudyController(QObject):
 
     # Progress and end of a run
 
-    def _report(self, said: object) -> None:
-        if self.run.folder == self.panel.folder and isinstance(said, dict):
-            self.panel.show_progress(said)
+    def _report(self, progress: object) -> None:
+        if self.run.folder == self.panel.folder and isinstance(progress, dict):
+            self.panel.show_progress(progress)
 
     def _end(self, folder: object, sentence: str) -> None:
         if self.panel.folder is not None and folder == self.panel.folder:

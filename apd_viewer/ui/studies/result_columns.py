@@ -156,9 +156,9 @@ class ReadResults(NamedTuple):
 def shown_columns(table: ResultTable) -> list[ResultColumn]:
     """Columns of the results table, with sort keys and longest texts precomputed."""
     line, *found = result_columns(table)
-    asked = [column for column in found if column.is_from_plan]
+    plan_columns = [column for column in found if column.is_from_plan]
     readings = [column for column in found if not column.is_from_plan]
-    shown = [line, *asked, _statuses(table), *readings, _sentences(table)]
+    shown = [line, *plan_columns, _statuses(table), *readings, _sentences(table)]
     for column in shown:
         _ = column.sort_keys, column.longest_texts
     return shown
@@ -177,8 +177,8 @@ def result_columns(table: ResultTable) -> list[ResultColumn]:
             _motions(cells) if table.columns[k] == MOTION_COLUMN else [_plan_column(table.columns[k], cells)]
         )
     readings = [_reading(table, name) for name in sorted(READINGS, key=_reading_position)]
-    asked = [each for each in _without_repeated_notes(found[1:]) if each.varies]
-    return [found[0], *asked, *(each for each in readings if each.is_numeric)]
+    plan_columns = [each for each in _without_repeated_notes(found[1:]) if each.varies]
+    return [found[0], *plan_columns, *(each for each in readings if each.is_numeric)]
 
 
 def _without_repeated_notes(columns: Sequence[ResultColumn]) -> list[ResultColumn]:

@@ -309,5 +309,5 @@ class StudyStatus:
             words.append(tr("{time} left").format(time=duration_text(now.seconds_left)))
         if self.is_stopping:
             words.append(tr("finishing the running cases"))
-        said = comma_separated(words)
-        return f"{said}. {self._sentence}" if self._sentence else said
+        summary = comma_separated(words)
+        return f"{summary}. {self._sentence}" if self._sentence else summary
