@@ -78,8 +78,8 @@ class ContextHelp(QObject):
             return marked
         mouse = QCursor.pos()
         under, focused = QApplication.widgetAt(mouse), self._shell.focusWidget()
-        pointed = self._place(under, mouse) if under is not None and mouse != self._mouse else None
-        used = self._place(focused, None) if focused is not None else None
+        pointed = self._manual_place(under, mouse) if under is not None and mouse != self._mouse else None
+        used = self._manual_place(focused, None) if focused is not None else None
         return pointed or used or self._tool
 
     def explain_next_click(self) -> None:
@@ -91,7 +91,7 @@ class ContextHelp(QObject):
         if now is not None:
             self._mouse = QCursor.pos()
 
-    def _place(self, widget: QWidget, at: QPoint | None) -> ManualPlace | None:
+    def _manual_place(self, widget: QWidget, at: QPoint | None) -> ManualPlace | None:
         """Manual location of a widget in this window; None for the viewport itself."""
         if widget.window() is not self._shell or isinstance(widget, Viewport):
             return None

@@ -63,7 +63,7 @@ class Legend(QFrame):
         self.close_button = small_button(tr("Hide overlay"), tr("Hide overlay"))
         self.close_button.clicked.connect(lambda: self.measure_chosen.emit(None))
         self.fold_button = small_button(tr("Fold legend"), tr("Show fewer or all lines of the legend"))
-        self.fold_button.clicked.connect(self._fold)
+        self.fold_button.clicked.connect(self._toggle_lines)
         self.bar = LegendColorBar()
         self.note = QLabel(objectName="quiet", wordWrap=True)
         self.under_cursor, self.largest = QLabel(), QLabel()
@@ -145,7 +145,7 @@ class Legend(QFrame):
         self._least, self._most = least, most
         self._show_lines()
 
-    def _fold(self) -> None:
+    def _toggle_lines(self) -> None:
         """Toggle between all lines and none."""
         self._unfolded = any(line[0].isHidden() for line in self._lines if self._is_wanted(line))
         self._show_lines()

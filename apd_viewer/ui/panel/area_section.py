@@ -339,14 +339,14 @@ class CrossingsButton(QToolButton):
     def show_pending(self, cannot_cross: bool = False) -> None:
         """Show that checking waits for the shape to stop, or that contact rules it out."""
         if cannot_cross:
-            self._say(tr("no self-intersections"), _KEPT_APART, "sound")
+            self._show_text(tr("no self-intersections"), _KEPT_APART, "sound")
             return
         tip = tr("Self-intersections are checked when the shape stops moving")
-        self._say(tr("self-intersections: checked when it stops"), tip)
+        self._show_text(tr("self-intersections: checked when it stops"), tip)
 
     def show_checking(self) -> None:
         """Show that a check for self-intersections is in progress."""
-        self._say(tr("checking for self-intersections…"), tr("Checking whether triangles intersect"))
+        self._show_text(tr("checking for self-intersections…"), tr("Checking whether triangles intersect"))
 
     def show_count(self, triangles: int | None, kept_apart: bool = False) -> None:
         """Show the number of intersecting triangles; None if unknown.
@@ -355,9 +355,9 @@ class CrossingsButton(QToolButton):
         """
         if triangles is None:
             tip = tr("The library ipctk, which checks this, is missing or does not respond")
-            self._say(tr("self-intersections: not checked"), tip)
+            self._show_text(tr("self-intersections: not checked"), tip)
         elif triangles == 0:
-            self._say(
+            self._show_text(
                 tr("no self-intersections"),
                 _KEPT_APART if kept_apart else tr("No triangles intersect"),
                 "sound",
@@ -370,14 +370,14 @@ class CrossingsButton(QToolButton):
                     "Contact leaves what crosses at rest as it is, and keeps no loose part apart from what "
                     "carries it; the volume counts such overlaps twice. Show where this is"
                 )
-            self._say(sentence.format(n=triangles), tip, "warning")
+            self._show_text(sentence.format(n=triangles), tip, "warning")
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""
         self._theme = theme
         self._draw()
 
-    def _say(self, text: str, tip: str, symbol: str = "") -> None:
+    def _show_text(self, text: str, tip: str, symbol: str = "") -> None:
         self.setText(text)
         self.setToolTip(tip)
         self.setAccessibleName(text)

@@ -77,9 +77,9 @@ class ColumnChoice(ComboBox):
     def _choose(self) -> None:
         self._own = True
         self.chosen.emit()
-        self._tell()
+        self._show_full_title()
 
-    def _tell(self) -> None:
+    def _show_full_title(self) -> None:
         """Show the full title in the tooltip, as the box may elide it."""
         self.setToolTip(f"{self.accessibleName()}: {self.currentText()}")
         self.updateGeometry()
@@ -106,7 +106,7 @@ class ColumnChoice(ComboBox):
         self.setCurrentIndex(max(0, self.findData(wanted)))
         widest = self.view().sizeHintForColumn(0) if self.count() else 0
         self.view().setMinimumWidth(widest + 24)
-        self._tell()
+        self._show_full_title()
 
     def sizeHint(self) -> QSize:
         """Size for the current title instead of the longest one."""

@@ -124,7 +124,7 @@ def _table(lines: list[dict[str, str]]) -> QGridLayout:
         tr("within 0.1 %"),
     )
     for column, title in enumerate(titles):
-        _put(grid, 1, column, QLabel(title, objectName="quiet"))
+        _add_cell(grid, 1, column, QLabel(title, objectName="quiet"))
     by_case: dict[str, dict[str, dict[str, str]]] = {}
     for line in lines:
         by_case.setdefault(line["case"], {})[line["method"]] = line
@@ -141,11 +141,11 @@ def _table(lines: list[dict[str, str]]) -> QGridLayout:
             tr("pass") if passes else tr("fail"),
         )
         for column, cell in enumerate(cells):
-            _put(grid, row, column, QLabel(cell))
+            _add_cell(grid, row, column, QLabel(cell))
     return grid
 
 
-def _put(grid: QGridLayout, row: int, column: int, label: QLabel) -> None:
+def _add_cell(grid: QGridLayout, row: int, column: int, label: QLabel) -> None:
     side = Qt.AlignmentFlag.AlignLeft if column == 0 else Qt.AlignmentFlag.AlignRight
     grid.addWidget(label, row, column, side)
 

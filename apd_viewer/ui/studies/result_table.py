@@ -125,10 +125,10 @@ class ResultModel(QAbstractTableModel):
         if role == _ROLES.ToolTipRole:
             return self.rows[k].sentence or None
         if role == _ROLES.ForegroundRole:
-            return self._ink(self.rows[k].status, column.name)
+            return self._text_color(self.rows[k].status, column.name)
         return None
 
-    def _ink(self, status: str, column: str) -> QBrush | None:
+    def _text_color(self, status: str, column: str) -> QBrush | None:
         if status in (FAILED, WRONG) and column in (STATUS_COLUMN, REMARK_COLUMN):
             return QBrush(QColor(self.theme.warm))
         return QBrush(QColor(self.theme.quiet)) if status in (WAITING, DUPLICATE) else None

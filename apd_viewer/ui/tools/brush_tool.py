@@ -61,7 +61,7 @@ class BrushTool(SelectionTool):
         last, hit, self._cursor = self._cursor, self._hit, event.position()
         steps = list(self._steps(last or self._cursor, hit, self._cursor))
         self._hit = steps[-1][1]
-        self._seen = self._sight
+        self._seen = self._view_key
         self._cover(steps)
         self._viewport.tool_layer.update()
         return True
@@ -98,7 +98,7 @@ class BrushTool(SelectionTool):
 
     def paint(self, painter: QPainter) -> None:
         """Draw the ring of the brush on the surface."""
-        if self._cursor is not None and self._seen != self._sight:
+        if self._cursor is not None and self._seen != self._view_key:
             self._pick()  # the mesh or the camera has moved under a resting cursor
         if self._hit is None:
             return
@@ -122,7 +122,7 @@ class BrushTool(SelectionTool):
 
     def _pick(self) -> None:
         self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
-        self._seen = self._sight
+        self._seen = self._view_key
 
     def _steps(
         self, start: QPointF, last: Hit | None, end: QPointF
@@ -215,7 +215,7 @@ class BrushSize(QObject):
         radius = float(np.clip(radius, SMALLEST_RADIUS, LARGEST_RADIUS))
         if radius != self._radius or self._mesh_radius is not None:
             self._radius, self._mesh_radius = radius, None
-            self._say()
+            self._announce_change()
 
     def set_radius(self, radius: float) -> None:
         """Set the radius in pixels."""
@@ -230,7 +230,7 @@ class BrushSize(QObject):
     def mesh_radius(self, radius: float | None) -> None:
         if radius != self._mesh_radius:
             self._mesh_radius = radius
-            self._say()
+            self._announce_change()
 
     def scale(self, factor: float) -> None:
         """Scale the radius by a factor."""
@@ -253,6 +253,6 @@ class BrushSize(QObject):
             self._mesh_radius / (2 * self._viewport.camera_controller.camera.world_per_pixel(hit.point)), 1.0
         )
 
-    def _say(self) -> None:
+    def _announce_change(self) -> None:
         self._viewport.tool_layer.update()
         self.changed.emit()

@@ -60,7 +60,7 @@ class ClickTool(SelectionTool):
         """Begin a click if the cursor is on the mesh."""
         if not self._enabled or not may_begin_stroke(event):
             return False
-        self._look(event)
+        self._update_hit(event)
         self._pressed = self._hit is not None
         return self._pressed
 
@@ -68,7 +68,7 @@ class ClickTool(SelectionTool):
         """Preview the selection at the cursor."""
         if not self._enabled:
             return False
-        self._look(event)
+        self._update_hit(event)
         if self._hit is not None:
             self._viewport.setCursor(Qt.CursorShape.CrossCursor)
         return self._hit is not None
@@ -78,7 +78,7 @@ class ClickTool(SelectionTool):
         if not self._pressed:
             return  # the press was cancelled
         self._pressed = False
-        self._look(event)
+        self._update_hit(event)
         vertices = self._connected_vertices()
         if len(vertices):
             self._apply(self.effect, vertices)
@@ -115,16 +115,16 @@ class ClickTool(SelectionTool):
 
     def paint(self, _painter: QPainter) -> None:
         """Update the preview if mesh or camera moved under a resting cursor."""
-        if self._cursor is not None and self._seen != self._sight:
+        if self._cursor is not None and self._seen != self._view_key:
             self._pick()
 
-    def _look(self, event: QMouseEvent) -> None:
+    def _update_hit(self, event: QMouseEvent) -> None:
         self._cursor, self.effect = event.position(), stroke_effect(event)
         self._pick()
 
     def _pick(self) -> None:
         self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
-        self._seen = self._sight
+        self._seen = self._view_key
         self._show()
 
     def _show(self) -> None:

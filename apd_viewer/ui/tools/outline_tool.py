@@ -147,7 +147,7 @@ class OutlineTool(SelectionTool):
         self.previewed.emit(self._vertices_inside())
 
     def _state(self) -> tuple[object, ...]:
-        return self._through, *self._sight
+        return self._through, *self._view_key
 
     def _shape(self) -> list[QPointF]:
         a, b = self._corners[0], self._cursor
@@ -181,7 +181,7 @@ class OutlineTool(SelectionTool):
 
     def _visible(self, skin: SurfaceIndex, vertices: np.ndarray) -> np.ndarray:
         """Visibility mask (k,) of ``vertices``, cached per view and shape."""
-        key = self._sight
+        key = self._view_key
         if self._seen is None or self._seen[0] != key:
             U = self._surface.U
             self._seen = key, np.full(len(U), -1, dtype=np.int8), skin.visibility_tree(U)
@@ -234,7 +234,7 @@ class SlabTool(SelectionTool):
         """Set the first plane."""
         if not self._enabled or not may_begin_stroke(event):
             return False
-        self._look(event)
+        self._update_hit(event)
         if self._here is None:
             return False
         self.effect, self._start = stroke_effect(event), self._here
@@ -248,7 +248,7 @@ class SlabTool(SelectionTool):
         if not self._enabled:
             return False
         if self._start is None:
-            self._look(event)
+            self._update_hit(event)
             self._viewport.tool_layer.update()
             return self._here is not None
         frame = GizmoFrame(self._viewport.camera_controller.camera, self._start, np.eye(3))
@@ -310,7 +310,7 @@ class SlabTool(SelectionTool):
                 self._pen_style,
             )
 
-    def _look(self, event: QMouseEvent) -> None:
+    def _update_hit(self, event: QMouseEvent) -> None:
         hit = self._surface.hit(event.position())
         self._here = None if hit is None else hit.point
         if hit is not None:

@@ -108,7 +108,7 @@ class SelectionTool(MouseTool, QObject):
         return Qt.PenStyle.DashLine if self.effect is StrokeEffect.REMOVE else Qt.PenStyle.SolidLine
 
     @property
-    def _sight(self) -> tuple[object, ...]:
+    def _view_key(self) -> tuple[object, ...]:
         """Key of shape and camera, to detect outdated hit tests."""
         return self._surface.revision, self._viewport.camera_controller.camera.key
 
