@@ -67,10 +67,10 @@ def preferred_languages(environment: Mapping[str, str], chosen: str = "") -> lis
         Chosen in the window; APD_VIEWER_LANGUAGE alone goes before it.
     """
     own, *others = _NAMES
-    said = environment.get(own) or chosen
-    said = said or next((environment[name] for name in others if environment.get(name)), "")
+    setting = environment.get(own) or chosen
+    setting = setting or next((environment[name] for name in others if environment.get(name)), "")
     names: list[str] = []
-    for name in said.split(":") if said else _of_the_system():
+    for name in setting.split(":") if setting else _system_languages():
         plain = name.partition(".")[0].replace("-", "_")
         language, *rest = plain.split("_")
         if language in _NO_LANGUAGE or language.lower() == "en":
@@ -90,7 +90,7 @@ def _spellings(plain: str, language: str, rest: list[str]) -> list[str]:
     return names
 
 
-def _of_the_system() -> list[str]:
+def _system_languages() -> list[str]:
     """Languages set in Windows or macOS; empty on other systems."""
     try:
         if sys.platform == "win32":

@@ -91,7 +91,7 @@ def version_lines() -> list[str]:
     return lines
 
 
-class _Redacting(logging.Formatter):
+class _RedactingFormatter(logging.Formatter):
     """Log formatter removing the names of the user's folders."""
 
     def format(self, record: logging.LogRecord) -> str:
@@ -137,7 +137,7 @@ def _add_handlers(undo: ExitStack, file: str, level: str | None) -> None:
     if level is not None:
         handlers.append(logging.StreamHandler())
     for handler in handlers:
-        handler.setFormatter(_Redacting(_FORMAT))
+        handler.setFormatter(_RedactingFormatter(_FORMAT))
         _LOGGER.addHandler(handler)
         undo.callback(handler.close)
         undo.callback(_LOGGER.removeHandler, handler)
@@ -207,15 +207,15 @@ def redacted_text(text: str) -> str:
     if len(home) > len(Path.home().anchor):
         for spelling in (home.replace("\\", "\\\\"), home):
             text = text.replace(spelling, "~")
-    roots = sorted({_below_home(root, home) for root in sys.path if Path(root).is_absolute()}, key=len)
-    return _PATH.sub(lambda match: _shortened(match, roots[::-1]), text)
+    roots = sorted({_home_shortened(root, home) for root in sys.path if Path(root).is_absolute()}, key=len)
+    return _PATH.sub(lambda match: _shortened_path(match, roots[::-1]), text)
 
 
-def _below_home(path: str, home: str) -> str:
+def _home_shortened(path: str, home: str) -> str:
     return path.replace(home, "~", 1) if path.startswith(home) else path
 
 
-def _shortened(match: re.Match[str], roots: list[str]) -> str:
+def _shortened_path(match: re.Match[str], roots: list[str]) -> str:
     quote, path = match["quote"] or "", match["quoted"] or match["bare"]
     name = re.split(r"[\\/]+", path.rstrip("\\/"))[-1]
     if name.endswith(".py"):

@@ -9,7 +9,7 @@ FOLDERS = "commands", "presentation", "session", "ui"
 # Formats that write a sign between groups or before decimals.
 SIGNS = re.compile(r",|\.[0-9]*[1-9][0-9]*[fge%]|\.\{|g$")
 # What writes a number as it is shown or typed.
-WRITERS = {"localized_number", "editable_number", "_shown"}
+WRITERS = {"localized_number", "editable_number"}
 # What is read by programs: shaders, pictures, settings, options, decks, and what no window shows of commands.
 FOR_PROGRAMS = {
     "commands/info_command.py",

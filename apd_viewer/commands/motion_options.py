@@ -88,11 +88,11 @@ def read_input(
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
     mesh = open_input_mesh(path, weld)
     document = with_selection(initial_document(mesh), read_selection_file(options.selection, mesh))
-    document = _posed(document, options.transform)
+    document = _posed_document(document, options.transform)
     return document, View(unit=mesh.unit), motion_from(options, document, mesh.unit)
 
 
-def _posed(document: Document, transforms: Sequence[str]) -> Document:
+def _posed_document(document: Document, transforms: Sequence[str]) -> Document:
     """Document with its handles posed by matrices from files."""
     if transforms and len(transforms) != len(document.handles):
         raise InputError(

@@ -156,7 +156,7 @@ def _press(options: argparse.Namespace) -> None:
     output = check_mesh_path(options.output)
     check_files([output, options.curve, options.figure, options.report])
     axis = parse_axis(options.axis)
-    mesh, start, unit = _opened(options.mesh, options.weld)
+    mesh, start, unit = _press_input(options.mesh, options.weld)
     check_shapes(mesh, output, np.ones(len(mesh.V), dtype=bool))
     wall = _wall(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
@@ -228,7 +228,7 @@ def _gas(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> 
     return newtons.gas_amount(pascals, rest)
 
 
-def _opened(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:
+def _press_input(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:
     """Undeformed mesh, a session's deformed shape (n, 3) or None, and the unit."""
     if Path(path).suffix.lower() != SESSION_SUFFIX:
         mesh = open_input_mesh(path, weld)

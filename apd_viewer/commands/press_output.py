@@ -170,7 +170,7 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
 def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     curve, lines = found.curve, []
     if curve.yield_load is not None:
-        force = "" if newtons is None else _beside(newtons.newtons_per_load * curve.yield_load, "N")
+        force = "" if newtons is None else _in_parentheses(newtons.newtons_per_load * curve.yield_load, "N")
         lines.append(
             tr("yields at a load of {load:.5g}{newtons}, pressed by {deflection:.4g}").format(
                 load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
@@ -180,9 +180,9 @@ def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
         slope = (
             ""
             if newtons is None
-            else _beside(newtons.newtons_per_millimetre * curve.apparent_stiffness, "N/mm")
+            else _in_parentheses(newtons.newtons_per_millimetre * curve.apparent_stiffness, "N/mm")
         )
-        work = "" if newtons is None else _beside(newtons.joules_per_work * curve.work, "J")
+        work = "" if newtons is None else _in_parentheses(newtons.joules_per_work * curve.work, "J")
         lines.append(
             tr("apparent stiffness {stiffness:.5g}{slope}, work {work:.5g}{joules}").format(
                 stiffness=curve.apparent_stiffness, slope=slope, work=curve.work, joules=work
@@ -206,30 +206,30 @@ def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversi
                 stiffness=newtons.pressed_stiffness, own=newtons.stiffness
             )
         )
-        if said := obstacle_readings.error_factor_phrase(newtons.underestimate_factor(found.stretching)):
+        if phrase := obstacle_readings.error_factor_phrase(newtons.underestimate_factor(found.stretching)):
             lines.append(
                 tr(
                     "This shape has to stretch, too, by up to {share:.0f} % of the energy: newtons, N/mm and "
                     "joules of the whole way may be {off}."
-                ).format(share=100.0 * found.stretching, off=said)
+                ).format(share=100.0 * found.stretching, off=phrase)
             )
     return lines
 
 
 def _wall_text(wall: Wall) -> str:
     """Description of the known wall properties."""
-    said = [wall.material and wall.material.title]
+    parts = [wall.material and wall.material.title]
     if wall.thickness is not None:
-        said.append(wall.unit.format_length(format_short(wall.thickness)))
+        parts.append(wall.unit.format_length(format_short(wall.thickness)))
     if wall.density is not None:
-        said.append(f"{format_short(wall.density)}\u00a0g/cm³")
+        parts.append(f"{format_short(wall.density)}\u00a0g/cm³")
     if wall.young is not None:
-        said.append(f"{format_short(wall.young / GPA)}\u00a0GPa")
-        said.append(tr("Poisson's ratio {ratio}").format(ratio=format_short(wall.nu)))
+        parts.append(f"{format_short(wall.young / GPA)}\u00a0GPa")
+        parts.append(tr("Poisson's ratio {ratio}").format(ratio=format_short(wall.nu)))
     if wall.yield_radius is not None:
         radius = wall.unit.format_length(format_short(wall.yield_radius))
-        said.append(tr("yields below a radius of {radius}").format(radius=radius))
-    return comma_separated(filter(None, said))
+        parts.append(tr("yields below a radius of {radius}").format(radius=radius))
+    return comma_separated(filter(None, parts))
 
 
 def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, remains: str) -> list[str]:
@@ -249,5 +249,5 @@ def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, rema
     ]
 
 
-def _beside(value: float, unit: str) -> str:
+def _in_parentheses(value: float, unit: str) -> str:
     return f" ({format_exact(value, 3)} {unit})"

@@ -69,8 +69,8 @@ def study_parser() -> Parser:
 
 def _columns() -> str:
     words = [*CASE_COLUMNS.items(), *((name, column.description) for name, column in SETTING_COLUMNS.items())]
-    said = "; ".join(f"{name} ({about})" for name, about in words)
-    return tr("Columns of a plan, besides notes that begin with #: {columns}.").format(columns=said)
+    text = "; ".join(f"{name} ({about})" for name, about in words)
+    return tr("Columns of a plan, besides notes that begin with #: {columns}.").format(columns=text)
 
 
 def _study(options: argparse.Namespace) -> None:
@@ -106,7 +106,7 @@ def _run(study: Study, options: argparse.Namespace) -> None:
             table = study.finish()
         if study.unfinished_cases:
             engine = _engine(options)
-            with _interruptible(study):
+            with _finish_on_interrupt(study):
                 table = study.run(engine, options.limit, tell)
         at_once = False
     except KeyboardInterrupt:
@@ -136,7 +136,7 @@ def _processes(options: argparse.Namespace) -> int:
 
 
 @contextmanager
-def _interruptible(study: Study) -> Iterator[None]:
+def _finish_on_interrupt(study: Study) -> Iterator[None]:
     """Finish running cases at the first Ctrl+C in this context, quit at the second."""
 
     def first(*_: Any) -> None:
@@ -165,8 +165,8 @@ def counts_text(counts: CaseCounts) -> str:
 
 def mistake_lines(plan: Plan) -> str:
     """One line for each invalid or repeated row of a plan."""
-    lines = [_on_line(row.line, row.mistake) for row in plan.rows if row.mistake]
-    return "".join(f"{line}\n" for line in _first(lines))
+    lines = [_line_sentence(row.line, row.mistake) for row in plan.rows if row.mistake]
+    return "".join(f"{line}\n" for line in _first_lines(lines))
 
 
 def work_left_lines(work_left: StudyForecast, processes: int) -> str:
@@ -183,12 +183,12 @@ def work_left_lines(work_left: StudyForecast, processes: int) -> str:
             tr("failed so far: {failed:,}; --retry-failed tries again").format(failed=work_left.failed)
         )
     if work_left.wrong:
-        said = trn(
+        text = trn(
             "{wrong:,} row is wrong and is left out",
             "{wrong:,} rows are wrong and are left out",
             work_left.wrong,
         )
-        lines.append(said.format(wrong=work_left.wrong))
+        lines.append(text.format(wrong=work_left.wrong))
     if work_left.seconds is None:
         lines.append(tr("No case was timed yet, so nobody knows how long they take."))
     elif work_left.cases > work_left.done:
@@ -207,23 +207,23 @@ def study_summary(table: ResultTable, folder: Path) -> str:
         f"{format_grouped(number, 0)} {status_text(status)}" for status, number in count.items()
     )
     lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
-    failed = [_on_line(row.line, row.sentence) for row in table.rows if row.status == FAILED]
-    return "\n".join([*lines, *_first(failed)])
+    failed = [_line_sentence(row.line, row.sentence) for row in table.rows if row.status == FAILED]
+    return "\n".join([*lines, *_first_lines(failed)])
 
 
 def damaged_results_line(count: int) -> str:
     """Line on the number of damaged results; empty if there are none."""
-    said = trn(
+    text = trn(
         "{count:,} damaged result is computed again", "{count:,} damaged results are computed again", count
     )
-    return said.format(count=count) + "\n" if count else ""
+    return text.format(count=count) + "\n" if count else ""
 
 
-def _on_line(line: int, sentence: str) -> str:
+def _line_sentence(line: int, sentence: str) -> str:
     return tr("line {line}: {sentence}").format(line=line, sentence=sentence)
 
 
-def _first(lines: list[str]) -> list[str]:
+def _first_lines(lines: list[str]) -> list[str]:
     """The first lines, and the number of the omitted ones."""
     more = len(lines) - _MOST_SAID
     return lines if more <= 0 else [*lines[:_MOST_SAID], tr("... and {more:,} more").format(more=more)]
@@ -282,21 +282,24 @@ def design_parser() -> Parser:
 
 def _design(options: argparse.Namespace) -> None:
     check_writable(options.output)
-    given = _given(options)
+    given = _constant_cells(options)
     vary = [parse_variable(text) for text in options.vary]
     if len(options.mesh) > 1:
         vary.insert(0, DesignVariable("mesh", tuple(options.mesh)))
     columns, rows = design_table(given, vary, options.method, options.samples, options.seed)
     folder = options.output.absolute().parent
     rows = [
-        [_found(cell, folder) if name in _FILES else cell for name, cell in zip(columns, row, strict=True)]
+        [
+            _relative_path(cell, folder) if name in _FILES else cell
+            for name, cell in zip(columns, row, strict=True)
+        ]
         for row in rows
     ]
     write_table(options.output, columns, rows)
     print(tr("{path}: {count:,} cases").format(path=options.output, count=len(rows)))
 
 
-def _given(options: argparse.Namespace) -> dict[str, str]:
+def _constant_cells(options: argparse.Namespace) -> dict[str, str]:
     """Constant cells of all rows from the options; raises InputError."""
     given = {"mesh": options.mesh[0]} if len(options.mesh) == 1 else {}
     given |= {name: getattr(options, name) for name in ("selection", "motion") if getattr(options, name)}
@@ -323,7 +326,7 @@ def _given(options: argparse.Namespace) -> dict[str, str]:
     return given
 
 
-def _found(name: str, folder: Path) -> str:
+def _relative_path(name: str, folder: Path) -> str:
     """Path of a file relative to the folder of the plan."""
     try:
         return Path(os.path.relpath(name, folder)).as_posix()

@@ -193,7 +193,7 @@ def write_sweep_films(
         Picture(
             shape_folder / f"{number:04d}.png",
             [shape_path(shape_folder, step) for step in own],
-            [(METHODS[step.method].short_title, *_words(step, case.abscissa)) for step in own],
+            [(METHODS[step.method].short_title, *_caption_lines(step, case.abscissa)) for step in own],
         )
         for number, own in enumerate(zip(*steps, strict=True))
     ]
@@ -215,7 +215,7 @@ def _view_settings(camera: CameraPose) -> dict[str, tuple[float, float, float]]:
     return {"view_direction": (x, y, z), "up": camera.up}
 
 
-def _words(step: CaseStep, abscissa: str) -> list[str]:
+def _caption_lines(step: CaseStep, abscissa: str) -> list[str]:
     where = {
         "degrees": f"{step.degrees:.0f}°",
         "way": localized_number(f"{step.displacement:.3g}"),

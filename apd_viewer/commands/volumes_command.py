@@ -77,10 +77,12 @@ def _volumes(options: argparse.Namespace) -> None:
     for each, found in ((mesh, now), (before, rest)):
         if each is None or found is None:
             continue
-        said = mesh_remarks(each)
+        remarks = mesh_remarks(each)
         if found.enclosed is None:
-            said.insert(0, tr("There is no volume: {why}.").format(why=inspect(each).missing_volume_phrase))
-        for sentence in said:
+            remarks.insert(
+                0, tr("There is no volume: {why}.").format(why=inspect(each).missing_volume_phrase)
+            )
+        for sentence in remarks:
             print(f"{each.name}: {sentence}")
 
 
@@ -104,11 +106,11 @@ def volume_lines(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
     lines = [name]
     width = max([_WIDTH, *(column_count(row.title) + _GAP for row in rows)])
     for row in rows:
-        said = _reading_text(row.now)
+        text = _reading_text(row.now)
         if has_rest:
-            said = tr("{now} of {rest}").format(now=said, rest=_reading_text(row.rest))
-            said += f"  {row.change}" if row.change else ""
-        lines.append(padded_text(row.title, width) + said)
+            text = tr("{now} of {rest}").format(now=text, rest=_reading_text(row.rest))
+            text += f"  {row.change}" if row.change else ""
+        lines.append(padded_text(row.title, width) + text)
         lines += [f"    {row.definition}"] if row.definition else []
         for words, source, *_ in row.published:
             lines.append("    " + tr("published: {words} [{source}]").format(words=words, source=source))
@@ -149,7 +151,7 @@ def volumes_report(
     }
     if rest is not None:
         report |= {f"{name}_rest": value for name, value in _fields(rest, unit, density, bag).items()}
-    return report | {"published": _published()}
+    return report | {"published": _published_figures()}
 
 
 def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float) -> dict[str, Any]:
@@ -170,7 +172,7 @@ def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float
     }
 
 
-def _published() -> dict[str, list[dict[str, Any]]]:
+def _published_figures() -> dict[str, list[dict[str, Any]]]:
     return {
         quantity.value: [
             {name: None if value == math.inf else value for name, value in figure._asdict().items()}

@@ -36,15 +36,15 @@ def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float]
     """
     scale = 1.0 if newtons is None else newtons[0]
     ways = [way for way in (pressed.steps, pressed.steps[-1:] + pressed.released) if len(way) > 1]
-    said = [(_load_title(pressed, newtons), lambda step: scale * _load(step))]
+    charts = [(_load_title(pressed, newtons), lambda step: scale * _load(step))]
     first = pressed.steps[0]
     if _volume(first):
         title = tr("Change of the volume within caps, %") if first.volume is None else tr("Volume change, %")
-        said.append((title, lambda step: 100 * (_volume(step) / _volume(first) - 1)))
+        charts.append((title, lambda step: 100 * (_volume(step) / _volume(first) - 1)))
 
     def fill(figure: Figure) -> None:
-        panels = figure.subplots(1, len(said), squeeze=False)[0]
-        for axes, (title, reading) in zip(panels, said, strict=True):
+        panels = figure.subplots(1, len(charts), squeeze=False)[0]
+        for axes, (title, reading) in zip(panels, charts, strict=True):
             axes.set_title(title)
             axes.set_xlabel(tr("deflection, in the unit of the mesh"))
             for way, style, name in zip(ways, ("-", "--"), (tr("closing"), tr("opening")), strict=False):
@@ -101,26 +101,26 @@ def draw_sweep_curves(
     obstacles : sequence of str
         Names of the obstacles; each has a curve of its load.
     """
-    said = [
+    charts = [
         (tr("Area change, %"), [100 * step.frame.area_error for step in steps]),
         (tr("Volume change, %"), [100 * (step.volume_error or 0.0) for step in steps]),
         (tr("ARAP energy"), [step.energy for step in steps]),
     ]
     if steps[0].volume_error is None:
-        del said[1]
-    width = len(said)
-    said += [
+        del charts[1]
+    width = len(charts)
+    charts += [
         (tr("Load on {name}").format(name=title), [step.loads[k] if step.loads else np.nan for step in steps])
         for k, title in enumerate(obstacles)
     ]
-    rows = -(-len(said) // width)
+    rows = -(-len(charts) // width)
 
     def fill(figure: Figure) -> None:
         panels = figure.subplots(rows, width, squeeze=False).ravel()
-        for axes, (title, values) in zip(panels, said, strict=False):
+        for axes, (title, values) in zip(panels, charts, strict=False):
             axes.set_title(title)
             _curves(axes, steps, abscissa, np.array(values))
-        for axes in panels[len(said) :]:
+        for axes in panels[len(charts) :]:
             axes.set_axis_off()
         for axes in panels[: width - 1]:
             zero_line(axes)

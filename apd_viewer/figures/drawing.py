@@ -31,10 +31,10 @@ def main(job: str) -> None:
         # By default VTK tries the X server first: it warns if there is none, and crashes if it is broken.
         os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
     folder = Path(job)
-    said = json.loads((folder / "job.json").read_text(encoding="utf-8"))
+    description = json.loads((folder / "job.json").read_text(encoding="utf-8"))
     F, rest = np.load(folder / "faces.npy"), np.load(folder / "rest.npy")
-    shapes = [np.load(path) for picture in said["pictures"] for path in picture["shapes"]]
-    _draw(said, F, rest, shapes)
+    shapes = [np.load(path) for picture in description["pictures"] for path in picture["shapes"]]
+    _draw(description, F, rest, shapes)
 
 
 def _color_map() -> Colormap:

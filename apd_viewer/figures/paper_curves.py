@@ -93,28 +93,28 @@ def handle_curve(
 ) -> list[HandleCurvePoint]:
     """Handle drift of the paper's method in twists to 180 degrees, pulls and pushes."""
     found = []
-    height = float(np.linalg.norm(_line(document)))
+    height = float(np.linalg.norm(_base_to_handle(document)))
     document = document.with_settings(method="paper")
     for step in run(case_of(document, steps, motion=[_TWIST]), lambda done: tick(0.6 * done)):
         found.append(HandleCurvePoint("twist", step.degrees, step.frame.handle_drift / height))
     ways = [
-        *_pulls(document, -_PUSH, lambda done: tick(0.6 + 0.2 * done)),
-        *_pulls(document, _PULL, lambda done: tick(0.8 + 0.2 * done)),
+        *_pull_points(document, -_PUSH, lambda done: tick(0.6 + 0.2 * done)),
+        *_pull_points(document, _PULL, lambda done: tick(0.8 + 0.2 * done)),
     ]
     return found + sorted(set(ways), key=lambda held: held.asked)
 
 
-def _pulls(document: Document, share: float, tick: ProgressCallback) -> Iterator[HandleCurvePoint]:
-    line = _line(document)
-    case = case_of(document.with_pose(0, translation(share * line)), _STEPS_OF_A_PULL)
+def _pull_points(document: Document, fraction: float, tick: ProgressCallback) -> Iterator[HandleCurvePoint]:
+    line = _base_to_handle(document)
+    case = case_of(document.with_pose(0, translation(fraction * line)), _STEPS_OF_A_PULL)
     handle = document.labels == HANDLE
     for step in run(case, tick):
         away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)
         got = float(away @ line / (line @ line))
-        yield HandleCurvePoint("pull", share * step.share + 0.0, round(got, 12) + 0.0)
+        yield HandleCurvePoint("pull", fraction * step.share + 0.0, round(got, 12) + 0.0)
 
 
-def _line(document: Document) -> np.ndarray:
+def _base_to_handle(document: Document) -> np.ndarray:
     """Vector from base to handle centre, scaled to the extent of the mesh along it."""
     base, handle = (document.grip[document.labels == label].mean(axis=0) for label in (BASE, HANDLE))
     axis = (handle - base) / np.linalg.norm(handle - base)

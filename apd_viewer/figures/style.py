@@ -78,10 +78,10 @@ def _write_numbers(figure: Figure) -> None:
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             if type(axis.get_major_formatter()) is ScalarFormatter:
-                axis.set_major_formatter(_ShownNumbers())
+                axis.set_major_formatter(_LocalizedFormatter())
 
 
-class _ShownNumbers(ScalarFormatter):
+class _LocalizedFormatter(ScalarFormatter):
     def __call__(self, x: float, pos: int | None = None) -> str:
         return localized_number(super().__call__(x, pos))
 

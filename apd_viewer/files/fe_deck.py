@@ -113,7 +113,7 @@ def write_deck(path: str | Path, deck: Deck) -> None:
 def _lines(deck: Deck) -> Iterator[str]:
     """Lines of the deck, with nodes and elements numbered from 1 as in the mesh."""
     yield "*HEADING"
-    yield _plain(f"Written by apd-viewer from {deck.source}")  # a name may begin with *, as keywords do
+    yield _ascii_name(f"Written by apd-viewer from {deck.source}")  # a name may begin with *, as keywords do
     yield from (f"** {note}" for note in (*deck.wall.notes, *deck.notes, _ABAQUS))
     yield from _mesh_lines(deck)
     yield from _set_lines(deck)
@@ -138,12 +138,12 @@ def _mesh_lines(deck: Deck) -> Iterator[str]:
 
 def _set_lines(deck: Deck) -> Iterator[str]:
     for part in deck.held_sets:
-        yield f"** {part.name}: {_plain(part.title)}"
+        yield f"** {part.name}: {_ascii_name(part.title)}"
         yield f"*NSET, NSET={part.name}"
         yield from _rows(part.vertices)
     for number, region in enumerate(deck.regions, start=1):
         if len(region.triangles):
-            yield f"** REGION_{number}: {_plain(region.title)}"
+            yield f"** REGION_{number}: {_ascii_name(region.title)}"
             yield f"*ELSET, ELSET=REGION_{number}"
             yield from _rows(region.triangles)
 
@@ -186,10 +186,10 @@ def _rows(ids: np.ndarray) -> Iterator[str]:
 
 def _number(value: float, digits: int = _DIGITS) -> str:
     """Number in at most 20 characters, as many as FE programs read."""
-    said = f"{value + 0.0:.{digits}g}"
-    return said if "." in said or "e" in said else said + "."
+    text = f"{value + 0.0:.{digits}g}"
+    return text if "." in text or "e" in text else text + "."
 
 
-def _plain(name: str) -> str:
+def _ascii_name(name: str) -> str:
     """User's name as one line of ASCII."""
     return " ".join(name.split())[:_LONGEST].encode("ascii", "replace").decode()

@@ -152,7 +152,7 @@ def _block(block: PageBlock) -> str:
     if isinstance(block, PageDrawing):
         both = f'<div class="on-light">{block.light}</div><div class="on-dark">{block.dark}</div>'
         return f"<figure>{both}<figcaption>{escape(block.caption)}</figcaption></figure>"
-    held = _held(block.content, "application/octet-stream")
+    held = _data_uri(block.content, "application/octet-stream")
     link = f'<a download="{escape(block.name)}" href="{held}">{escape(block.name)}</a>'
     return f"<p>{link} <small>{escape(block.text)}</small></p>"
 
@@ -167,24 +167,24 @@ def _grid_row(head: tuple[str, ...], row: tuple[GridCell, ...]) -> str:
 
 def _lines(cell: GridCell) -> str:
     """HTML of the lines of a cell, each a text with a remark."""
-    return "".join(f"<div>{_remarked(*line)}</div>" for line in cell)
+    return "".join(f"<div>{_with_remark(*line)}</div>" for line in cell)
 
 
-def _remarked(text: str, more: str) -> str:
+def _with_remark(text: str, more: str) -> str:
     return escape(text) + (f" <small>{escape(more)}</small>" if more else "")
 
 
 def _row(name: str, value: str, more: str) -> str:
-    return f'<tr><th scope="row">{escape(name)}</th><td>{_remarked(value, more)}</td></tr>'
+    return f'<tr><th scope="row">{escape(name)}</th><td>{_with_remark(value, more)}</td></tr>'
 
 
 def _picture(picture: PagePicture) -> str:
-    caption, held = escape(picture.caption), _held(picture.png, "image/png")
+    caption, held = escape(picture.caption), _data_uri(picture.png, "image/png")
     image = f'<img alt="{caption}" src="{held}">'
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 
-def _held(content: bytes, kind: str) -> str:
+def _data_uri(content: bytes, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 

@@ -44,14 +44,14 @@ class MissingMesh:
 
 def mesh_location_to_json(mesh: Mesh, session: Path) -> dict[str, Any]:
     """JSON description of a mesh's location, relative to the session file."""
-    told = {"name": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
+    fields = {"name": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
     if mesh.path is None:
-        return told
+        return fields
     path, folder = os.path.abspath(mesh.path), os.path.abspath(session.parent)  # noqa: PTH100
-    told |= {"path": path, "sample": next((name for name in SAMPLES if _sample(name) == path), None)}
+    fields |= {"path": path, "sample": next((name for name in SAMPLES if _sample(name) == path), None)}
     with contextlib.suppress(ValueError):  # no relative path leads to another drive
-        told["relative"] = Path(os.path.relpath(path, folder)).as_posix()
-    return told
+        fields["relative"] = Path(os.path.relpath(path, folder)).as_posix()
+    return fields
 
 
 def _sample(name: str) -> str:
@@ -127,7 +127,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
         if mesh.digest == digest:
             _found[mesh] = stamp
             return mesh
-        problems.append(_not_the_one(mesh, description, session))
+        problems.append(_changed_mesh_sentence(mesh, description, session))
     if description.has_value("embedded"):
         return _embedded(description, there[0] if there else session.parent / name, archive, prefix)
     if problems:
@@ -161,7 +161,7 @@ def _places(description: JsonFields, session: Path, name: str) -> list[Path]:
     return list(dict.fromkeys(places))
 
 
-def _not_the_one(mesh: Mesh, description: JsonFields, session: Path) -> str:
+def _changed_mesh_sentence(mesh: Mesh, description: JsonFields, session: Path) -> str:
     before = description.count("vertices")
     change = tr("it has been changed")
     if len(mesh.V) != before:

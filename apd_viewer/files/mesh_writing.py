@@ -165,7 +165,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
         raise
     except ValueError:
         V, F = U[:0], mesh.F[:0]
-    if not _holds(V, F, mesh, U):
+    if not _is_same_shape(V, F, mesh, U):
         raise InputError(
             tr("{name} cannot store this shape accurately; choose another format.").format(name=path.name)
         )
@@ -180,7 +180,7 @@ def _metre(mesh: Mesh, path: Path, unit: str) -> float:
     return METRES.get(unit, 1.0) if is_new and MESH_FORMATS[path.suffix.lower()].is_in_metres else 1.0
 
 
-def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
+def _is_same_shape(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
     """True if the file read back matches ``mesh`` at ``U``, up to vertex numbering."""
     if len(F) != len(mesh.F):
         return False

@@ -42,10 +42,10 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
     with replacing_file(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow([text_cell(column) for column in columns])
-        writer.writerows([_written(cell) for cell in row] for row in rows)
+        writer.writerows([_written_cell(cell) for cell in row] for row in rows)
 
 
-def _written(cell: Cell) -> str:
+def _written_cell(cell: Cell) -> str:
     if isinstance(cell, str):
         return text_cell(cell)
     if cell is None or cell != cell:

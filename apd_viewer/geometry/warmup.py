@@ -47,11 +47,11 @@ def warm_up(*names: str, is_cancelled: Callable[[], bool] = lambda: False) -> No
 
 
 def report_compilations(on_progress: Callable[[float], object]) -> Callable[[], object]:
-    """Call ``on_progress(share)`` after each compilation, until the result is called.
+    """Call ``on_progress(fraction)`` per compilation, until the result is called.
 
-    The ``share`` is the part of the table compiled so far in this process, or loaded.
+    The ``fraction`` is the part of the table compiled so far in this process, or loaded.
     """
-    ends = _Ends(lambda: on_progress(_share_ready()))
+    ends = _Ends(lambda: on_progress(_compiled_fraction()))
     event.register("numba:compile", ends)
     return partial(event.unregister, "numba:compile", ends)
 
@@ -81,7 +81,7 @@ def _const(array: types.Array) -> types.Array:
     return array.copy(readonly=True)
 
 
-def _share_ready() -> float:
+def _compiled_fraction() -> float:
     read = [kernel_of(row) for rows in kernel_table().values() for row in rows]
     return sum(arguments in kernel.overloads for kernel, arguments in read) / len(read)
 

@@ -118,10 +118,12 @@ def measurement_report_rows(
     readings: Sequence[MeasurementReading], unit: Unit
 ) -> tuple[tuple[str, str, str], ...]:
     """Rows of name, current value and change from rest, for a static report page."""
-    return tuple((name, here, _from_rest(there, by)) for name, here, there, by in value_rows(readings, unit))
+    return tuple(
+        (name, here, _change_text(there, by)) for name, here, there, by in value_rows(readings, unit)
+    )
 
 
-def _from_rest(at_rest: str, change: str) -> str:
+def _change_text(at_rest: str, change: str) -> str:
     return tr("{change} from {rest}").format(change=change, rest=at_rest) if change else ""
 
 

@@ -82,14 +82,14 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
         ReadingColumn(
             tr("Volume"),
             _about_volume(state),
-            lambda x: _known(
+            lambda x: _text_or_dash(
                 x["volume"] / x["volume_rest"], lambda v: f"{format_grouped(100.0 * v, 3)}\u00a0%"
             ),
         ),
         ReadingColumn(
             tr("Energy"),
             energy,
-            lambda x: _known(x["energy"], lambda v: unit.format_area(format_significant(v, 5))),
+            lambda x: _text_or_dash(x["energy"], lambda v: unit.format_area(format_significant(v, 5))),
         ),
         ReadingColumn(
             tr("Handle drift"),
@@ -109,7 +109,7 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
         ReadingColumn(
             tr("Time"),
             tr("Time for factoring and iterations on this computer"),
-            lambda x: _known(x["seconds"], lambda v: f"{format_grouped(v, 2)}\u00a0s"),
+            lambda x: _text_or_dash(x["seconds"], lambda v: f"{format_grouped(v, 2)}\u00a0s"),
         ),
     ]
 
@@ -123,7 +123,7 @@ def _about_volume(state: State) -> str:
     return tr("Enclosed volume in percent of the rest volume")
 
 
-def _known(value: float, written: Callable[[float], str]) -> str:
+def _text_or_dash(value: float, written: Callable[[float], str]) -> str:
     return "–" if math.isnan(value) else written(value)
 
 

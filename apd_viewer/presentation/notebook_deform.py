@@ -34,18 +34,22 @@ P = ParamSpec("P")
 _SAME = [name for name in WRAPPER_ASSIGNMENTS if name != "__module__"]
 
 
-def _is_asked(progress: object) -> bool:
+def _is_progress_wanted(progress: object) -> bool:
     return isinstance(progress, bool | np.bool_) and bool(progress)
 
 
-def _shown(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
+def _wrap_deform(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     """Wrap ``deform`` with a progress line and a result with pictures."""
     signature = inspect.signature(deform)
 
     @wraps(deform, assigned=_SAME)
     def shown(*given: P.args, **named: P.kwargs) -> NotebookResult:
         arguments = signature.bind(*given, **named).arguments
-        line = ProgressLine(arguments.get("iterations")) if _is_asked(arguments.get("progress")) else None
+        line = (
+            ProgressLine(arguments.get("iterations"))
+            if _is_progress_wanted(arguments.get("progress"))
+            else None
+        )
         if line is not None:
             named["progress"] = line
         try:
@@ -62,7 +66,7 @@ def _shown(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     return shown
 
 
-deform = _shown(quietly_deform)
+deform = _wrap_deform(quietly_deform)
 
 
 _SIDE = 280  # pixels per side of each picture
@@ -121,9 +125,12 @@ def result_rows(result: NotebookResult) -> list[tuple[str, str]]:
             tr("Effort"),
             f"{ended.format(n=result.iterations)}, {format_significant(result.seconds, 3)}\u00a0s",
         ),
-        (tr("Area"), _of_rest(result.area, result.area_rest)),
+        (tr("Area"), _change_text(result.area, result.area_rest)),
         *_volume_rows(result),
-        *((region.format(name=part.name), _of_rest(part.area, part.area_rest)) for part in result.regions),
+        *(
+            (region.format(name=part.name), _change_text(part.area, part.area_rest))
+            for part in result.regions
+        ),
         (tr("Largest local area change"), f"{format_short(100 * result.local_change)}\u00a0%"),
         (tr("Handle drift"), format_length(result.handle_drift, diagonal(result.rest))),
         *((tr("Warning"), sentence) for sentence in result.warnings),
@@ -133,13 +140,13 @@ def result_rows(result: NotebookResult) -> list[tuple[str, str]]:
 def _volume_rows(result: Result) -> list[tuple[str, str]]:
     """Row of the volume, capped if open; none if nothing is enclosed."""
     if result.volume is not None and result.volume_rest:
-        return [(tr("Volume"), _of_rest(result.volume, result.volume_rest))]
+        return [(tr("Volume"), _change_text(result.volume, result.volume_rest))]
     if result.volume_capped is not None and result.volume_capped_rest:
-        return [(tr("Volume, capped"), _of_rest(result.volume_capped, result.volume_capped_rest))]
+        return [(tr("Volume, capped"), _change_text(result.volume_capped, result.volume_capped_rest))]
     return []
 
 
-def _of_rest(value: float, rest: float) -> str:
+def _change_text(value: float, rest: float) -> str:
     change = format_signed(100.0 * (value / rest - 1.0), 3) if rest else "0.000"
     return tr("{now} of {rest} ({change} %)").format(
         now=format_significant(value), rest=format_significant(rest), change=change

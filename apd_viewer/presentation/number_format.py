@@ -13,8 +13,8 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def format_significant(value: float, digits: int = 6) -> str:
     """Number with ``digits`` significant digits, or all of its integer part."""
     if 10.0**digits - 0.5 <= abs(value) < _POWERS:
-        return _shown(f"{value:,.0f}")
-    return _shown(_with_power(f"{value:#,.{digits}g}".rstrip("."))) if value else "0"
+        return _localized_text(f"{value:,.0f}")
+    return _localized_text(_with_power(f"{value:#,.{digits}g}".rstrip("."))) if value else "0"
 
 
 def format_length(value: float, size: float) -> str:
@@ -25,14 +25,14 @@ def format_length(value: float, size: float) -> str:
 def format_grouped(value: float, decimals: int) -> str:
     """Number with grouped thousands."""
     text = f"{value:,.{decimals}f}"
-    return _shown(text.lstrip("-") if float(text.replace(",", "")) == 0 else text)
+    return _localized_text(text.lstrip("-") if float(text.replace(",", "")) == 0 else text)
 
 
 def format_signed(value: float, decimals: int, brief: bool = False) -> str:
     """Number with a sign unless zero; without trailing zeros if ``brief``."""
     text = f"{value:+.{decimals}f}"
     text = f"{0:.{decimals}f}" if float(text) == 0 else text
-    return _shown(text.rstrip("0").rstrip(".") if brief else text)
+    return _localized_text(text.rstrip("0").rstrip(".") if brief else text)
 
 
 def format_short(value: float) -> str:
@@ -56,7 +56,7 @@ def format_position(value: float, step: float) -> str:
         return "0"
     decimals = max(0, -math.floor(math.log10(step)))
     near = abs(float(f"{value:.3g}") - value) <= 0.1 * step
-    return format_short(value).replace("-", "−") if near else _shown(f"{value:,.{decimals}f}")
+    return format_short(value).replace("-", "−") if near else _localized_text(f"{value:,.{decimals}f}")
 
 
 def round_step(least: float) -> float:
@@ -73,7 +73,7 @@ def superscript(exponent: int) -> str:
     return str(exponent).translate(_RAISED)
 
 
-def _shown(text: str) -> str:
+def _localized_text(text: str) -> str:
     """Localized number text with a true minus sign."""
     return localized_number(text).replace("-", "−")
 

@@ -36,8 +36,8 @@ def idle_reason(state: State) -> str:
     """Sentence on inactive obstacles; empty if they are active."""
     method = state.document.settings.traits
     if not method.may_use_contact:
-        said = tr("The method {method} knows no contact: obstacles push nothing.")
-        return said.format(method=method.title)
+        sentence = tr("The method {method} knows no contact: obstacles push nothing.")
+        return sentence.format(method=method.title)
     return "" if state.document.settings.contact else tr("Contact is off: obstacles push nothing.")
 
 
@@ -54,12 +54,12 @@ def load_text(state: State, k: int) -> str:
     return tr("load {force}").format(force=format_significant(force, 3))
 
 
-def excess_phrase(share: float | None) -> str:
+def excess_phrase(excess: float | None) -> str:
     """Phrase on the expected excess of loads; None means a wall without stiffness."""
-    if share is None:
+    if excess is None:
         return tr("without stiffness, walls crumple and loads mean little")
     return tr("expected excess of loads {percent} %").format(
-        percent=format_significant(100.0 * share, _ESTIMATED)
+        percent=format_significant(100.0 * excess, _ESTIMATED)
     )
 
 
@@ -77,24 +77,24 @@ def load_excess_text(state: State) -> str:
     pressed = any(load_text(state, k) for k in range(len(state.document.obstacles)))
     if not pressed or not state.frame.settled:
         return ""
-    said = excess_phrase(state.load_excess)
-    return said[0].upper() + said[1:]
+    phrase = excess_phrase(state.load_excess)
+    return phrase[0].upper() + phrase[1:]
 
 
 def motion_text(state: State, k: int, unit: Unit) -> str:
     """Displacement of obstacle ``k``, and the distance lost to contact."""
     obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
-    way = format_length(float(np.linalg.norm(obstacle.shift)), size)
-    if way == "0":
+    distance = format_length(float(np.linalg.norm(obstacle.shift)), size)
+    if distance == "0":
         return tr("where it was put")
     short_of = float(np.linalg.norm(obstacle.shift - state.obstacle_shifts[k]))
-    moved = tr("moved {length}").format(length=unit.format_length(way))
+    moved = tr("moved {length}").format(length=unit.format_length(distance))
     if not state.is_contact_active or short_of <= _THERE * size:
         return moved
     if state.frame.settled:
         missing = unit.format_length(format_length(short_of, size))
-        said = tr("asked for {length}, stopped {missing} short")
-        return said.format(length=unit.format_length(way), missing=missing)
+        sentence = tr("asked for {length}, stopped {missing} short")
+        return sentence.format(length=unit.format_length(distance), missing=missing)
     reached = unit.format_length(format_length(float(np.linalg.norm(state.obstacle_shifts[k])), size))
     return tr("{motion}, reached {amount}").format(motion=moved, amount=reached)
 
@@ -102,21 +102,21 @@ def motion_text(state: State, k: int, unit: Unit) -> str:
 def coordinates_text(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:
     """Three coordinates as editable text, with rounding errors as 0."""
     between = "; " if notation().point == "," else ", "
-    said = (
+    parts = (
         format_editable(c, significant_digits(c, size, digits)) if abs(c) > 10.0**-digits * size else "0"
         for c in x
     )
-    return between.join(said)
+    return between.join(parts)
 
 
 def obstacle_report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
     """Report rows of the obstacles with displacements, positions and loads."""
     size = float(max(state.inspection.size))
     for k, obstacle in enumerate(state.document.obstacles):
-        more = [obstacle.kind.title, *_shape(obstacle, unit, size)]
-        if said := load_text(state, k):
-            more.append(f"{said}, {excess_phrase(state.load_excess)}" if state.frame.settled else said)
-        yield obstacle.name, motion_text(state, k, unit), "; ".join(more)
+        details = [obstacle.kind.title, *_shape(obstacle, unit, size)]
+        if text := load_text(state, k):
+            details.append(f"{text}, {excess_phrase(state.load_excess)}" if state.frame.settled else text)
+        yield obstacle.name, motion_text(state, k, unit), "; ".join(details)
 
 
 def _shape(obstacle: NamedObstacle, unit: Unit, size: float) -> Iterator[str]:

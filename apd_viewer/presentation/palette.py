@@ -47,19 +47,19 @@ def handle_color(k: int) -> tuple[int, int, int]:
     return HANDLE_COLORS[k % len(HANDLE_COLORS)]
 
 
-def _mixed() -> np.ndarray:
+def _mixed_colors() -> np.ndarray:
     """RGBA for each label and region number, (labels, 1 + regions, 4) uint8 array."""
     paint = np.array([handle_color(label - HANDLE) for label in range(256)], dtype=float)
     paint[BASE], paint[FREE] = BASE_COLOR, FREE_COLOR
-    share = np.full((len(paint), 1, 1), _OVER_PAINT)
-    share[FREE] = _OVER_FREE
+    opacity = np.full((len(paint), 1, 1), _OVER_PAINT)
+    opacity[FREE] = _OVER_FREE
     mixed = np.full((len(paint), 1 + len(REGION_COLORS), 4), 255.0)
     mixed[:, 0, :3] = paint
-    mixed[:, 1:, :3] = paint[:, None] + share * (np.array(REGION_COLORS) - paint[:, None])
+    mixed[:, 1:, :3] = paint[:, None] + opacity * (np.array(REGION_COLORS) - paint[:, None])
     return np.rint(mixed).astype(np.uint8)
 
 
-_MIXED = _mixed()
+_MIXED = _mixed_colors()
 
 
 def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.ndarray:

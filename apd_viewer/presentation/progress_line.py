@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 _INTERVAL = 0.1  # seconds between updates, as fast as the eye can read
 
 
-class _Place(Protocol):
+class _Output(Protocol):
     """Output of a progress line."""
 
     def show(self, text: str) -> None:
@@ -31,30 +31,30 @@ class ProgressLine:
 
     def __init__(self, iterations: int | None = None) -> None:
         self._iterations = iterations
-        self._place = _place()
+        self._output = _progress_output()
         self._last = -_INTERVAL
         self._text = self._shown = ""
 
     def __call__(self, frame: Frame) -> None:
         """Display a frame, at most every 0.1 s."""
-        if self._place is None:
+        if self._output is None:
             return
         self._text = frame_line(frame, self._iterations)
         now = time.monotonic()
         if now - self._last >= _INTERVAL:
             self._last = now
-            self._show(self._place)
+            self._show(self._output)
 
     def end(self) -> None:
         """Display the last frame and finish the line."""
-        if self._place is not None and self._text:
-            self._show(self._place)
-            self._place.end()
+        if self._output is not None and self._text:
+            self._show(self._output)
+            self._output.end()
 
-    def _show(self, place: _Place) -> None:
+    def _show(self, output: _Output) -> None:
         if self._text != self._shown:
             self._shown = self._text
-            place.show(self._text)
+            output.show(self._text)
 
 
 def frame_line(frame: Frame, iterations: int | None = None) -> str:
@@ -99,7 +99,7 @@ class _Cell:
         pass
 
 
-def _place() -> _Place | None:
+def _progress_output() -> _Output | None:
     """Terminal or notebook cell for the progress line; None elsewhere."""
     if sys.stderr is not None and sys.stderr.isatty():
         return _Terminal()

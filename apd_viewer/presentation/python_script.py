@@ -67,18 +67,22 @@ def python_script(document: Document) -> str:
         "import apd_viewer",
         "",
         f"mesh = apd_viewer.open_mesh({str(document.mesh.path)!r})",
-        *_assigned("base", _ids(np.flatnonzero(document.labels == BASE))),
+        *_assignment_lines("base", _ids(np.flatnonzero(document.labels == BASE))),
         "handles = [",
         *(line for k in handles for line in _handle(document, k)),
         "]",
         "fixed = np.concatenate([base, *handles])",
-        *_gripped(document, handles),
-        *_assigned("poses", _poses(document, handles)),
+        *_grip_lines(document, handles),
+        *_assignment_lines("poses", _poses(document, handles)),
         *_regions(document),
         *obstacle_lines(document),
-        *(_assigned("shifts", _array(obstacle_shifts(document))) if document.has_active_obstacles else ()),
+        *(
+            _assignment_lines("shifts", _array(obstacle_shifts(document)))
+            if document.has_active_obstacles
+            else ()
+        ),
         _TARGETS.rstrip(),
-        *_deformed(document, handles),
+        *_deform_lines(document, handles),
         f"apd_viewer.save_mesh(mesh, result.U, {_target(document)!r})",
     ]
     return "\n".join(lines) + "\n"
@@ -101,7 +105,7 @@ def _target(document: Document) -> str:
     return f"{document.mesh.stem}-deformed{suffix}"
 
 
-def _assigned(name: str, value: str) -> list[str]:
+def _assignment_lines(name: str, value: str) -> list[str]:
     """Lines of an assignment, wrapped inside the brackets of its value."""
     return textwrap.wrap(
         f"{name} = {value}", _WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
@@ -135,7 +139,7 @@ def _regions(document: Document) -> Iterator[str]:
     yield "]"
 
 
-def _gripped(document: Document, handles: list[int]) -> Iterator[str]:
+def _grip_lines(document: Document, handles: list[int]) -> Iterator[str]:
     """Lines with the grip positions of base and handles."""
     V, grip = document.mesh.V, document.grip
     held = document.labels != FREE
@@ -143,9 +147,9 @@ def _gripped(document: Document, handles: list[int]) -> Iterator[str]:
         yield "base_at, gripped = mesh.V[base], [mesh.V[ids] for ids in handles]"
         return
     # Painted on a deformed shape: the grip positions have to be written out.
-    yield from _assigned("base_at", _array(grip[document.labels == BASE]))
+    yield from _assignment_lines("base_at", _array(grip[document.labels == BASE]))
     each = ", ".join(_array(grip[document.labels == HANDLE + k]) for k in handles)
-    yield from _assigned("gripped", f"[{each}]")
+    yield from _assignment_lines("gripped", f"[{each}]")
 
 
 def _array(X: np.ndarray) -> str:
@@ -156,7 +160,7 @@ def _poses(document: Document, handles: list[int]) -> str:
     return f"[{', '.join(_array(document.handles[k].pose) for k in handles)}]"
 
 
-def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
+def _deform_lines(document: Document, handles: list[int]) -> Iterator[str]:
     settings = settings_arguments(document)
     pushes = document.has_active_obstacles
     shifts = ", shifts=shifts" if pushes else ""
@@ -166,9 +170,11 @@ def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
     yield ""
     yield "# A turn of more than 180 degrees goes in steps."
     steps = list(intermediate_documents(document))
-    yield from _assigned("way", f"[{', '.join(_poses(step, handles) for step in steps)}]")
+    yield from _assignment_lines("way", f"[{', '.join(_poses(step, handles) for step in steps)}]")
     if pushes:
-        yield from _assigned("shifts_on_the_way", _array(np.array([obstacle_shifts(step) for step in steps])))
+        yield from _assignment_lines(
+            "shifts_on_the_way", _array(np.array([obstacle_shifts(step) for step in steps]))
+        )
     yield _IN_STEPS.format(
         settings=settings,
         shifts=shifts,

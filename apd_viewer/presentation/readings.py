@@ -50,10 +50,10 @@ def area(state: State, unit: Unit) -> str:
 def _of_rest(now: float, rest: float, unit: Unit, power: int) -> str:
     """Current and rest area or volume, in one unit suited to both."""
     larger, factor = unit.legible_unit(max(now, rest, key=abs), power)
-    said = tr("{now} of {rest}").format(
+    text = tr("{now} of {rest}").format(
         now=format_significant(factor * now), rest=format_significant(factor * rest)
     )
-    return larger.format_area(said) if power == 2 else larger.format_volume(said)
+    return larger.format_area(text) if power == 2 else larger.format_volume(text)
 
 
 def area_verdict(state: State) -> str:
@@ -146,19 +146,19 @@ class ContactReadingText(NamedTuple):
 
     pairs: str
     least_gap: str
-    share: str
+    path_fraction: str
 
 
 def contact(state: State, unit: Unit) -> ContactReadingText:
     """Texts on self-contact of the shape; an ellipsis while unknown."""
     touch = state.frame.contact
-    share = NO_VALUE if state.is_at_rest else f"{math.floor(100.0 * state.frame.share_reached)} %"
+    path_fraction = NO_VALUE if state.is_at_rest else f"{math.floor(100.0 * state.frame.share_reached)} %"
     if touch is None and not state.is_at_rest:
         return ContactReadingText(PENDING, PENDING, PENDING)
     if touch is None or touch.least_gap is None:
-        return ContactReadingText(trc("pairs in contact", "none"), NO_VALUE, share)
+        return ContactReadingText(trc("pairs in contact", "none"), NO_VALUE, path_fraction)
     gap = unit.format_length(format_length(touch.least_gap, max(state.inspection.size)))
-    return ContactReadingText(format_grouped(touch.pairs, 0), gap, share)
+    return ContactReadingText(format_grouped(touch.pairs, 0), gap, path_fraction)
 
 
 def compactness_text(state: State) -> tuple[str, str]:

@@ -142,9 +142,9 @@ def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
     ]
     if document.loose_components:
         staying = sum(part.first in document.staying_components for part in document.loose_components)
-        said = tr("{going:,} go along, {staying:,} stay")
+        sentence = tr("{going:,} go along, {staying:,} stay")
         going = len(document.loose_components) - staying
-        rows.append((tr("Loose parts"), said.format(going=going, staying=staying), ""))
+        rows.append((tr("Loose parts"), sentence.format(going=going, staying=staying), ""))
     yield PageTable(tuple(rows))
 
 
@@ -187,20 +187,20 @@ def handle_rows(state: State, unit: Unit, check: ShapeCheck | None = None) -> It
         if centre is None:
             yield handle.name, tr("not painted"), ""
             continue
-        said = [trn("{n:,} vertex", "{n:,} vertices", count).format(n=count)]
-        said += _motion(handle, centre, unit, size)
+        parts = [trn("{n:,} vertex", "{n:,} vertices", count).format(n=count)]
+        parts += _motion(handle, centre, unit, size)
         if turned := held_turn_phrase(check, k):
-            said.append(turned)
+            parts.append(turned)
         pivot = document.pivot(k)
         if handle.pivot is not None and pivot is not None:
-            said.append(tr("pivot {point}").format(point=unit.format_length(_vector(pivot, size))))
+            parts.append(tr("pivot {point}").format(point=unit.format_length(_vector(pivot, size))))
         if handle.falloff:
-            said.append(
+            parts.append(
                 tr("falloff {length}").format(
                     length=unit.format_length(format_significant(handle.falloff, 4))
                 )
             )
-        yield handle.name, readings.motion(state, k, unit), "; ".join(said)
+        yield handle.name, readings.motion(state, k, unit), "; ".join(parts)
     yield tr("Drift"), readings.drift(state, unit), ""
     counts = document.label_counts
     painted = {tr("Base"): counts[BASE], tr("Free"): counts[FREE]}

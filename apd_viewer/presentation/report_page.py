@@ -128,19 +128,19 @@ def _area(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
 
 
 def _volume(subject: ReportSubject) -> Iterator[tuple[str, str, str]]:
-    said = readings.volume(subject.state, subject.unit)
-    yield tr("Volume"), said.change, said.volumes
-    for line in said.remarks:
+    reading = readings.volume(subject.state, subject.unit)
+    yield tr("Volume"), reading.change, reading.volumes
+    for line in reading.remarks:
         yield "", line, ""
-    yield tr("Self-intersections"), _crossing(subject.shape_check), ""
+    yield tr("Self-intersections"), _crossing_count(subject.shape_check), ""
     if subject.state.is_contact_active:
         touch = readings.contact(subject.state, subject.unit)
         yield tr("Pairs in contact"), touch.pairs, ""
         yield tr("Least gap"), touch.least_gap, ""
-        yield tr("Share of the way"), touch.share, ""
+        yield tr("Share of the way"), touch.path_fraction, ""
 
 
-def _crossing(found: ShapeCheck) -> str:
+def _crossing_count(found: ShapeCheck) -> str:
     if found.crossing is None:
         return tr("not checked: ipctk is missing")
     n = len(found.crossing)

@@ -86,7 +86,7 @@ class Measure(Enum):
     @property
     def traits(self) -> MeasureTraits:
         """Title, tooltip and computation of the measure."""
-        return _words()[self]
+        return _measure_traits()[self]
 
     @property
     def is_signed(self) -> bool:
@@ -130,7 +130,7 @@ def measures_of(mesh: Mesh, target: TargetShape | None) -> tuple[Measure, ...]:
 
 
 @cache
-def _words() -> dict[Measure, MeasureTraits]:
+def _measure_traits() -> dict[Measure, MeasureTraits]:
     return {
         Measure.AREA: MeasureTraits(
             tr("Local area change"),

@@ -65,8 +65,8 @@ def shape_picture(
     axes = _axes(np.array(view_direction), np.array(up))
     turned = [np.einsum("ij,kj->ik", U, axes) for U in shapes]
     canvas = _canvas(turned, F, size * finer, finer)
-    drawn = [_drawn(canvas, U, F, np.array(color)) for U, color in zip(turned, colors, strict=True)]
-    return _coarser(np.concatenate(drawn, axis=1), finer)
+    drawn = [_rendered_shape(canvas, U, F, np.array(color)) for U, color in zip(turned, colors, strict=True)]
+    return _downsample(np.concatenate(drawn, axis=1), finer)
 
 
 def _axes(view_direction: np.ndarray, up: np.ndarray) -> np.ndarray:
@@ -91,7 +91,7 @@ def _canvas(shapes: Sequence[np.ndarray], F: np.ndarray, size: int, step: int) -
     return _Canvas(corner, scale, width, height)
 
 
-def _drawn(canvas: _Canvas, U: np.ndarray, F: np.ndarray, colors: np.ndarray) -> np.ndarray:
+def _rendered_shape(canvas: _Canvas, U: np.ndarray, F: np.ndarray, colors: np.ndarray) -> np.ndarray:
     """RGBA of a shape (h, w, 4), floats from 0 to 255, on a transparent background."""
     X = (U - canvas.low) * canvas.scale  # column, row from the bottom and depth, in pixels
     nearest = nearest_triangles(X, F, canvas.width, canvas.height)
@@ -104,7 +104,7 @@ def _drawn(canvas: _Canvas, U: np.ndarray, F: np.ndarray, colors: np.ndarray) ->
     return rgba.reshape(canvas.height, canvas.width, 4)[::-1]
 
 
-def _coarser(rgba: np.ndarray, finer: int) -> np.ndarray:
+def _downsample(rgba: np.ndarray, finer: int) -> np.ndarray:
     """Downsample by ``finer`` in both directions, with straight alpha."""
     height, width = (side // finer for side in rgba.shape[:2])
     mean = rgba.reshape(height, finer, width, finer, 4).mean(axis=(1, 3))
@@ -116,7 +116,7 @@ def nearest_triangles(X: np.ndarray, F: np.ndarray, width: int, height: int) -> 
     """Nearest triangle at each pixel, (height * width,) int; -1 for none."""
     depth = np.full(width * height, -np.inf)
     who = np.full(width * height, -1)
-    every = _every(X, F, _DEEPEST * width * height)
+    every = _triangle_stride(X, F, _DEEPEST * width * height)
     for part in _portions(np.ones(len(F), dtype=int)):
         ids = np.arange(part.start, part.stop)[::every]
         for pixel, triangle, z in fragments(X[F[ids]], width):
@@ -126,7 +126,7 @@ def nearest_triangles(X: np.ndarray, F: np.ndarray, width: int, height: int) -> 
     return who
 
 
-def _every(X: np.ndarray, F: np.ndarray, most: int) -> int:
+def _triangle_stride(X: np.ndarray, F: np.ndarray, most: int) -> int:
     """Triangle stride for drawing about ``most`` pixels."""
     total = 0.0
     for part in _portions(np.ones(len(F), dtype=int)):
@@ -149,14 +149,14 @@ def fragments(corners: np.ndarray, width: int) -> Iterator[tuple[np.ndarray, np.
     """Rasterize triangles (t, 3, 3); yields batches of pixels, triangles and depths."""
     low, high = (np.ceil(side - 0.5).astype(int) for side in (corners[..., 1].min(1), corners[..., 1].max(1)))
     for part in _portions(high - low):
-        triangle, row = _counted(part.start, low[part], high[part])
+        triangle, row = _concatenated_ranges(part.start, low[part], high[part])
         begin, end = _spans(corners[triangle], row + 0.5)
         for some in _portions(end - begin):
-            of, column = _counted(some.start, begin[some], end[some])
+            of, column = _concatenated_ranges(some.start, begin[some], end[some])
             yield row[of] * width + column, triangle[of], _depth(corners[triangle[of]], column, row[of])
 
 
-def _counted(first: int, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _concatenated_ranges(first: int, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Concatenated ranges ``low`` to ``high``, after the range number of each item."""
     count = high - low
     of = np.repeat(np.arange(len(count)), count)
@@ -204,7 +204,7 @@ def _depth(corners: np.ndarray, column: np.ndarray, row: np.ndarray) -> np.ndarr
 
 def _light(X: np.ndarray, F: np.ndarray, triangles: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Brightness (k,) of points on triangles, from 0 to 1; both sides are lit."""
-    own = _unit(_doubled(X[F[triangles]]))
+    own = _unit(_doubled_normals(X[F[triangles]]))
     corner = _vertex_normals(X, F)[F[triangles]]
     sharp = (corner * own[:, None]).sum(axis=2) < _CREASE
     corner = np.where(sharp[..., None], own[:, None], corner)
@@ -217,13 +217,13 @@ def _vertex_normals(X: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Unit vertex normals (n, 3); zero without triangles."""
     sums = np.zeros_like(X)
     for part in _portions(np.ones(len(F), dtype=int)):
-        normals = np.repeat(_doubled(X[F[part]]), 3, axis=0)
+        normals = np.repeat(_doubled_normals(X[F[part]]), 3, axis=0)
         for k in range(3):
             sums[:, k] += np.bincount(F[part].ravel(), normals[:, k], minlength=len(X))
     return _unit(sums)
 
 
-def _doubled(corners: np.ndarray) -> np.ndarray:
+def _doubled_normals(corners: np.ndarray) -> np.ndarray:
     """Normals of triangles (k, 3, 3) with twice the area as length."""
     a, b, c = corners.transpose(1, 0, 2)
     return np.cross(b - a, c - a)

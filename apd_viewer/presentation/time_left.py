@@ -56,7 +56,7 @@ class TimeLeftEstimate:
         self._samples.append((moment, math.log(gap)))
         if len(self._samples) > _MOST:
             del self._samples[1:-1:2]
-        end = _crossing(np.array(self._samples))
+        end = _zero_crossing(np.array(self._samples))
         if end is not None:
             self._steer(moment, max(end, moment))
             self._has_measure = True
@@ -88,7 +88,7 @@ class TimeLeftEstimate:
         return 0.0 if left is None else passed / (passed + left)
 
 
-def _crossing(samples: np.ndarray) -> float | None:
+def _zero_crossing(samples: np.ndarray) -> float | None:
     """Time at which a line fitted to the recent half of ``samples`` (k, 2) reaches 0."""
     recent = samples[samples[:, 0] >= 0.5 * (samples[0, 0] + samples[-1, 0])]
     if len(samples) < _FEWEST or np.ptp(recent[:, 0]) <= 0.0:

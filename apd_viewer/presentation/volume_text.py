@@ -56,8 +56,8 @@ def volume_rows(
     bag : float
         Litres.
     """
-    yield from _of_one(rest, now, unit)
-    yield from _of_many(rest, now, unit, density, bag)
+    yield from _single_object_rows(rest, now, unit)
+    yield from _bulk_rows(rest, now, unit, density, bag)
     values = rest.material, now.material
     lacks = now.material is None
     about = (
@@ -70,7 +70,7 @@ def volume_rows(
     yield _volumes(VolumeName.MATERIAL, tr("Material volume"), about, values, unit)
 
 
-def _of_one(rest: VolumeReadings, now: VolumeReadings, unit: Unit) -> Iterator[VolumeRow]:
+def _single_object_rows(rest: VolumeReadings, now: VolumeReadings, unit: Unit) -> Iterator[VolumeRow]:
     hulls = rest.hull, now.hull
     caps = caps_phrase(rest.openings) if rest.openings else ""
     values: RestAndCurrent = rest.enclosed, now.enclosed
@@ -85,7 +85,7 @@ def _of_one(rest: VolumeReadings, now: VolumeReadings, unit: Unit) -> Iterator[V
     yield _row(VolumeName.WIDTH, tr("Least width"), about, widths, (rest.hull.width, now.hull.width))
 
 
-def _of_many(
+def _bulk_rows(
     rest: VolumeReadings, now: VolumeReadings, unit: Unit, density: float | None, bag: float
 ) -> Iterator[VolumeRow]:
     pair = rest, now
@@ -94,12 +94,18 @@ def _of_many(
         packing=PACKING, densest=DENSEST, loosest=LOOSEST
     )
     title = tr("Bulk volume")
-    yield _row(VolumeName.BULK, title, about, _spreads(bulks, lambda x: _volume(x, unit)), _first(bulks))
+    yield _row(
+        VolumeName.BULK, title, about, _spreads(bulks, lambda x: _volume(x, unit)), _first_readings(bulks)
+    )
     counts = [[object_count(bag, found, unit, packing) for packing in _PACKINGS] for found in pair]
     title = tr("Objects in a bag of {litres} l").format(litres=format_short(bag))
     about = tr("needs the unit of length") if unit.to_litres(1.0) is None else ""
     yield _row(
-        VolumeName.COUNT, title, about, _spreads(counts, lambda n: format_grouped(n, 0)), _first(counts)
+        VolumeName.COUNT,
+        title,
+        about,
+        _spreads(counts, lambda n: format_grouped(n, 0)),
+        _first_readings(counts),
     )
     densities = [[bulk_density(density, found, packing) for packing in _PACKINGS] for found in pair]
     about = tr("needs thickness and density of the wall") if densities[1][0] is None else ""
@@ -109,7 +115,7 @@ def _of_many(
         title,
         about,
         _spreads(densities, lambda x: f"{format_exact(x, 3)}\u00a0kg/m³"),
-        _first(densities),
+        _first_readings(densities),
     )
 
 
@@ -137,7 +143,7 @@ def _volume(value: float | None, unit: Unit) -> str:
     return larger.format_volume(format_significant(factor * value, _DIGITS))
 
 
-def _first(readings: Sequence[Sequence[float | None]]) -> RestAndCurrent:
+def _first_readings(readings: Sequence[Sequence[float | None]]) -> RestAndCurrent:
     rest, now = readings
     return rest[0], now[0]
 

@@ -214,26 +214,26 @@ class AutosaveWriter:
             number, copy = put
             if copy is None:
                 self._remove()
-                self._tell_done(number, self._pace)
+                self._report_done(number, self._pace)
             else:
-                self._try(number, copy)
-                self._rest()
+                self._try_write(number, copy)
+                self._wait_until_due()
         self._remove()
 
-    def _rest(self) -> None:
+    def _wait_until_due(self) -> None:
         """Wait until the next copy is due; newer copies replace the queued one."""
         since = time.monotonic()
         while not self._removes and (left := since + self._interval - time.monotonic()) > 0.0:
             self._hurry.wait(left)
             self._hurry.clear()
 
-    def _try(self, number: int, copy: AutosaveCopy) -> None:
+    def _try_write(self, number: int, copy: AutosaveCopy) -> None:
         since = time.monotonic()
         try:
             try:
                 path = self._write(copy)
             finally:
-                self._tell_done(number, time.monotonic() - since)
+                self._report_done(number, time.monotonic() - since)
             flush_to_disk(path)
             for left in copy.superseded_files:
                 left.discard()
@@ -249,7 +249,7 @@ class AutosaveWriter:
                 self._failures.put(_FAILED.format(why=why))
                 self._wake()
 
-    def _tell_done(self, number: int, pace: float) -> None:
+    def _report_done(self, number: int, pace: float) -> None:
         with self._doing:
             self._done, self._pace = number, pace
             self._doing.notify_all()

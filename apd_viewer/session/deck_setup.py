@@ -59,7 +59,7 @@ def deck_of(
     document.constraints()  # raises InputError without base or handle
     mesh = document.mesh
     used, notes = _elements(document)
-    held = _held(document, np.unique(mesh.joined_F[used]))
+    held = _held_node_sets(document, np.unique(mesh.joined_F[used]))
     ways = [_shifts(each, held) for each in stages]
     return Deck(mesh.name, mesh.V, mesh.joined_F, used, held, _regions(document, used), ways, wall, notes)
 
@@ -101,7 +101,7 @@ def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:
     return used, tuple(notes)
 
 
-def _held(document: Document, nodes: np.ndarray) -> list[NodeSet]:
+def _held_node_sets(document: Document, nodes: np.ndarray) -> list[NodeSet]:
     """Node sets of base and handles; empty sets are omitted."""
     names = [("BASE", tr("Base"), BASE)]
     for k, handle in enumerate(document.handles):
@@ -141,7 +141,7 @@ def deck_wall(text: WallText, unit: Unit, size: float) -> DeckWall:
     metre = unit.metres
     if metre is None and (text.young or text.density.strip() or text.material):
         raise InputError(tr("A material needs the unit of the mesh; choose it, or add --unit mm."))
-    wall, notes = wall_from(text, unit), [_about(unit)]
+    wall, notes = wall_from(text, unit), [_unit_comment(unit)]
     thickness, young, heavy = wall.thickness, _DEFAULT_YOUNG, None
     if thickness is None:
         thickness = _DEFAULT_THICKNESS * size
@@ -159,7 +159,7 @@ def deck_wall(text: WallText, unit: Unit, size: float) -> DeckWall:
     return DeckWall(thickness, young, wall.nu, heavy, tuple(notes))
 
 
-def _about(unit: Unit) -> str:
+def _unit_comment(unit: Unit) -> str:
     """Comment on the units of the deck."""
     if unit is Unit.NONE:
         return "Lengths are in the unit of the mesh, which is not known. Keep the others consistent with it."

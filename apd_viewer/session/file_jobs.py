@@ -99,9 +99,9 @@ class FileJobs:
             _ = state.document.mesh.colors, state.document.mesh.texture
             return found, file
 
-        self._jobs.run(title, parsed, lambda done: self._opened(name, is_saved, *done))
+        self._jobs.run(title, parsed, lambda done: self._show_opened(name, is_saved, *done))
 
-    def _opened(
+    def _show_opened(
         self, name: str, is_saved: bool, found: State | tuple[State, View], file: KnownFile | None
     ) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
@@ -116,7 +116,7 @@ class FileJobs:
         about = (
             about_findings(state.inspection.findings),
             about_missing_target(state.document),
-            "" if found is not state else _passing(state.document),
+            "" if found is not state else _contact_warning(state.document),
             state.document.mesh.texture[1],
         )
         if any(about):
@@ -255,7 +255,7 @@ class FileJobs:
         self._jobs.run(title, work, written, can_be_cancelled=False)
 
 
-def _passing(document: Document) -> str:
+def _contact_warning(document: Document) -> str:
     """Warning that a new mesh is too large for contact by default; else empty."""
     return passing_walls_warning(
         document.settings.method, len(document.mesh.V), tr("“Contact” in the section Method")

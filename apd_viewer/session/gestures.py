@@ -82,11 +82,11 @@ class Gestures:
 
     def undo(self) -> None:
         """Undo the last step, restoring the identical document and shape objects."""
-        self._go(self.history.undo)
+        self._jump_in_history(self.history.undo)
 
     def redo(self) -> None:
         """Redo the last undone step."""
-        self._go(self.history.redo)
+        self._jump_in_history(self.history.redo)
 
     def go_to_step(self, steps: int) -> None:
         """Undo or redo until ``steps`` steps are on the undo stack."""
@@ -98,7 +98,7 @@ class Gestures:
         if target is not state:
             self._store.jump_to(target)
 
-    def _go(self, swap: Callable[[State], State | None]) -> None:
+    def _jump_in_history(self, swap: Callable[[State], State | None]) -> None:
         target = swap(self.state_without_gesture())
         if target is not None:
             self._store.jump_to(target)
@@ -119,7 +119,7 @@ class DocumentEditor:
         self._gestures = gestures
         self._listener = listener
 
-    def _recorded(self, gesture: str) -> State:
+    def _record_state(self, gesture: str) -> State:
         """Cancel any gesture, record the state before a new step, and return it."""
         state = self._gestures.state_without_gesture()
         self._gestures.record(gesture, state)
@@ -127,4 +127,4 @@ class DocumentEditor:
 
     def _replace(self, gesture: str, **changes: Any) -> None:
         """Replace fields of the document in one undo step; the shape is unchanged."""
-        self._store.set_document(replace(self._recorded(gesture).document, **changes))
+        self._store.set_document(replace(self._record_state(gesture).document, **changes))

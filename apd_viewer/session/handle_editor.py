@@ -59,7 +59,7 @@ class HandleEditor(DocumentEditor):
         if before is not None:  # another mesh may have ended the drag
             self._gestures.end(motion_title_between(before.document, document, k, self._store.unit))
             if document.has_half_turn:
-                self._walk(document)
+                self._solve_along_paths(document)
 
     def set_pose(self, pose: np.ndarray, k: int, gesture: str, is_repeat: bool = False) -> None:
         """Move a handle to a pose (4, 4) as one undo step, or as part of the last one."""
@@ -120,11 +120,11 @@ class HandleEditor(DocumentEditor):
             or before.has_half_turn
             or (regripped and before.relative_to_rest.has_half_turn)
         ):
-            self._walk(document)
+            self._solve_along_paths(document)
         else:
             self._store.solve(document)
 
-    def _walk(self, document: Document) -> None:
+    def _solve_along_paths(self, document: Document) -> None:
         """Solve a document along its handle paths, with a one-time warning."""
         kept_apart = document.settings.uses_contact
         if document.has_half_turn and not kept_apart and document.mesh is not self._warned:

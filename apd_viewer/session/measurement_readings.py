@@ -71,7 +71,7 @@ class MeasurementReadings:
         """Readings of a state; values not yet known are None."""
         self._begin(state)
         return [
-            MeasurementReading(each, self._at_rest(each, state), self._now(each, state))
+            MeasurementReading(each, self._at_rest(each, state), self._current_result(each, state))
             for each in state.document.measurements
         ]
 
@@ -82,7 +82,7 @@ class MeasurementReadings:
             return
         self._begin(state)
         rests = self._gestures.state_before is None and self._store.activity is not Activity.REFINING
-        wanted = self._unknown(state) if rests else None
+        wanted = self._missing_geodesic(state) if rests else None
         if wanted is None:
             self._asked = None
             self._finder.cancel()
@@ -119,7 +119,7 @@ class MeasurementReadings:
             self._mesh_V = state.document.mesh.V
             self._rest, self._rest_paths, self._paths = {}, {}, {}
 
-    def _unknown(self, state: State) -> GeodesicQuery | None:
+    def _missing_geodesic(self, state: State) -> GeodesicQuery | None:
         F, shapes = state.document.mesh.joined_F, (state.document.mesh.V, state.frame.U)
         for each in state.document.measurements:
             for U in shapes if each.kind is MeasurementKind.GEODESIC else ():
@@ -138,15 +138,15 @@ class MeasurementReadings:
 
     def _at_rest(self, measurement: Measurement, state: State) -> MeasurementResult:
         if measurement not in self._rest:
-            self._rest[measurement] = self._made(measurement, state, state.document.mesh.V)
+            self._rest[measurement] = self._measured_result(measurement, state, state.document.mesh.V)
         return self._rest[measurement]
 
-    def _now(self, measurement: Measurement, state: State) -> MeasurementResult:
+    def _current_result(self, measurement: Measurement, state: State) -> MeasurementResult:
         if state.frame.U is state.document.mesh.V:
             return self._at_rest(measurement, state)
-        return self._made(measurement, state, state.frame.U)
+        return self._measured_result(measurement, state, state.frame.U)
 
-    def _made(self, measurement: Measurement, state: State, U: np.ndarray) -> MeasurementResult:
+    def _measured_result(self, measurement: Measurement, state: State, U: np.ndarray) -> MeasurementResult:
         path, is_current = self._path(measurement.points, U)
         return measure(measurement, U, state.document.mesh.joined_F, path, is_current)
 

@@ -49,7 +49,7 @@ class ObstacleEditor(DocumentEditor):
         ``thickness`` is the distance to keep if contact is not on yet. Where another part of the shape is
         in the way, the obstacle is moved back, but for a first look ``is_preview``, unless it is a plate.
         """
-        state, apart = self._store.required_state(), self._apart(thickness)
+        state, apart = self._store.required_state(), self._contact_distance(thickness)
         obstacle = proposed_obstacle(kind, point, normal, state, apart)
         if is_preview and kind is not ObstacleKind.PLATE:
             return obstacle
@@ -60,20 +60,20 @@ class ObstacleEditor(DocumentEditor):
 
         None, and a sentence to the listener, where that is not possible.
         """
-        title = tr("Add {name}").format(name=self._named(obstacle).name)
-        return self._add(title, (self._named(obstacle),), thickness)
+        title = tr("Add {name}").format(name=self._with_new_name(obstacle).name)
+        return self._add(title, (self._with_new_name(obstacle),), thickness)
 
     def add_floor(self, up: np.ndarray, thickness: float | None = None) -> int | None:
         """Add a plate under the lowest point of the shape, with normal ``up`` (3,)."""
         state = self._gestures.state_without_gesture()
         taken = [each.name for each in state.document.obstacles]
         name = tr("Floor") if tr("Floor") not in taken else next_name(tr("Floor"), taken, first=2)
-        plate = touching_plate(name, up, state, self._apart(thickness))
+        plate = touching_plate(name, up, state, self._contact_distance(thickness))
         return self._add(tr("Add floor"), (plate,), thickness)
 
     def add_plates(self, axis: np.ndarray, thickness: float | None = None) -> int | None:
         """Add two plates touching the shape on both sides along ``axis`` (3,)."""
-        state, apart = self._gestures.state_without_gesture(), self._apart(thickness)
+        state, apart = self._gestures.state_without_gesture(), self._contact_distance(thickness)
         taken, plates = [each.name for each in state.document.obstacles], []
         for side in (1.0, -1.0):
             name = obstacle_name(ObstacleKind.PLATE, taken)
@@ -102,11 +102,11 @@ class ObstacleEditor(DocumentEditor):
         self._store.solve(replace(document, obstacles=(*document.obstacles, *new)))
         return len(document.obstacles)
 
-    def _named(self, obstacle: NamedObstacle) -> NamedObstacle:
+    def _with_new_name(self, obstacle: NamedObstacle) -> NamedObstacle:
         taken = [each.name for each in self._store.required_state().document.obstacles]
         return replace(obstacle, name=obstacle_name(obstacle.kind, taken), shift=_NOWHERE)
 
-    def _apart(self, thickness: float | None = None) -> float:
+    def _contact_distance(self, thickness: float | None = None) -> float:
         state = self._store.required_state()
         own = state.document.settings.thickness if state.document.settings.contact else thickness
         return contact_distance(state, own)
@@ -123,8 +123,8 @@ class ObstacleEditor(DocumentEditor):
         there = self._store.required_state().document.obstacles
         name = unique_name(name, there[k].name, [each.name for each in there])
         if name != there[k].name:
-            document = self._recorded(tr("Rename")).document
-            self._store.set_document(_with(document, k, replace(there[k], name=name)))
+            document = self._record_state(tr("Rename")).document
+            self._store.set_document(_with_obstacle(document, k, replace(there[k], name=name)))
 
     def replace(self, k: int, obstacle: NamedObstacle) -> None:
         """Replace obstacle ``k`` by ``obstacle``, without a displacement.
@@ -136,11 +136,11 @@ class ObstacleEditor(DocumentEditor):
         InputError
             If the obstacle has no extent or direction, or another kind would stand in the shape.
         """
-        state, apart = self._store.required_state(), self._apart()
+        state, apart = self._store.required_state(), self._contact_distance()
         obstacle = replace(obstacle, shift=_NOWHERE, axis=frozen(np.array(obstacle.axis, dtype=float)))
         if not is_clear(obstacle, state, apart):
             if obstacle.kind is not ObstacleKind.PLATE:
-                raise InputError(_stands_in(obstacle, state, apart, self._store.unit))
+                raise InputError(_inside_sentence(obstacle, state, apart, self._store.unit))
             obstacle = moved_clear(obstacle, state, apart)
             self._listener.message_sent(
                 tr("{name} would cut the shape; it was moved back to touch it.").format(name=obstacle.name)
@@ -155,7 +155,7 @@ class ObstacleEditor(DocumentEditor):
         state = self._store.required_state()
         if self._gestures.state_before is not None and k < len(state.document.obstacles):
             obstacle = state.document.obstacles[k]
-            self._store.solve(_with(state.document, k, obstacle.with_shift(shift)))
+            self._store.solve(_with_obstacle(state.document, k, obstacle.with_shift(shift)))
 
     def end_drag(self, k: int) -> None:
         """End the drag of obstacle ``k``."""
@@ -175,7 +175,7 @@ class ObstacleEditor(DocumentEditor):
         if is_repeat:
             title = tr("Nudge {name}").format(name=obstacle.name)
         self._gestures.record(title, state, is_repeat)
-        self._store.solve(_with(state.document, k, moved))
+        self._store.solve(_with_obstacle(state.document, k, moved))
 
     def reset(self, k: int) -> None:
         """Move obstacle ``k`` back to its initial position."""
@@ -185,10 +185,10 @@ class ObstacleEditor(DocumentEditor):
             self._set(title, (*there[:k], there[k].with_shift(_NOWHERE), *there[k + 1 :]))
 
     def _set(self, gesture: str, obstacles: tuple[NamedObstacle, ...]) -> None:
-        self._store.solve(replace(self._recorded(gesture).document, obstacles=obstacles))
+        self._store.solve(replace(self._record_state(gesture).document, obstacles=obstacles))
 
 
-def _with(document: Document, k: int, obstacle: NamedObstacle) -> Document:
+def _with_obstacle(document: Document, k: int, obstacle: NamedObstacle) -> Document:
     there = document.obstacles
     return replace(document, obstacles=(*there[:k], obstacle, *there[k + 1 :]))
 
@@ -205,7 +205,7 @@ def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Uni
     )
 
 
-def _stands_in(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
+def _inside_sentence(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
     """Sentence about an obstacle inside the shape, with the nearest free position."""
     free = moved_clear(obstacle, state, distance).place
     return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(

@@ -45,7 +45,7 @@ class PartEditor(DocumentEditor):
     def remove_handle(self, k: int) -> None:
         """Remove handle ``k`` and free its vertices; the other handles are regripped."""
         state = self._gestures.state_without_gesture()
-        if self._refused(PaintedPart(HANDLE + k)):
+        if self._refuse_if_locked(PaintedPart(HANDLE + k)):
             return
         self._gestures.record(tr("Remove handle"), state)
         self._store.regrip(state.document, without_handle(state.document, k))
@@ -55,7 +55,7 @@ class PartEditor(DocumentEditor):
         handles = self._store.required_state().document.handles
         name = unique_name(name, handles[k].name, [handle.name for handle in handles])
         if name != handles[k].name:
-            document = self._recorded(tr("Rename")).document
+            document = self._record_state(tr("Rename")).document
             handle = document.handles[k]
             document = with_handle_renamed(document, handle.name, name)
             self._store.set_document(document.with_handle(k, replace(handle, name=name)))
@@ -76,7 +76,7 @@ class PartEditor(DocumentEditor):
     def remove_region(self, k: int) -> None:
         """Remove region ``k`` with its target."""
         state = self._gestures.state_without_gesture()
-        if self._refused(PaintedPart(k + 1, is_region=True)):
+        if self._refuse_if_locked(PaintedPart(k + 1, is_region=True)):
             return
         self._gestures.record(tr("Remove region"), state)
         asked = state.document.regions[k].area is not None
@@ -87,7 +87,7 @@ class PartEditor(DocumentEditor):
         regions = self._store.required_state().document.regions
         name = unique_name(name, regions[k].name, [region.name for region in regions])
         if name != regions[k].name:
-            document = self._recorded(tr("Rename")).document
+            document = self._record_state(tr("Rename")).document
             region = replace(document.regions[k], name=name)
             self._store.set_document(document.with_region(k, region))
 
@@ -101,13 +101,13 @@ class PartEditor(DocumentEditor):
 
     def _flag(self, part: PaintedPart, gesture: str, **on: bool) -> None:
         state = self._gestures.state_without_gesture()
-        if part.is_in(state.document):
+        if part.exists_in(state.document):
             before = part.flags(state.document)
             if (flags := before._replace(**on)) != before:
                 self._gestures.record(gesture, state)
                 self._store.set_document(part.document_with_flags(state.document, flags))
 
-    def _refused(self, part: PaintedPart) -> bool:
+    def _refuse_if_locked(self, part: PaintedPart) -> bool:
         """Report a locked part; return True if it is locked."""
         document = self._store.required_state().document
         locked = part.flags(document).locked
@@ -158,7 +158,7 @@ class Painting(DocumentEditor):
     def apply_operation(self, part: PaintedPart, operation: PartOperation) -> None:
         """Apply an operation to a whole part, unless it is locked."""
         state = self._gestures.state_without_gesture()
-        if part.is_in(state.document) and part.flags(state.document).locked:
+        if part.exists_in(state.document) and part.flags(state.document).locked:
             self._listener.failed(about_lock(part.name(state.document)))
         else:
             self.set_members(part, members_after(state, part, operation), operation.value)

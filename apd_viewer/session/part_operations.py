@@ -29,7 +29,7 @@ class PartOperation(Enum):
 MemberOperation: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 
 
-def _mirrored_along(axis: int) -> MemberOperation:
+def _mirror_along(axis: int) -> MemberOperation:
     def reshape(state: State, member: np.ndarray) -> np.ndarray:
         mesh, skin = state.document.mesh, state.surface_index
         return member | mirrored_set(skin.start, skin.neighbour, mesh.V, member, mirror_plane(mesh, axis))
@@ -37,7 +37,7 @@ def _mirrored_along(axis: int) -> MemberOperation:
     return reshape
 
 
-def _smoothed(state: State, member: np.ndarray) -> np.ndarray:
+def _smooth_boundary(state: State, member: np.ndarray) -> np.ndarray:
     return smoothed_set(
         state.surface_index.start, state.surface_index.neighbour, state.document.mesh.V, member
     )
@@ -50,12 +50,12 @@ _OPERATIONS: dict[PartOperation, MemberOperation] = {
     PartOperation.SHRINK: lambda state, member: shrunk_set(
         state.surface_index.start, state.surface_index.neighbour, member
     ),
-    PartOperation.SMOOTH: _smoothed,
+    PartOperation.SMOOTH: _smooth_boundary,
     PartOperation.INVERT: lambda _, member: ~member,
     PartOperation.CLEAR: lambda _, member: np.zeros_like(member),
-    PartOperation.MIRROR_X: _mirrored_along(0),
-    PartOperation.MIRROR_Y: _mirrored_along(1),
-    PartOperation.MIRROR_Z: _mirrored_along(2),
+    PartOperation.MIRROR_X: _mirror_along(0),
+    PartOperation.MIRROR_Y: _mirror_along(1),
+    PartOperation.MIRROR_Z: _mirror_along(2),
 }
 
 

@@ -56,14 +56,14 @@ class SavedWork:
     def mark_saved(self, saved: SavedDocument) -> None:
         """Mark a document as saved."""
         self.forget_unreachable()
-        self._saved = [*(each for each in self._saved if _F(each) is not _F(saved)), saved]
+        self._saved = [*(each for each in self._saved if _triangles(each) is not _triangles(saved)), saved]
 
     def forget_unreachable(self) -> None:
         """Discard documents no longer reachable by undo, to release their meshes."""
         state, history = self._store.state, self._gestures.history
         documents = [each.document for each in (*history.reachable_states, *([state] if state else []))]
         within_reach = {id(document.mesh.F) for document in documents}
-        self._saved = [each for each in self._saved if id(_F(each)) in within_reach]
+        self._saved = [each for each in self._saved if id(_triangles(each)) in within_reach]
 
     @property
     def last_saved(self) -> SavedDocument | None:
@@ -71,7 +71,7 @@ class SavedWork:
         state = self._store.state
         if state is None:
             return None
-        return next((each for each in self._saved if _F(each) is state.document.mesh.F), None)
+        return next((each for each in self._saved if _triangles(each) is state.document.mesh.F), None)
 
     @property
     def file(self) -> KnownFile | None:
@@ -136,5 +136,5 @@ class SavedWork:
             self._listener.wake()
 
 
-def _F(saved: SavedDocument) -> np.ndarray:
+def _triangles(saved: SavedDocument) -> np.ndarray:
     return saved.document.mesh.F

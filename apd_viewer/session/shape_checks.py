@@ -51,9 +51,9 @@ class ShapeChecks:
             self._mesh, self.rest_check = mesh, None
         rests = self._gestures.state_before is None and self._store.activity is not Activity.REFINING
         shape = ShapeQuery(U, mesh.joined_F, handle_turns(state.document))
-        found = self._known(shape)
+        found = self._known_check(shape)
         wanted = shape if found is None and rests else None
-        if found is not self.shape_check or not _alike(wanted, self._wanted):
+        if found is not self.shape_check or not _is_same_query(wanted, self._wanted):
             self.shape_check = found
             self._ask(wanted)
             self._listener.measurements_changed()
@@ -68,7 +68,7 @@ class ShapeChecks:
             self.rest_check = found
         self._last = shape, found
         if self._wanted is not None:
-            self.shape_check = self._known(self._wanted)
+            self.shape_check = self._known_check(self._wanted)
             self._ask(self._wanted if self.shape_check is None else None)
         self._listener.measurements_changed()
 
@@ -76,11 +76,11 @@ class ShapeChecks:
         """Stop the running check."""
         self._checker.close()
 
-    def _known(self, shape: ShapeQuery) -> ShapeCheck | None:
+    def _known_check(self, shape: ShapeQuery) -> ShapeCheck | None:
         """Result for the rest shape or the last checked shape; None for other shapes."""
         if self._mesh is not None and shape.U is self._mesh.V:
             return self.rest_check
-        return self._last[1] if self._last is not None and _alike(shape, self._last[0]) else None
+        return self._last[1] if self._last is not None and _is_same_query(shape, self._last[0]) else None
 
     def _ask(self, shape: ShapeQuery | None) -> None:
         """Request a check of a shape, after the rest shape; None cancels."""
@@ -91,7 +91,7 @@ class ShapeChecks:
             self._checker.ask(ShapeQuery(self._mesh.V, shape.F) if self.rest_check is None else shape)
 
 
-def _alike(one: ShapeQuery | None, other: ShapeQuery | None) -> bool:
+def _is_same_query(one: ShapeQuery | None, other: ShapeQuery | None) -> bool:
     if one is None or other is None:
         return one is other
     turning = one.handle_turns

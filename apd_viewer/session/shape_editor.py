@@ -51,7 +51,9 @@ class ShapeEditor(DocumentEditor):
             )
 
         again = tr("The shape changed in the meantime; bake it again.")
-        self._change(tr("Measuring the new rest shape"), _baked, tr("Bake as rest shape"), again, tell)
+        self._change(
+            tr("Measuring the new rest shape"), _baked_with_poses, tr("Bake as rest shape"), again, tell
+        )
 
     def weld(self) -> None:
         """Weld nearly coincident seams; the vertices of the file are kept."""
@@ -73,7 +75,7 @@ class ShapeEditor(DocumentEditor):
             if self._gestures.state_without_gesture().document is not shown.document:
                 self._listener.failed(again)
                 return
-            self._recorded(gesture)
+            self._record_state(gesture)
             self._store.jump_to(state)
             tell(shown)
 
@@ -103,7 +105,7 @@ class ShapeEditor(DocumentEditor):
             self._replace(tr("Clear target shape"), target_shape=None, missing_target_shape=None)
 
 
-def _baked(state: State) -> State:
+def _baked_with_poses(state: State) -> State:
     """State with its shape as the rest shape, and with rebased named poses."""
     at_rest = baked_state(state)
     return replace(at_rest, document=replace(at_rest.document, poses=rebased_poses(state.document)))

@@ -131,7 +131,7 @@ class StateStore:
         self._ask_and_show(state.as_unsettled() if iterate else state, iterate)
 
     def solve_from_grip(self, document: Document) -> None:
-        """Replace the document and solve from its grip shape, along the handles' paths."""
+        """Replace the document; solve from its grip positions along the handles' paths."""
         self.jump_to(self.required_state().updated(document).as_unsettled(), from_grip=True)
 
     def pause_or_resume(self) -> None:
@@ -209,10 +209,10 @@ class StateStore:
         self._factored = factor_key(document)
         self.seconds_per_iteration = reply.seconds
         self.trace.add_frame(document, reply.frame)
-        state = self._showing(document, reply.frame)
+        state = self._state_with_frame(document, reply.frame)
         self.set_state(state if latest else state.as_unsettled())
 
-    def _showing(self, asked: Document, frame: Frame) -> State:
+    def _state_with_frame(self, asked: Document, frame: Frame) -> State:
         """State with the frame for a document; changed regions are remeasured."""
         state = self.required_state()
         if state.document.member is asked.member and state.document.regions is asked.regions:

@@ -68,17 +68,17 @@ def parse_vertices(text: str, state: State, unit: Unit) -> np.ndarray:
     if not text:
         raise InputError(tr("Nothing was entered; {how}.").format(how=_HOW))
     if _IDS.fullmatch(text):
-        return _by_ids(text, len(state.frame.U))
+        return _vertices_by_ids(text, len(state.frame.U))
     found = np.zeros(len(state.frame.U), dtype=bool)
     for way in re.split(r"\bor\b|\|+", text):
         holds = np.ones(len(found), dtype=bool)
         for condition in re.split(r"\band\b|&+", way):
-            holds &= _where(condition, state, unit)
+            holds &= _comparison_mask(condition, state, unit)
         found |= holds
     return np.flatnonzero(found)
 
 
-def _by_ids(text: str, n: int) -> np.ndarray:
+def _vertices_by_ids(text: str, n: int) -> np.ndarray:
     found = np.zeros(n, dtype=bool)
     rest = _ID.sub("", text).strip(" \t\n,;")
     if re.search(r"[–-]", rest):
@@ -86,16 +86,16 @@ def _by_ids(text: str, n: int) -> np.ndarray:
     for first, last in _ID.findall(text):
         low, high = int(first), int(last or first)
         if max(low, high) >= n:
-            said = tr("There is no vertex {vertex:,}; IDs run from 0 to {last:,}.")
-            raise InputError(said.format(vertex=max(low, high), last=n - 1))
+            sentence = tr("There is no vertex {vertex:,}; IDs run from 0 to {last:,}.")
+            raise InputError(sentence.format(vertex=max(low, high), last=n - 1))
         if low > high:
-            said = tr("The range {first}-{last} runs backwards; enter the lower ID first.")
-            raise InputError(said.format(first=first, last=last))
+            sentence = tr("The range {first}-{last} runs backwards; enter the lower ID first.")
+            raise InputError(sentence.format(first=first, last=last))
         found[low : high + 1] = True
     return np.flatnonzero(found)
 
 
-def _where(condition: str, state: State, unit: Unit) -> np.ndarray:
+def _comparison_mask(condition: str, state: State, unit: Unit) -> np.ndarray:
     """Mask of a comparison such as ``y > 3`` or ``-1 < x < 1``, (n,) bool."""
     signs, sides = _COMPARED.findall(condition), [side.strip() for side in _COMPARED.split(condition)]
     if not signs:
@@ -133,17 +133,17 @@ def parse_point(text: str, state: State, unit: Unit) -> np.ndarray:
     """Point (3,) from three expressions separated by semicolons or commas."""
     problem = tr("“{text}” is not a point; enter three coordinates such as 0, 0.5Y, 12mm.")
     names = state.document.mesh.named_lengths
-    return np.array([parse_length(part, unit, names) for part in _three(text, problem)])
+    return np.array([parse_length(part, unit, names) for part in _three_parts(text, problem)])
 
 
 def parse_vector(text: str, state: State) -> np.ndarray:
     """Vector (3,) from three numbers separated by semicolons or commas."""
     problem = tr("“{text}” is not a direction; enter three numbers such as 0, 1, 0.")
     names = state.document.mesh.named_lengths
-    return np.array([parse_number(part, names) for part in _three(text, problem)])
+    return np.array([parse_number(part, names) for part in _three_parts(text, problem)])
 
 
-def _three(text: str, problem: str) -> list[str]:
+def _three_parts(text: str, problem: str) -> list[str]:
     parts = [part for part in text.split(";" if ";" in text else ",") if part.strip()]
     if len(parts) != 3:
         raise InputError(problem.format(text=text.strip()))

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 # pyvistaqt sets the default format again for each viewport, to the values already set here.
 HARMLESS_MESSAGE = "Setting a new default format"
 
-LOAD_DELAY = 1000  # ms; start loading even if no frame is drawn since the window is covered or minimized
+LOAD_DELAY = 1000  # ms; loading starts then even if no frame is drawn, as in a covered or minimized window
 
 _LOGGER = logging.getLogger(__name__)
 _LEVELS = {
@@ -167,7 +167,7 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
     shell.canvas.viewport.frameSwapped.connect(imports.begin, Qt.ConnectionType.SingleShotConnection)
     QTimer.singleShot(LOAD_DELAY, imports.begin)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
-    for name in ("SIGTERM", "SIGHUP"):  # quit without a question: unsaved work is offered at the next start
+    for name in ("SIGTERM", "SIGHUP"):  # quit without asking: unsaved work is offered at the next start
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, lambda number, _: application.exit(128 + number))

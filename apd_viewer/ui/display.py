@@ -58,13 +58,13 @@ def display_connection() -> Iterator[None]:
         return
     # Kept open, since an X server may reset when its only client leaves, and refuse the next one meanwhile.
     with _x_server() as answers:
-        trouble = _trouble(answers)
+        trouble = _start_problem(answers)
         if trouble is not None and not _qt_starts():
             raise trouble
         yield
 
 
-def _trouble(x_answers: bool) -> Exception | None:
+def _start_problem(x_answers: bool) -> Exception | None:
     """Exception to raise if Qt cannot start; None if it can."""
     fallback = "wayland" if os.environ.get("WAYLAND_DISPLAY") else "xcb"
     platform = (os.environ.get("QT_QPA_PLATFORM") or fallback).split(";")[0].split(":")[0]

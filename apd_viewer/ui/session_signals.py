@@ -158,7 +158,7 @@ def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None])
         return
     document, part = session.store.state.document, canvas.strokes.part
     session.gestures.begin()
-    if canvas.tool is not Tool.ERASE and part.is_in(document):
+    if canvas.tool is not Tool.ERASE and part.exists_in(document):
         flags, name = part.flags(document), part.name(document)
         if flags.locked:
             tell(about_lock(name))

@@ -137,10 +137,10 @@ class Workbench(QObject):
         self.poses = PoseController(self.panel.poses, session, self.edits.cancel_drag)
         self.display_options.cards.keep_above(self.edits.text_entries.cards)
         self.notice.keep_above(self.edits.text_entries.cards)
-        self.runs = RunController(shell, memory, session, self.files, self._studied, notice.show_failure)
+        self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
         ghost, dock = self.motion_preview.ghost, self.docks["study"]
         self.case_studies = CaseStudyController(
-            shell, dock, memory, session, self.files, self._studied, notice, ghost
+            shell, dock, memory, session, self.files, self._study_input, notice, ghost
         )
         self.comparison = CompareController(canvas, self.display_options, memory, notice, session.store)
         self.reports = ReportController(
@@ -278,7 +278,7 @@ class Workbench(QObject):
         """Current camera, overlay, wall and unit, as saved in a session."""
         return self.volume.with_wall_and_overlay(self.canvas.view.saved_view(self.session.store.unit.value))
 
-    def _studied(self) -> tuple[State, int, View] | None:
+    def _study_input(self) -> tuple[State, int, View] | None:
         store = self.session.store
         if store.state is None:
             return None
@@ -358,7 +358,7 @@ class Workbench(QObject):
         self.actions_.tools[tool].setChecked(True)
         self.measurements.tool.enabled = measures = tool is Tool.MEASURE
         self.status.show_hint(self.measurements.hint if measures else tool.hint(self.canvas.selection_mode))
-        self.mode_bar.show_for(tool.words.is_brush)
+        self.mode_bar.show_for(tool.traits.is_brush)
         self.kind_bar.show_for(measures)
         self.obstacles.follow_tool(tool)
         self._show_next_step()

@@ -81,7 +81,7 @@ class DrivenWindow:
         prepare(application)
         settings = QSettings(str(self.folder / "settings.ini"), QSettings.Format.IniFormat)
         shell = Shell(settings)
-        shell.preferences.has_toured = True
+        shell.preferences.has_seen_tour = True
         window = Workbench(shell)
         window.preferences.values.choose(
             COLOR_SCHEME, Qt.ColorScheme.Dark if self.dark else Qt.ColorScheme.Light

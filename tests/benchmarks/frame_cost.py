@@ -233,7 +233,7 @@ def overlays(bench):
     without = np.median(times[None][WARM_UP:])
     print(f"\n{'frame of a drag':34} {'CPU ms':>9} {'x without':>10}")
     for measure, taken in times.items():
-        name = "without an overlay" if measure is None else measure.words.title
+        name = "without an overlay" if measure is None else measure.traits.title
         median = np.median(taken[WARM_UP:])
         print(f"{name:34} {1e3 * median:9.1f} {median / without:10.2f}", flush=True)
 

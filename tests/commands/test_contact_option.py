@@ -115,7 +115,7 @@ def test_contact_by_default_gives_the_same_volume_by_every_way_without_a_crossin
 
 
 @BOTH_WAYS
-def test_passing_warnings_say_by_each_way_what_was_lost_without_contact(turn, capsys):
+def test_pass_through_warnings_say_by_each_way_what_was_lost_without_contact(turn, capsys):
     lost = f"The surface holds {turn - np.sign(turn) * 360} of the {turn} degrees asked: without contact"
     report, _ = deformed("--no-contact", turn=turn)
     assert report["least_gap"] is None

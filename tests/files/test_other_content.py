@@ -91,7 +91,7 @@ KNOWN = {
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("name", KNOWN)
-def test_about_content_names_what_is_known(name, suffix, tmp_path):
+def test_open_mesh_names_content_that_is_known(name, suffix, tmp_path):
     content, words = KNOWN[name]
     path = tmp_path / f"bottle.{suffix}"
     path.write_bytes(content)
@@ -125,7 +125,7 @@ ALIKE = {("glb", "gltf"), ("gltf", "glb"), ("vtp", "vtu"), ("vtu", "vtp")}
 
 @pytest.mark.parametrize("called", SUFFIXES)
 @pytest.mark.parametrize(("kind", "content"), [*MESHES.items(), *MORE.items()])
-def test_about_content_names_a_mesh_under_the_name_of_another_format(kind, content, called, tmp_path):
+def test_open_mesh_names_a_mesh_under_the_name_of_another_format(kind, content, called, tmp_path):
     path = tmp_path / f"bottle.{called}"
     path.write_bytes(content)
     if called == kind or (kind, called) in ALIKE:
@@ -146,7 +146,7 @@ NOTHING = {
 
 
 @pytest.mark.parametrize(("content", "words"), NOTHING.values(), ids=NOTHING)
-def test_about_no_vertices_shows_what_is_not_known(content, words, tmp_path):
+def test_open_mesh_shows_content_without_vertices_that_is_not_known(content, words, tmp_path):
     path = tmp_path / "bottle.obj"
     path.write_bytes(content)
     with pytest.raises(InputError) as refused:

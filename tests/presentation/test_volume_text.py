@@ -28,7 +28,7 @@ def test_volume_rows_are_one_for_every_quantity_with_figures_of_its_own(shapes):
         assert row.published == PUBLISHED_FIGURES.get(quantity, ())
 
 
-def test_published_volumes_have_a_source_and_a_range_for_every_figure():
+def test_published_volume_has_a_source_and_a_range():
     figures = [figure for figures in PUBLISHED_FIGURES.values() for figure in figures]
     assert len(figures) > 5
     for figure in figures:

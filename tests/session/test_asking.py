@@ -429,7 +429,7 @@ def test_set_area_is_met_at_once_without_a_pose(session, factored, method):
     assert factored.count == 0
 
 
-def test_rest_shape_restore_asks_for_100_percent_and_leaves_free_what_is_free(parted):
+def test_shape_editor_restore_asks_for_100_percent_and_leaves_free_what_is_free(parted):
     parted.parts.add_region()
     parted.settings.set_region_area(0, 110.0)
     parted.settings.change(area=105.0)

@@ -94,7 +94,7 @@ def test_add_floor_and_put_plates_keep_the_thickness_of_the_walls(opened):
 
 
 @pytest.mark.parametrize("kind", ObstacleKind)
-def test_proposed_touches_the_point_and_points_into_the_shape(opened, kind):
+def test_proposed_obstacle_touches_the_point_and_points_into_the_shape(opened, kind):
     point, outwards = np.array([2.0, 1.0, 3.0]), np.array([1.0, 0.0, 0.0])
     obstacle = opened.obstacles.proposed_obstacle(kind, point, outwards)
     np.testing.assert_array_equal(obstacle.axis, -outwards)
@@ -106,7 +106,7 @@ def test_proposed_touches_the_point_and_points_into_the_shape(opened, kind):
 
 
 @pytest.mark.parametrize("kind", [ObstacleKind.SPHERE, ObstacleKind.CYLINDER])
-def test_proposed_moves_back_until_it_is_clear_what_another_part_is_in_the_way_of(bent, kind):
+def test_proposed_obstacle_moves_back_until_it_is_clear_what_another_part_is_in_the_way_of(bent, kind):
     outwards = np.array([-1.5, 0.0, 1.0]) / np.hypot(1.5, 1.0)
     point = np.array([0.1, 0.5, 0.15])
     first = bent.obstacles.proposed_obstacle(kind, point, outwards, is_preview=True)
@@ -120,7 +120,7 @@ def test_proposed_moves_back_until_it_is_clear_what_another_part_is_in_the_way_o
     assert least_distance(halfway) < apart(bent)  # it was not moved farther than necessary
 
 
-def test_proposed_moves_a_plate_back_behind_all_of_the_shape_even_at_once(bent):
+def test_proposed_obstacle_moves_a_plate_back_behind_all_of_the_shape_even_at_once(bent):
     outwards = np.array([0.0, 0.0, -1.0])
     plate = bent.obstacles.proposed_obstacle(
         ObstacleKind.PLATE, np.array([0.5, 0.5, 0.75]), outwards, is_preview=True
@@ -225,7 +225,7 @@ def test_obstacles_are_refused_with_a_method_without_contact_and_when_too_many(o
     assert len(now(opened).obstacles) == MOST_OBSTACLES
 
 
-def test_rest_shape_restore_brings_obstacles_back_clear_of_the_rest_shape(session):
+def test_shape_editor_restore_brings_obstacles_back_clear_of_the_rest_shape(session):
     session.obstacles.add_floor(UP)
     session.obstacles.add_plates(np.eye(3)[0])
     floor = now(session).obstacles[0]

@@ -811,7 +811,7 @@ def test_handle_editor_drag_copies_the_pose_and_what_is_kept_is_read_only(sessio
     assert not session.store.state.document.handles[0].pose.flags.writeable
 
 
-def test_rest_shape_restore_brings_back_the_rest_shape_and_keeps_the_paint(session):
+def test_shape_editor_restore_brings_back_the_rest_shape_and_keeps_the_paint(session):
     labels = session.store.state.document.labels
     session.drag(BENT)
     session.settle()

@@ -85,7 +85,7 @@ class Sight:
         self.screen = window.canvas.viewport.camera_controller.camera.project(self.U)
         self.surface = self.F.tobytes()
 
-    def _once(self, name, find, *key):
+    def _cached(self, name, find, *key):
         """What is found for a key, and found again without a search."""
         whole = name, *key
         if whole not in self._found:
@@ -95,7 +95,7 @@ class Sight:
     @property
     def ring(self):
         """The places beside each."""
-        return self._once("ring", self._find_ring, self.surface)
+        return self._cached("ring", self._find_ring, self.surface)
 
     def _find_ring(self):
         ring = defaultdict(set)
@@ -111,7 +111,7 @@ class Sight:
     @property
     def seen(self):
         """Whether no triangle is in the way to a place, (p,) bool array."""
-        return self._once("seen", self._find_seen, self.U.tobytes(), self.eye.key)
+        return self._cached("seen", self._find_seen, self.U.tobytes(), self.eye.key)
 
     def _find_seen(self):
         far = meets(self.eye.position, self.U - self.eye.position, *self.U[self.F].swapaxes(0, 1))
@@ -141,7 +141,7 @@ class Sight:
 
     @property
     def faces_of_edges(self):
-        return self._once("faces", self._find_faces, self.surface)
+        return self._cached("faces", self._find_faces, self.surface)
 
     def _find_faces(self):
         found = defaultdict(list)
@@ -168,7 +168,7 @@ class Sight:
     @property
     def loops(self):
         """The loops of the border, each a set of places."""
-        return self._once("loops", self._find_loops, self.surface)
+        return self._cached("loops", self._find_loops, self.surface)
 
     def _find_loops(self):
         beside = defaultdict(set)
@@ -197,7 +197,7 @@ class Sight:
     def aim(self, middle):
         """The middle of the seen triangle that is nearest to a border, or else to the middle."""
         key = self.surface, self.U.tobytes(), self.eye.key, tuple(middle)
-        return self._once("aim", lambda: self._find_aim(middle), *key)
+        return self._cached("aim", lambda: self._find_aim(middle), *key)
 
     def _find_aim(self, middle):
         border = list(set().union(*self.loops))

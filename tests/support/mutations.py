@@ -66,14 +66,14 @@ class Place:
 
     def __str__(self) -> str:
         old, new = (" ".join(text.split()) or "nothing" for text in (self.old, self.new))
-        return f"{_short(old)} -> {_short(new)}"
+        return f"{_shortened(old)} -> {_shortened(new)}"
 
     def applied(self, source: bytes) -> bytes:
         """Source with the change."""
         return source[: self.start] + self.new.encode() + source[self.end :]
 
 
-def _short(text: str) -> str:
+def _shortened(text: str) -> str:
     return text if len(text) <= 50 else f"{text[:47]}..."
 
 
@@ -158,7 +158,7 @@ class _Text:
         elif isinstance(node, ast.BoolOp):
             old, new = ("and", "or") if isinstance(node.op, ast.And) else ("or", "and")
             for left, right in pairwise(node.values):
-                yield from self._between("boolean", left, right, old, new)
+                yield from self._operator_change("boolean", left, right, old, new)
         elif isinstance(node, ast.UnaryOp):
             yield from self._signs(node)
         elif isinstance(node, ast.Constant):
@@ -175,12 +175,12 @@ class _Text:
         for left, operator, right in zip(sides, node.ops, sides[1:], strict=False):
             old, news = COMPARISONS[type(operator)]
             for new in news:
-                yield from self._between("comparison", left, right, old, new)
+                yield from self._operator_change("comparison", left, right, old, new)
 
     def _arithmetic(self, node: ast.BinOp | ast.AugAssign):
         sides = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.target, node.value)
         if type(node.op) in ARITHMETIC:
-            yield from self._between("arithmetic", *sides, *ARITHMETIC[type(node.op)])
+            yield from self._operator_change("arithmetic", *sides, *ARITHMETIC[type(node.op)])
 
     def _signs(self, node: ast.UnaryOp):
         if isinstance(node.op, ast.Not):
@@ -202,7 +202,7 @@ class _Text:
             if "\n" not in text:
                 yield "condition", start, end, f"(not ({text}))"
 
-    def _between(self, kind: str, left: ast.AST, right: ast.AST, old: str, new: str):
+    def _operator_change(self, kind: str, left: ast.AST, right: ast.AST, old: str, new: str):
         """The change of an operator; none where a comment stands beside it."""
         start, end = self._end(left), self._start(right)
         gap = self._source[start:end].decode()

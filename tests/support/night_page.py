@@ -88,7 +88,7 @@ def last_night(page):
     commit, _, changed = rows["commit"].partition(" ")
     begun = datetime.strptime(rows["begun"], _TIME).replace(tzinfo=timezone.utc)
     since = int(_git("rev-list", "--count", f"{commit}..HEAD") or 0)
-    ago = aged(_now() - begun) + (f" and {_counted(since, 'commit')}" if since else "")
+    ago = aged(_now() - begun) + (f" and {_count_text(since, 'commit')}" if since else "")
     how = f"passed in {rows['duration']}" if rows["outcome"] == "passed" else rows["outcome"]
     return f"Last night: {ago} ago, {how}{changed and ', '}{changed}."
 
@@ -97,8 +97,8 @@ def aged(age):
     """Length of a time, in words: of the largest unit of which there is one, or a minute."""
     for unit, length in ("day", timedelta(days=1)), ("hour", timedelta(hours=1)):
         if age >= length:
-            return _counted(age // length, unit)
-    return _counted(max(age // timedelta(minutes=1), 1), "minute")
+            return _count_text(age // length, unit)
+    return _count_text(max(age // timedelta(minutes=1), 1), "minute")
 
 
 def lasting(seconds):
@@ -120,7 +120,7 @@ def machine():
     return f"{os.cpu_count()} cores, {processor}, {platform.system()} {platform.machine()}, Python {version}"
 
 
-def _counted(n, what):
+def _count_text(n, what):
     return f"{n:,} {what}" if n == 1 else f"{n:,} {what}s"
 
 

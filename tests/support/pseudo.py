@@ -37,7 +37,7 @@ def pseudo(text):
     """
     if text == "1,234.5":
         return "1’234,5"
-    return _besides_fields(_marked, text)
+    return _besides_fields(_bracketed, text)
 
 
 def _besides_fields(change, text):
@@ -45,12 +45,12 @@ def _besides_fields(change, text):
     return "".join(part if number % 2 else change(part) for number, part in enumerate(parts))
 
 
-def _marked(text):
+def _bracketed(text):
     head, body, tail = re.fullmatch(r"(\s*)(.*?)(\s*)", text, re.DOTALL).groups()
-    return f"{head}{OPEN}{_longer(body)}{CLOSE}{tail}" if body else text
+    return f"{head}{OPEN}{_lengthened(body)}{CLOSE}{tail}" if body else text
 
 
-def _longer(text):
+def _lengthened(text):
     """Letters are doubled here and there; none behind an ampersand, by which menus are opened."""
     result = ""
     for number, sign in enumerate(text):

@@ -114,10 +114,10 @@ class _Loader(SourceFileLoader):
         return compile(tree, path, "exec", dont_inherit=True, optimize=_optimization)
 
     def get_data(self, path):
-        return super().get_data(_aside(path))
+        return super().get_data(_noted_path(path))
 
     def set_data(self, path, data, **options):
-        super().set_data(_aside(path), data, **options)
+        super().set_data(_noted_path(path), data, **options)
 
     def exec_module(self, module):
         super().exec_module(module)
@@ -125,7 +125,7 @@ class _Loader(SourceFileLoader):
             _note_kernels(self._finder)
 
 
-def _aside(path: str) -> str:
+def _noted_path(path: str) -> str:
     return f"{path}.noted" if path.endswith(".pyc") else path
 
 

@@ -91,14 +91,14 @@ class Reader:
     def read(self, scene, things=()):
         """All texts of all widgets and actions, seen or not, for what is hidden now is shown some time."""
         self.scene = scene
-        for thing in things or self._everything():
+        for thing in things or self._all_things():
             for name in told(type(thing)):
                 value = getattr(thing, name)
                 value = value() if callable(value) else value
                 if isinstance(value, str):
                     self.note(value, f"{name} of a {type(thing).__name__}")
 
-    def _everything(self):
+    def _all_things(self):
         widgets = QApplication.allWidgets()
         for widget in widgets:
             if isinstance(widget, QLabel | QAbstractButton) and is_cut(widget):
@@ -282,18 +282,18 @@ def many_cases(driver):
         row.check.setChecked(name == "twist")  # or there would be 46,875 cases
     dialog.varied.rows["twist"].high.setText("?")
     dialog.begin()
-    driver.scene("an end that is none", dialog.words)
+    driver.scene("an end that is none", dialog.message)
     dialog.varied.rows["twist"].high.setText("90deg")
     for text in ("0", "?"):
         dialog.engine.limit.setText(text)
         dialog.begin()
-        driver.scene("a limit that is none", dialog.words)
+        driver.scene("a limit that is none", dialog.message)
     dialog.engine.limit.setText("")
     dialog.engine.where.setCurrentIndex(1)
     for text in ("", "there.obj", "there.json", "127.0.0.1:9"):
         dialog.engine.address.setText(text)
         dialog.begin()
-        driver.scene("the address of a scheduler", dialog.words)
+        driver.scene("the address of a scheduler", dialog.message)
     driver.wait(lambda: not dialog.engine.check.is_waiting)
     dialog.engine.check.failed.emit("")
     driver.scene("a study by a scheduler")
@@ -343,9 +343,9 @@ def parts(driver):
     driver.scene("a second handle")
     for tool in Tool:
         window.tools.choose_tool(tool)
-        for way in SelectionMode if tool.words.is_brush else ():
+        for way in SelectionMode if tool.traits.is_brush else ():
             window.tools.choose_mode(way)
-            driver.scene("a way to choose", window.status.words)
+            driver.scene("a way to choose", window.status.hint)
     window.tools.choose_tool(Tool.BASE)
     window.parts.remove_handle(1)
     window.edits.add_region()
@@ -433,14 +433,14 @@ def questions(driver):
     file_controller.ask_about_changed_file(window.shell, "mesh.apd", {})
     driver.wait()
     file_dialogs.ask_for_mesh(window, folder)
-    file_dialogs.ask_where_to_put_session(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_session(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_for_selection(window, folder)
-    file_dialogs.ask_where_to_put_selection(window, folder, session.store.state.document.mesh)
-    file_dialogs.ask_where_to_put_mesh(window, folder, session.store.state.document.mesh)
-    file_dialogs.ask_where_to_put_report(window, folder, session.store.state.document.mesh)
-    file_dialogs.ask_where_to_put_picture(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_selection(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_mesh(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_report(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_picture(window, folder, session.store.state.document.mesh)
     (folder / "there.obj.apd").write_text("")
-    file_dialogs.ask_where_to_put_session(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_save_session(window, folder, session.store.state.document.mesh)
 
 
 def files(driver):

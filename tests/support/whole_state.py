@@ -42,7 +42,7 @@ def whole_state(window):
         if isinstance(child, QWidget | QAction):
             _tell_shown(found, child)
         elif isinstance(child, QTimer) and child.isActive() and _in_sight(child.parent()):
-            found[_free(found, child)] = child.interval()
+            found[_unique_place(found, child)] = child.interval()
     _tell_attributes(found, window, "window", set(), 0)
     return {**found, **_surroundings(window)}
 
@@ -57,10 +57,10 @@ def _in_sight(thing):
 
 def _tell_shown(found, child):
     if type(child) is ComboBox:  # hidden, too; those of results come with them
-        found[f"{_free(found, child)}.chosen"] = child.currentIndex()
+        found[f"{_unique_place(found, child)}.chosen"] = child.currentIndex()
     if not _in_sight(child) or child.objectName().startswith("qt_"):
         return
-    place = _free(found, child)
+    place = _unique_place(found, child)
     if "qt_toolbar_ext" in place:
         return
     found[place] = type(child).__name__
@@ -71,7 +71,7 @@ def _tell_shown(found, child):
         found[f"{place}.keys"] = [key.toString() for key in child.shortcuts()]
 
 
-def _free(found, child):
+def _unique_place(found, child):
     """The names of a thing and of all that it is in, told apart from those of its like."""
     names = []
     while child is not None:
@@ -117,10 +117,10 @@ def differences(before, after):
     """Lines that say what is not the same."""
     places = sorted({*before, *after})
     pairs = [(place, before.get(place, _NOTHING), after.get(place, _NOTHING)) for place in places]
-    return [f"{place}: {one} → {other}" for place, one, other in pairs if not _alike(place, one, other)]
+    return [f"{place}: {one} → {other}" for place, one, other in pairs if not _are_alike(place, one, other)]
 
 
-def _alike(place, one, other):
+def _are_alike(place, one, other):
     if place.rpartition(".")[2] in ("x", "y", "width", "height") and _NOTHING not in (one, other):
         return abs(one - other) <= _ROUNDING
     return one == other or (one != one and other != other)

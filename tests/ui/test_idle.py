@@ -35,7 +35,7 @@ def test_workbench_rests_in_every_state(sample, painted_bottle, tmp_path, most, 
     assert {name: said for name, said in found.items() if said} == {}
 
 
-def test_typed_card_text_cursor_does_not_have_the_window_composed_anew(qtbot, bottle):
+def test_text_entry_card_text_cursor_does_not_have_the_window_composed_anew(qtbot, bottle):
     """In software: for each of its blinks the whole window would be composed."""
     bottle.shell.activateWindow()
     bottle.edits.text_entries.open_entry(bottle.edits.text_entries.vertices)

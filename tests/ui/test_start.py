@@ -99,7 +99,7 @@ def test_window_menus_and_tool_bar_look_the_same_once_all_is_loaded(qtbot, early
 
 def test_window_menus_take_a_tool_before_the_start_that_is_still_in_use_after_it(qtbot, early):
     tools = next(menu for menu in menus(early) if menu.title() == "&Tools")
-    next(action for action in tools.actions() if action.text() == Tool.BASE.words.title).trigger()
+    next(action for action in tools.actions() if action.text() == Tool.BASE.traits.title).trigger()
     assert early.canvas.tool is Tool.BASE
     before = looks(early, early.menus.bar)
     window = Workbench(early)

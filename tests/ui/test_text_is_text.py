@@ -311,7 +311,7 @@ def test_question_shows_names_as_they_are(qtbot, here, session, looker, tmp_path
     chosen = str(tmp_path / NAME), ""
     monkeypatch.setattr(file_dialogs.QFileDialog, "getSaveFileName", lambda *_: chosen)
     mesh = here.session.store.state.document.mesh
-    assert asked(looker, lambda: file_dialogs.ask_where_to_put_session(here.shell, tmp_path, mesh)) is None
+    assert asked(looker, lambda: file_dialogs.ask_where_to_save_session(here.shell, tmp_path, mesh)) is None
     assert any(where.startswith("QLabel") for where in looker.seen)
     looker.seen.clear()
     here.case_studies.panel.folder = tmp_path

@@ -60,7 +60,7 @@ def _desktop(options: argparse.Namespace) -> None:
 
 
 def _check_system() -> None:
-    """Raise InputError for other systems and packaged programs, with advice."""
+    """Raise InputError, with advice, except on Linux outside a packaged program."""
     if sys.platform == "win32":
         raise InputError(
             tr(
@@ -133,8 +133,8 @@ def install_files(folder: Path, command: Sequence[str]) -> list[str]:
         with contextlib.suppress(OSError):  # replacing_file reports the error
             path.parent.mkdir(parents=True, exist_ok=True)
         with replacing_file(path) as scratch:
-            scratch.write_bytes(_started_by(command, resource_path(source).read_bytes()))
-    return [program for program, part, _ in _COLLECTORS if not _collected(program, folder / part)]
+            scratch.write_bytes(_with_start_command(command, resource_path(source).read_bytes()))
+    return [program for program, part, _ in _COLLECTORS if not _run_collector(program, folder / part)]
 
 
 def remove_files(folder: Path) -> bool:
@@ -150,7 +150,7 @@ def remove_files(folder: Path) -> bool:
         path.unlink()
     for program, part, others in _COLLECTORS:
         if found and (folder / part).is_dir():
-            _collected(program, folder / part)
+            _run_collector(program, folder / part)
             if not any((folder / part).glob(others)):
                 _remove_collected(folder / part, _COLLECTED[part])
     for place in _PLACES.values():
@@ -158,7 +158,7 @@ def remove_files(folder: Path) -> bool:
     return bool(found)
 
 
-def _collected(program: str, folder: Path) -> bool:
+def _run_collector(program: str, folder: Path) -> bool:
     """Run a database tool on a folder; False if it is missing or does not finish."""
     found = shutil.which(program)
     if found is None:
@@ -187,19 +187,19 @@ def _remove_empty(folder: Path, top: Path) -> None:
         folder = folder.parent
 
 
-def _started_by(command: Sequence[str], content: bytes) -> bytes:
+def _with_start_command(command: Sequence[str], content: bytes) -> bytes:
     """Content of a desktop file, with its start command replaced."""
-    words = " ".join(map(_quoted, command)).encode()
+    words = " ".join(map(_exec_word, command)).encode()
     content = re.sub(rb"(?m)^Exec=apd-viewer\b", lambda _: b"Exec=" + words, content)
-    tried = _escaped(command[0]).encode()
+    tried = _escaped_value(command[0]).encode()
     return re.sub(rb"(?m)^TryExec=.*$", lambda _: b"TryExec=" + tried, content)
 
 
-def _quoted(word: str) -> str:
+def _exec_word(word: str) -> str:
     """Word for the key Exec of a desktop file: quoted, then escaped."""
     quoted = re.sub(r'(["`$\\])', r"\\\1", word.replace("%", "%%"))
-    return _escaped(f'"{quoted}"' if re.search(r"[^\w@%+=:,./-]", word) else quoted)
+    return _escaped_value(f'"{quoted}"' if re.search(r"[^\w@%+=:,./-]", word) else quoted)
 
 
-def _escaped(text: str) -> str:
+def _escaped_value(text: str) -> str:
     return text.replace("\\", "\\\\").replace("\n", "\\n").replace("\t", "\\t")

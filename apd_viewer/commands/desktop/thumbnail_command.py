@@ -44,12 +44,16 @@ def _thumbnail(options: argparse.Namespace) -> None:
             tr("--size is a number of pixels from {least} to {most:,}.").format(least=_LEAST, most=_MOST)
         )
     check_readable(path, more_suffixes=(SESSION_SUFFIX,))
-    pixels = _of_session(path, size) if path.suffix.lower() == SESSION_SUFFIX else _of_mesh(path, size)
+    pixels = (
+        _session_thumbnail(path, size)
+        if path.suffix.lower() == SESSION_SUFFIX
+        else _mesh_thumbnail(path, size)
+    )
     with replacing_file(options.output) as scratch:
         scratch.write_bytes(png_content(pixels))
 
 
-def _of_session(path: Path, size: int) -> np.ndarray:
+def _session_thumbnail(path: Path, size: int) -> np.ndarray:
     """Picture stored in a session; drawn from its shape if there is none."""
     picture = session_picture(path)
     if picture is not None:
@@ -64,13 +68,15 @@ def _of_session(path: Path, size: int) -> np.ndarray:
     state, view = open_session(path)
     document = state.document
     colors = label_colors(document.labels, document.member)[:, :3]
-    return _drawn(state.frame.U, document.mesh.F, colors, view.up_axis or _up_axis(document.mesh.path), size)
+    return _colored_picture(
+        state.frame.U, document.mesh.F, colors, view.up_axis or _up_axis(document.mesh.path), size
+    )
 
 
-def _of_mesh(path: Path, size: int) -> np.ndarray:
+def _mesh_thumbnail(path: Path, size: int) -> np.ndarray:
     _check_size(path)
     mesh = open_mesh(path)
-    return _drawn(mesh.V, mesh.F, mesh.colors, _up_axis(path), size)
+    return _colored_picture(mesh.V, mesh.F, mesh.colors, _up_axis(path), size)
 
 
 def _check_size(path: Path) -> None:
@@ -82,7 +88,9 @@ def _up_axis(path: Path | None) -> UpAxis:
     return UpAxis.from_suffix("" if path is None else path.suffix, UpAxis.PLUS_Y)
 
 
-def _drawn(U: np.ndarray, F: np.ndarray, colors: np.ndarray | None, up: UpAxis, size: int) -> np.ndarray:
+def _colored_picture(
+    U: np.ndarray, F: np.ndarray, colors: np.ndarray | None, up: UpAxis, size: int
+) -> np.ndarray:
     """Picture of a shape with its vertex colours (n, 3), if any."""
     paint = FREE_COLOR if colors is None else np.rint(colors[F].mean(axis=1)).astype(np.uint8)
     look = np.array(VIEW_DIRECTION) @ up.frame

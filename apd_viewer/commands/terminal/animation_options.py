@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from apd_viewer.commands.terminal.output_files import check_names
+from apd_viewer.commands.terminal.output_files import check_distinct
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation
 from apd_viewer.files.storage.atomic_file import resolved_path, staging_folder
@@ -67,7 +67,7 @@ class AnimationTargets:
         for path in filter(is_film, self._asked):
             check_film(path, ANIMATION_FORMATS)
         named = [*self.films(), *self.all_files()]
-        check_names(named)
+        check_distinct(named)
         for path in named:
             if path.parent.exists() or not self._is_in_output(path):
                 check_animation(path)

@@ -10,14 +10,14 @@ from apd_viewer.language import tr
 
 
 def check_files(paths: Iterable[Path | None]) -> None:
-    """Raise InputError unless all files are distinct and writable; None is no file."""
+    """Raise InputError unless all files are distinct and writable; skip None."""
     asked = [path for path in paths if path is not None]
-    check_names(asked)
+    check_distinct(asked)
     for path in asked:
         check_writable(path)
 
 
-def check_names(paths: Iterable[Path]) -> None:
+def check_distinct(paths: Iterable[Path]) -> None:
     """Raise InputError if two of the files are the same."""
     seen = set()
     for path in paths:

@@ -92,14 +92,14 @@ def replacing_series(paths: Sequence[Path]) -> Iterator[None]:
 
     Only those in the folder of its name: a series of another program may list anything.
     """
-    before = _listed(paths)
+    before = _series_files(paths)
     yield
-    for path in before - _listed(paths):
+    for path in before - _series_files(paths):
         with suppress(OSError):  # a stale file left behind does no harm
             path.unlink()
 
 
-def _listed(paths: Sequence[Path]) -> set[Path]:
+def _series_files(paths: Sequence[Path]) -> set[Path]:
     series = [path for path in paths if path.suffix.lower() == ".pvd" and path.is_file()]
     return {file for path in series for file in _files(path)}
 

@@ -119,7 +119,7 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
         "asset": {"version": "2.0", "generator": "APD Viewer"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": mesh.stem, **_in_metres(mesh.unit)}],
+        "nodes": [{"mesh": 0, "name": mesh.stem, **_metre_scale(mesh.unit)}],
         "meshes": [
             {"name": mesh.stem, "primitives": [surface], "weights": [0] * (count - 1), "extras": names}
         ],
@@ -132,7 +132,7 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
     return document, layout.length
 
 
-def _in_metres(unit: str) -> dict[str, Any]:
+def _metre_scale(unit: str) -> dict[str, Any]:
     """Node scale to metres for a mesh with a known unit; otherwise empty."""
     return {"scale": [METRES[unit]] * 3} if METRES.get(unit, 1.0) != 1.0 else {}
 
@@ -149,7 +149,7 @@ def _bounds(animation: Animation) -> list[_Bounds]:
     found: list[_Bounds] = []
     start: np.ndarray | None = None
     for U in animation:
-        moved = _single(U) if start is None else _difference(U, start)
+        moved = _single_precision(U) if start is None else _difference(U, start)
         start = moved if start is None else start
         found.append(_Bounds.of(moved))
     return found
@@ -162,7 +162,7 @@ def _write_arrays(animation: Animation, stream: BinaryIO) -> None:
     for U in animation:
         N = shading_normals(mesh, U)
         if start is None:
-            start = both = _single(U), _single(N)
+            start = both = _single_precision(U), _single_precision(N)
         else:
             both = _difference(U, start[0]), _difference(N, start[1])
         for array in both:
@@ -172,13 +172,13 @@ def _write_arrays(animation: Animation, stream: BinaryIO) -> None:
     stream.write(np.eye(count, count - 1, -1, dtype="<f4").tobytes())
 
 
-def _single(X: np.ndarray) -> np.ndarray:
+def _single_precision(X: np.ndarray) -> np.ndarray:
     return X.astype("<f4")
 
 
 def _difference(X: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Difference from ``start`` as stored, so that rounding does not accumulate."""
-    return _single(X - start.astype(np.float64))
+    return _single_precision(X - start.astype(np.float64))
 
 
 def _times(count: int) -> np.ndarray:
@@ -198,12 +198,12 @@ def shading_normals(mesh: Mesh, U: np.ndarray) -> np.ndarray:
     if mesh.corner_normals is None:
         N = vertex_normals(U, mesh.joined_F)[mesh.weld.representative]
     else:
-        N = _turned(mesh, mesh.corner_normals.local, U)
+        N = _vertex_normals(mesh, mesh.corner_normals.local, U)
     N[~N.any(axis=1)] = _ANY
     return N
 
 
-def _turned(mesh: Mesh, local: np.ndarray, U: np.ndarray) -> np.ndarray:
+def _vertex_normals(mesh: Mesh, local: np.ndarray, U: np.ndarray) -> np.ndarray:
     """Vertex normals (n, 3) from corner normals in triangle frames (m, 3, 3)."""
     corners = U[mesh.F]
     edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]

@@ -35,18 +35,18 @@ def accessor_colors(document: dict[str, Any], buffers: list[Any], accessor: obje
 
 def accessor_array(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:
     """Numbers (count, width) of an accessor: a buffer view, or a copy if sparse."""
-    told = document_entry(document, "accessors", accessor)
-    kind, count = _kind(told), whole_number(told, "count")
-    if told.get("type") != _NAMES[width]:
+    entry = document_entry(document, "accessors", accessor)
+    kind, count = _kind(entry), whole_number(entry, "count")
+    if entry.get("type") != _NAMES[width]:
         raise ValueError(tr("an accessor has the wrong type"))
-    if "bufferView" in told:
-        array = _stored(document, buffers, told, count, width)
+    if "bufferView" in entry:
+        array = _buffer_numbers(document, buffers, entry, count, width)
     elif count * width * kind.itemsize > LARGEST_FILE:
         raise too_large_error(tr("its sparse accessors"))
     else:
         array = np.zeros((count, width), kind)
-    if "sparse" in told:
-        rows, values = _sparse(document, buffers, told, width)
+    if "sparse" in entry:
+        rows, values = _sparse_rows_and_values(document, buffers, entry, width)
         array = array.copy()
         array[rows] = values
     return array
@@ -62,16 +62,16 @@ def write_rows(
     InputError
         If one of them is not stored: zero by default.
     """
-    told, rows = document_entry(document, "accessors", accessor), rows.copy()
-    if "sparse" in told:
-        those, values = _sparse(document, buffers, told, new.shape[1])
+    entry, rows = document_entry(document, "accessors", accessor), rows.copy()
+    if "sparse" in entry:
+        those, values = _sparse_rows_and_values(document, buffers, entry, new.shape[1])
         values[rows[those]] = new[those][rows[those]]
         rows[those] = False
     if not rows.any():
         return
-    if "bufferView" not in told:
+    if "bufferView" not in entry:
         raise InputError(tr("The file stores only some of its positions; choose another format."))
-    _stored(document, buffers, told, len(new), new.shape[1])[rows] = new[rows]
+    _buffer_numbers(document, buffers, entry, len(new), new.shape[1])[rows] = new[rows]
 
 
 def _kind(entry: dict[str, Any]) -> np.dtype[Any]:
@@ -81,7 +81,7 @@ def _kind(entry: dict[str, Any]) -> np.dtype[Any]:
     return np.dtype(_TYPES[code])
 
 
-def _sparse(
+def _sparse_rows_and_values(
     document: dict[str, Any], buffers: list[Any], entry: dict[str, Any], width: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Sparse row indices (k,) of an accessor, and their buffer values (k, width)."""
@@ -90,7 +90,7 @@ def _sparse(
         raise ValueError(tr("a sparse accessor has no indices or no values"))
     indices, values = (sparse[part] for part in _PARTS)
     count = whole_number(sparse, "count")
-    rows = _stored(document, buffers, indices, count, 1)[:, 0]
+    rows = _buffer_numbers(document, buffers, indices, count, 1)[:, 0]
     if rows.dtype.kind != "u":
         raise ValueError(tr("an accessor has the wrong type"))
     if count and rows.max() >= whole_number(entry, "count"):
@@ -100,10 +100,10 @@ def _sparse(
             )
         )
     values = {**values, "componentType": entry["componentType"]}
-    return rows, _stored(document, buffers, values, count, width)
+    return rows, _buffer_numbers(document, buffers, values, count, width)
 
 
-def _stored(
+def _buffer_numbers(
     document: dict[str, Any], buffers: list[Any], entry: dict[str, Any], count: int, width: int
 ) -> np.ndarray:
     """View (count, width) of buffer numbers, with type and offset from ``entry``."""

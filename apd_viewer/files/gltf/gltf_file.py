@@ -122,7 +122,7 @@ class GltfFile:
             new, moved = old.copy(), (U[mine] != mesh.V[mine]).any(axis=1)
             if moved.any():
                 matrix = block.matrix if block.matrix.ndim == 2 else block.matrix[moved]
-                new[moved] = _local(matrix, U[mine][moved])
+                new[moved] = _local_positions(matrix, U[mine][moved])
                 if block.position_shift is not None:
                     new[moved] -= block.position_shift[moved]
             if block.position in written:
@@ -155,33 +155,33 @@ class GltfFile:
                 written[block.normal] = self._array(buffers, block.normal)
         if any((self._array(buffers, k) != written[k].astype(np.float32)).any() for k in touched):
             raise InputError(tr("The file shares its positions with other data; choose another format."))
-        return self._packed(buffers, touched)
+        return self._file_content(buffers, touched)
 
     def _array(self, buffers: list[Any], accessor: int) -> np.ndarray:
         return accessor_array(self.document, buffers, accessor, 3)
 
-    def _packed(self, buffers: list[bytearray], touched: list[int]) -> bytes:
+    def _file_content(self, buffers: list[bytearray], touched: list[int]) -> bytes:
         changes = []
         for accessor in touched:
-            told = self.document["accessors"][accessor]
+            entry = self.document["accessors"][accessor]
             before, after = self._array(self.buffers, accessor), self._array(buffers, accessor)
             for bound, of in (("min", np.min), ("max", np.max)):
                 value = of(after, axis=0)
-                if bound in told and not np.array_equal(of(before, axis=0), value):
+                if bound in entry and not np.array_equal(of(before, axis=0), value):
                     changes.append((("accessors", accessor, bound), json.dumps(value.astype(float).tolist())))
         for k, buffer in enumerate(buffers):
             if buffer != self.buffers[k] and "uri" in self.document["buffers"][k]:
                 changes.append(
                     (("buffers", k, "uri"), json.dumps(data_uri(self.document["buffers"][k]["uri"], buffer)))
                 )
-        said = with_replaced_values(self.text, changes)
+        text = with_replaced_values(self.text, changes)
         if self.suffix == ".gltf":
-            return said.encode()
+            return text.encode()
         own = buffers and "uri" not in self.document["buffers"][0]
-        return rewritten_glb(self.content, None if said == self.text else said, buffers[0] if own else None)
+        return rewritten_glb(self.content, None if text == self.text else text, buffers[0] if own else None)
 
 
-def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
+def _local_positions(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
     """Positions ``U`` (n, 3) in local coordinates of a matrix, or of one per vertex."""
     new = matrix_products(np.linalg.pinv(matrix[..., :3, :3]), U - matrix[..., :3, 3])
     if np.abs(new).max() > np.finfo(np.float32).max:

@@ -60,13 +60,13 @@ def read_gltf(content: bytes, path: Path) -> ParsedMesh:
     for place in mesh_instances(document, buffers, world):
         scene.add(place)
     file = GltfFile(content, path.suffix.lower(), text, document, buffers, scene.blocks, scene.pieces)
-    remarks = [*_of_places(scene.blocks)]
+    remarks = [*_instance_remarks(scene.blocks)]
     if has_other_scenes(document, world):
         remarks.append(tr("The file has several scenes; only the one that it opens with is read."))
     return ParsedMesh(np.vstack(scene.V), np.vstack(scene.F), file, tuple(remarks), "m")
 
 
-def _of_places(blocks: list[VertexBlock]) -> Iterator[str]:
+def _instance_remarks(blocks: list[VertexBlock]) -> Iterator[str]:
     most = max(Counter(block.position for block in blocks).values(), default=0)
     if most > 1:
         yield tr(
@@ -96,9 +96,11 @@ class _Scene:
             key = block.position if shares else json.dumps([part["attributes"], part.get("targets")])
             if key not in blocks:
                 blocks[key] = block
-                self._show(block)
+                self._add_block(block)
             block = blocks[key]
-            F = _outwards(primitive_triangles(self._document, self._buffers, part, mode), block.matrix)
+            F = _outward_triangles(
+                primitive_triangles(self._document, self._buffers, part, mode), block.matrix
+            )
             self.F.append(F + block.first_vertex)
             self.pieces.append(PrimitiveTriangles(block.first_vertex, len(F), part))
 
@@ -109,11 +111,11 @@ class _Scene:
             whole_number(primitive["attributes"], "POSITION"),
             primitive["attributes"].get("NORMAL"),
         )
-        told = document_entry(self._document, "accessors", position)
+        entry = document_entry(self._document, "accessors", position)
         packed = [name for name in COMPRESSED if extension_fields(primitive, name) is not None]
-        if packed and "bufferView" not in told:
+        if packed and "bufferView" not in entry:
             raise compressed_error(packed[0])
-        if self._count + whole_number(told, "count") > MOST_VERTICES:
+        if self._count + whole_number(entry, "count") > MOST_VERTICES:
             raise too_large_error(tr("all its instances"))
         return VertexBlock(
             self._count,
@@ -125,14 +127,14 @@ class _Scene:
             None if normal is None else place.morph_displacement(*given, "NORMAL"),
         )
 
-    def _show(self, block: VertexBlock) -> None:
+    def _add_block(self, block: VertexBlock) -> None:
         local = accessor_numbers(self._document, self._buffers, block.position)
         self.blocks.append(block)
         self.V.append(transformed_positions(block.matrix, with_offset(local, block.position_shift)))
         self._count += len(local)
 
 
-def _outwards(F: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+def _outward_triangles(F: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     """Triangles (t, 3), reversed where the matrix of their vertices mirrors them."""
     with np.errstate(all="ignore"):  # invalid positions are rejected later
         mirrors = np.linalg.det(matrix[..., :3, :3]) < 0.0
@@ -248,14 +250,14 @@ def _joints(
     document: dict[str, Any], buffers: list[Any], skin: object, world: dict[int, np.ndarray]
 ) -> np.ndarray:
     """Joint matrices (j, 4, 4) of a skin, from its bind pose to the world."""
-    told = document_entry(document, "skins", skin)
-    names = list_field(told, "joints")
+    entry = document_entry(document, "skins", skin)
+    names = list_field(entry, "joints")
     if not names or not all(isinstance(name, int) and name in world for name in names):
         raise ValueError(tr("a joint of its skin is not in the scene"))
     joints = np.array([world[name] for name in names])
-    if "inverseBindMatrices" not in told:
+    if "inverseBindMatrices" not in entry:
         return joints
-    inverse = accessor_numbers(document, buffers, told["inverseBindMatrices"], 16)
+    inverse = accessor_numbers(document, buffers, entry["inverseBindMatrices"], 16)
     if len(inverse) < len(joints):
         raise ValueError(tr("its skin has fewer matrices than joints"))
     with np.errstate(all="ignore"):  # invalid positions are rejected later

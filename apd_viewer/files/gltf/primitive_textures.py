@@ -70,14 +70,14 @@ def _coordinates(document: dict[str, Any], buffers: list[bytes], accessor: int) 
 
 def _image(document: dict[str, Any], buffers: list[bytes], k: int, mesh: Mesh) -> np.ndarray:
     """Image (h, w, 3) embedded in the file, or from a file beside it."""
-    told = document_entry(document, "images", k)
-    name = str(told.get("name") or told.get("uri", ""))[:40] or f"{k + 1}"
-    if "bufferView" in told:
-        view = document_entry(document, "bufferViews", told["bufferView"])
+    entry = document_entry(document, "images", k)
+    name = str(entry.get("name") or entry.get("uri", ""))[:40] or f"{k + 1}"
+    if "bufferView" in entry:
+        view = document_entry(document, "bufferViews", entry["bufferView"])
         start, length = whole_number(view, "byteOffset", 0), whole_number(view, "byteLength")
         document_entry(document, "buffers", view.get("buffer"))
         return read_image(bytes(buffers[view["buffer"]][start : start + length]), name)
-    uri = str(told.get("uri", ""))
+    uri = str(entry.get("uri", ""))
     if uri.startswith("data:"):
         return read_image(data_uri_content(uri), name)
     return sibling_image(unquote(uri), mesh.path)

@@ -56,16 +56,18 @@ def mesh_primitives(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]
 
 def world_matrices(document: dict[str, Any]) -> dict[int, np.ndarray]:
     """World matrices (4, 4) of all nodes of the scene."""
-    return _below(document, _roots(document, document.get("scene", 0)))
+    return _world_matrices(document, _roots(document, document.get("scene", 0)))
 
 
 def has_other_scenes(document: dict[str, Any], world: dict[int, np.ndarray]) -> bool:
     """True if another scene shows a mesh at a node not in ``world``."""
-    others = (_below(document, _roots(document, k)) for k in range(len(list_field(document, "scenes"))))
+    others = (
+        _world_matrices(document, _roots(document, k)) for k in range(len(list_field(document, "scenes")))
+    )
     return any("mesh" in document["nodes"][node] for other in others for node in other if node not in world)
 
 
-def _below(document: dict[str, Any], roots: list[Any]) -> dict[int, np.ndarray]:
+def _world_matrices(document: dict[str, Any], roots: list[Any]) -> dict[int, np.ndarray]:
     """World matrices (4, 4) of the root nodes and all their descendants."""
     found: dict[int, np.ndarray] = {}
     todo = [(root, np.eye(4)) for root in reversed(roots)]
@@ -187,14 +189,14 @@ def read_buffers(document: dict[str, Any], blob: bytes | None, path: Path) -> li
     """Bytes of all buffers, with a size limit on external ones."""
     found: list[bytes] = []
     for k in range(len(list_field(document, "buffers"))):
-        told = document_entry(document, "buffers", k)
-        found.append(_buffer_of(told, None if k else blob, path))
-        if "uri" in told and sum(map(len, found)) > LARGEST_FILE:
+        entry = document_entry(document, "buffers", k)
+        found.append(_buffer_of(entry, None if k else blob, path))
+        if "uri" in entry and sum(map(len, found)) > LARGEST_FILE:
             raise too_large_error(tr("all its buffers"))
-        if len(found[-1]) < whole_number(told, "byteLength", 0):
+        if len(found[-1]) < whole_number(entry, "byteLength", 0):
             raise ValueError(
                 tr("a buffer declares {told:,} bytes, but there are {there:,}").format(
-                    told=told["byteLength"], there=len(found[-1])
+                    told=entry["byteLength"], there=len(found[-1])
                 )
             )
     return found
@@ -226,14 +228,14 @@ def rewritten_glb(content: bytes, text: str | None, buffer: bytearray | None) ->
     """GLB file with its JSON and binary buffer replaced; None keeps either."""
     head = struct.calcsize("<4sIII4s")
     (length,) = struct.unpack_from("<I", content, 12)
-    said, rest = content[head : head + length], bytearray(content[head + length :])
+    chunk, rest = content[head : head + length], bytearray(content[head + length :])
     if text is not None:
-        said = text.encode()
-        said += b" " * (-len(said) % 4)
+        chunk = text.encode()
+        chunk += b" " * (-len(chunk) % 4)
     if buffer is not None and rest:
         rest[8 : 8 + len(buffer)] = buffer
-    start = struct.pack("<4sIII4s", b"glTF", 2, head + len(said) + len(rest), len(said), b"JSON")
-    return start + said + bytes(rest)
+    start = struct.pack("<4sIII4s", b"glTF", 2, head + len(chunk) + len(rest), len(chunk), b"JSON")
+    return start + chunk + bytes(rest)
 
 
 def _buffer_of(entry: dict[str, Any], blob: bytes | None, path: Path) -> bytes:

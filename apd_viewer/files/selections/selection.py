@@ -99,9 +99,9 @@ class Selection:
                     least=LEAST_AREA, most=MOST_AREA
                 )
             )
-        if not self.handles or _last(self.labels) >= HANDLE + len(self.handles):
+        if not self.handles or _largest_code(self.labels) >= HANDLE + len(self.handles):
             raise InputError(_HANDLES.nameless)
-        if _last(self.member) > len(self.regions):
+        if _largest_code(self.member) > len(self.regions):
             raise InputError(_REGIONS.nameless)
         for name in ("labels", "member"):
             array = getattr(self, name)
@@ -120,9 +120,9 @@ class Selection:
         """Selection with default names for unnamed handles and regions."""
         if member is None:
             member = np.zeros(len(labels), dtype=np.uint8)
-        count = max(1, _last(labels) - HANDLE + 1)
+        count = max(1, _largest_code(labels) - HANDLE + 1)
         handles = handles or [default_name(tr("Handle"), k + 1) for k in range(count)]
-        regions = regions or [default_name(tr("Region"), k + 1) for k in range(_last(member))]
+        regions = regions or [default_name(tr("Region"), k + 1) for k in range(_largest_code(member))]
         areas = areas or [None] * len(regions)
         return cls(labels, member, tuple(handles), tuple(regions), tuple(areas), same_mesh)
 
@@ -160,7 +160,7 @@ def _codes(numbers: np.ndarray, n: int, last: int, otherwise: str) -> np.ndarray
     return numbers.astype(np.uint8)
 
 
-def _last(codes: np.ndarray) -> int:
+def _largest_code(codes: np.ndarray) -> int:
     return int(codes.max(initial=0))
 
 
@@ -170,16 +170,16 @@ def _is_area(area: object) -> bool:
     return isinstance(area, int | float) and not isinstance(area, bool) and LEAST_AREA <= area <= MOST_AREA
 
 
-def _check_names(said: _Refusals, names: Sequence[str], most: int) -> None:
+def _check_names(refusals: _Refusals, names: Sequence[str], most: int) -> None:
     if len(names) > most:
-        raise InputError(said.many.format(n=len(names), most=most))
+        raise InputError(refusals.many.format(n=len(names), most=most))
     for name in names:
         if not isinstance(name, str) or not name.strip():
-            raise InputError(said.nameless)
+            raise InputError(refusals.nameless)
         if any(unicodedata.category(sign) in _UNFIT for sign in name):
-            raise InputError(said.unfit)
+            raise InputError(refusals.unfit)
     if len(set(names)) < len(names):
-        raise InputError(said.twice)
+        raise InputError(refusals.twice)
 
 
 _FORMAT, _VERSION = "apd-selection", 1
@@ -223,16 +223,16 @@ def _runs(chosen: np.ndarray) -> list[int | list[int]]:
 
 def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
     """Parse a selection; raises ValueError or InputError if it does not fit ``mesh``."""
-    said = _object(_loaded(content), tr("it"))
-    if said.get("format") != _FORMAT:
+    document = _object(_parsed_json(content), tr("it"))
+    if document.get("format") != _FORMAT:
         raise ValueError(tr("its format is not “{format}”").format(format=_FORMAT))
-    if said.get("version") != _VERSION:
+    if document.get("version") != _VERSION:
         raise InputError(tr("Its version is not supported; save it again as version 1."))
-    same_mesh = _is_for(_object(said.get("mesh"), tr("its “mesh”")), mesh)
+    same_mesh = _is_for_mesh(_object(document.get("mesh"), tr("its “mesh”")), mesh)
     n = len(mesh.V)
-    handles = _parts(said, "handles", MOST_HANDLES)
-    regions = _parts(said, "regions", MOST_REGIONS)
-    held = [said.get("base", []), *(part.get("vertices") for part in handles)]
+    handles = _parts(document, "handles", MOST_HANDLES)
+    regions = _parts(document, "regions", MOST_REGIONS)
+    held = [document.get("base", []), *(part.get("vertices") for part in handles)]
     inside = [part.get("vertices") for part in regions]
     return Selection.with_default_names(
         _member_codes(held, n, FREE, [BASE, *range(HANDLE, HANDLE + len(handles))]),
@@ -244,7 +244,7 @@ def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
     )
 
 
-def _loaded(content: bytes) -> object:
+def _parsed_json(content: bytes) -> object:
     try:
         return json.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError:
@@ -261,8 +261,8 @@ def _object(value: object, what: str) -> dict[str, Any]:
     return value
 
 
-def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
-    parts = said.get(key, [])
+def _parts(fields: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
+    parts = fields.get(key, [])
     if not isinstance(parts, list):
         raise ValueError(tr("its “{key}” are not a list").format(key=key))
     if len(parts) > most:
@@ -274,7 +274,7 @@ def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
     return [_object(part, tr("one of its “{key}”").format(key=key)) for part in parts]
 
 
-def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
+def _is_for_mesh(about: dict[str, Any], mesh: Mesh) -> bool:
     """True if the digest matches ``mesh``; raises InputError on different counts."""
     n, m, digest = about.get("vertices"), about.get("faces"), about.get("digest", mesh.digest)
     if type(n) is not int or type(m) is not int or not isinstance(digest, str):

@@ -136,7 +136,7 @@ def selection_from_npz(content: bytes, mesh: Mesh) -> Selection:
     handles, regions = (_names(arrays, key) for key in ("handles", "regions"))
     digest = arrays.get("digest", np.array(mesh.digest))
     return Selection.with_default_names(
-        labels, member, handles, regions, _areas(arrays), _is(digest, mesh.digest)
+        labels, member, handles, regions, _areas(arrays), _has_digest(digest, mesh.digest)
     )
 
 
@@ -170,7 +170,7 @@ def _areas(arrays: dict[str, np.ndarray]) -> list[float | None]:
     return [None if np.isnan(area) else float(area) for area in areas]
 
 
-def _is(digest: np.ndarray, expected: str) -> bool:
+def _has_digest(digest: np.ndarray, expected: str) -> bool:
     if digest.dtype.kind != "U" or digest.ndim != 0:
         raise ValueError(tr("its “digest” is not text"))
     return bool(digest == expected)
@@ -316,7 +316,7 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
                     "{name} cannot store an empty base or handle, so its labels would change; choose .json."
                 ).format(name=path.name)
             )
-    return _dropped(selection, there)
+    return _lost_contents(selection, there)
 
 
 def _is_file_of(mesh: Mesh, path: Path) -> bool:
@@ -326,19 +326,19 @@ def _is_file_of(mesh: Mesh, path: Path) -> bool:
         return False
 
 
-def _dropped(selection: Selection, written: Selection) -> tuple[str, ...]:
+def _lost_contents(selection: Selection, written: Selection) -> tuple[str, ...]:
     """Names of selection contents missing from ``written``."""
-    renamed, fewer = _lost(selection.handles, written.handles)
+    renamed, fewer = _lost_names(selection.handles, written.handles)
     lost = (tr("handle names"),) * renamed + (tr("empty handles"),) * fewer
     if not np.array_equal(selection.member, written.member):
         return (*lost, tr("regions"))
-    renamed, fewer = _lost(selection.regions, written.regions)
+    renamed, fewer = _lost_names(selection.regions, written.regions)
     lost += (tr("region names"),) * renamed + (tr("empty regions"),) * fewer
     if selection.areas[: len(written.areas)] != written.areas:
         lost += (tr("region targets"),)
     return lost
 
 
-def _lost(names: tuple[str, ...], written: tuple[str, ...]) -> tuple[bool, bool]:
+def _lost_names(names: tuple[str, ...], written: tuple[str, ...]) -> tuple[bool, bool]:
     """Flags for renamed and for missing entries in ``written``."""
     return names[: len(written)] != written, len(written) < len(names)

@@ -33,7 +33,7 @@ def read_selection(path: str | Path, n: int) -> np.ndarray:
         If the file does not fit the mesh or is no selection.
     """
     path = Path(path)
-    labels = _one_a_vertex(path, n, _SELECTION)
+    labels = _vertex_numbers(path, n, _SELECTION)
     last = HANDLE + MOST_HANDLES - 1
     if not np.isin(labels, np.arange(BASE, last + 1)).all():
         raise InputError(
@@ -59,7 +59,7 @@ def read_region(path: str | Path, n: int) -> np.ndarray:
     InputError
         If the file does not fit the mesh of ``n`` vertices.
     """
-    return np.flatnonzero(_one_a_vertex(Path(path), n, _REGION))
+    return np.flatnonzero(_vertex_numbers(Path(path), n, _REGION))
 
 
 def read_transform(path: str | Path) -> np.ndarray:
@@ -84,7 +84,7 @@ def read_transform(path: str | Path) -> np.ndarray:
     return M
 
 
-def _one_a_vertex(path: Path, n: int, otherwise: str) -> np.ndarray:
+def _vertex_numbers(path: Path, n: int, otherwise: str) -> np.ndarray:
     numbers = _numbers(path, otherwise)
     if len(numbers) != n:
         raise InputError(

@@ -192,11 +192,11 @@ def staging_folder(folder: Path) -> Iterator[Path]:
     scratch: Path | None = None
     lock: FileLock | None = None
     try:
-        beside = _nearest(folder)
+        beside = _nearest_folder(folder)
         _clear_folders_away(beside)
         with DEFERRED_SIGNALS:
             scratch = beside / f"{_PREFIX}{os.getpid()}-{time.time_ns()}{_PART}"
-            lock = _locked(scratch)
+            lock = _lock_scratch(scratch)
             scratch.mkdir(mode=0o700)
         yield scratch
         with DEFERRED_SIGNALS:
@@ -239,7 +239,7 @@ def move_files(scratch: Path, folder: Path) -> None:
         shutil.move(path, target)
 
 
-def _nearest(folder: Path) -> Path:
+def _nearest_folder(folder: Path) -> Path:
     """Nearest existing ancestor of a folder, or the folder itself."""
     while not folder.exists() and folder != folder.parent:
         check_not_circular(folder)
@@ -249,8 +249,8 @@ def _nearest(folder: Path) -> Path:
     return folder
 
 
-def _locked(scratch: Path) -> FileLock | None:
-    """Lock file beside a scratch folder; None if locked or unsupported by the disk."""
+def _lock_scratch(scratch: Path) -> FileLock | None:
+    """Acquire the lock beside a scratch folder; None if locked or unsupported."""
     with contextlib.suppress(OSError):
         return acquire_lock(scratch.with_suffix(_LOCK))
     return None
@@ -259,7 +259,7 @@ def _locked(scratch: Path) -> FileLock | None:
 def _clear_folders_away(folder: Path, process: str = "*") -> None:
     """Remove scratch folders of killed programs."""
     for path in folder.glob(f"{_PREFIX}{process}-*{_LOCK}"):
-        if (lock := _locked(path)) is not None:
+        if (lock := _lock_scratch(path)) is not None:
             shutil.rmtree(path.with_suffix(_PART), ignore_errors=True)
             lock.remove()
 

@@ -31,16 +31,16 @@ class JsonFields:
 
     def __init__(self, value: object, name: str) -> None:
         if not isinstance(value, dict):
-            raise _damaged(name)
+            raise _damage_error(name)
         self._said = value
 
     @classmethod
     def parse(cls, content: bytes, name: str) -> JsonFields:
         """Parse a JSON object from UTF-8 text."""
         try:
-            return cls(json.loads(content.decode(), parse_constant=_refused), name)
+            return cls(json.loads(content.decode(), parse_constant=_refuse_constant), name)
         except (ValueError, RecursionError):
-            raise _damaged(name) from None
+            raise _damage_error(name) from None
 
     @property
     def raw(self) -> dict[str, Any]:
@@ -61,39 +61,39 @@ class JsonFields:
 
     def texts(self, key: str, most: int) -> list[str]:
         """List of at most ``most`` strings under a key."""
-        return [self._checked(key, each, str) for each in self._list(key, most)]
+        return [self._checked_value(key, each, str) for each in self._list(key, most)]
 
     def text(self, key: str) -> str:
         """Non-empty text under a key."""
-        said = self._checked(key, self._said.get(key), str)
+        said = self._checked_value(key, self._said.get(key), str)
         if not 0 < len(said) <= _LONGEST:
-            raise _damaged(key)
+            raise _damage_error(key)
         return said
 
     def flag(self, key: str) -> bool:
         """Boolean under a key."""
-        return self._checked(key, self._said.get(key), bool)
+        return self._checked_value(key, self._said.get(key), bool)
 
     def count(self, key: str) -> int:
         """Non-negative integer under a key."""
-        return self._counted(key, self._said.get(key))
+        return self._checked_count(key, self._said.get(key))
 
     def counts(self, key: str, most: int) -> tuple[int, ...]:
         """List of at most ``most`` non-negative integers."""
-        return tuple(self._counted(key, each) for each in self._list(key, most))
+        return tuple(self._checked_count(key, each) for each in self._list(key, most))
 
     def number(self, key: str, least: float = -_LARGEST, most: float = _LARGEST) -> float:
         """Number under a key, within a range."""
         said = self._said.get(key)
         if not _is_grid(said, ()) or not least <= said <= most:  # type: ignore[operator]
-            raise _damaged(key)
+            raise _damage_error(key)
         return float(said)  # type: ignore[arg-type]
 
     def numbers(self, key: str, *shape: int) -> np.ndarray:
         """Nested lists of numbers of a given shape, as a float array."""
         said = self._said.get(key)
         if not _is_grid(said, shape):
-            raise _damaged(key)
+            raise _damage_error(key)
         return np.array(said, dtype=np.float64)
 
     def grids(self, key: str, most: int, *shape: int) -> list[np.ndarray]:
@@ -102,33 +102,33 @@ class JsonFields:
             return []
         grids = self._list(key, most)
         if not all(_is_grid(each, shape) for each in grids):
-            raise _damaged(key)
+            raise _damage_error(key)
         return [np.array(each, dtype=np.float64) for each in grids]
 
     def _list(self, key: str, most: int) -> list[object]:
-        said = self._checked(key, self._said.get(key), list)
+        said = self._checked_value(key, self._said.get(key), list)
         if len(said) > most:
-            raise _damaged(key)
+            raise _damage_error(key)
         return said
 
-    def _counted(self, key: str, value: object) -> int:
-        number = self._checked(key, value, int)
+    def _checked_count(self, key: str, value: object) -> int:
+        number = self._checked_value(key, value, int)
         if isinstance(number, bool) or not 0 <= number < 2**53:
-            raise _damaged(key)
+            raise _damage_error(key)
         return number
 
     @staticmethod
-    def _checked(key: str, value: object, kind: type[T]) -> T:
+    def _checked_value(key: str, value: object, kind: type[T]) -> T:
         if not isinstance(value, kind):
-            raise _damaged(key)
+            raise _damage_error(key)
         return value
 
 
-def _damaged(name: str) -> ValueError:
+def _damage_error(name: str) -> ValueError:
     return ValueError(tr("its “{name}” is damaged").format(name=name))
 
 
-def _refused(word: str) -> object:
+def _refuse_constant(word: str) -> object:
     """Raise ValueError for NaN and Infinity, written by Python but invalid JSON."""
     raise ValueError(tr("{word} is not a number").format(word=word))
 

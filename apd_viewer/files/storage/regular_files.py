@@ -108,13 +108,13 @@ def read_content(path: Path) -> bytes:
 
 def one_line_message(error: Exception) -> str:
     """Error message on one line, shortened and without unprintable characters."""
-    return _shortened(str(error), _LONGEST)
+    return _shortened_line(str(error), _LONGEST)
 
 
-def _shortened(text: str, most: int) -> str:
+def _shortened_line(text: str, most: int) -> str:
     """Text on one line, cut to at most ``most`` characters."""
-    said = "".join(sign if sign.isprintable() else " " for sign in text)
-    return said if len(said) <= most else said[:most] + "…"
+    line = "".join(sign if sign.isprintable() else " " for sign in text)
+    return line if len(line) <= most else line[:most] + "…"
 
 
 # Bytes: 44 million vertices with normals in single precision, far more than can be deformed. A small file
@@ -146,7 +146,7 @@ def sibling_content(name: str, mesh: Path | None, most: int | None = None) -> by
     OSError
         If the file cannot be read.
     """
-    place = _resolved(name, mesh)
+    place = _resolved_path(name, mesh)
     # os.path: Path raises on names that are too long.
     if place is None or not os.path.isfile(place):  # noqa: PTH113
         return None
@@ -162,30 +162,30 @@ def too_large_error(name: str) -> InputError:
     """Error for a neighbouring file or embedded data beyond :data:`LARGEST_FILE`."""
     return InputError(
         tr("The file names or holds more than {limit:.0f} GiB ({named}); reduce the mesh first.").format(
-            limit=LARGEST_FILE / 2**30, named=_shortened(name, _LONGEST_NAME)
+            limit=LARGEST_FILE / 2**30, named=_shortened_line(name, _LONGEST_NAME)
         )
     )
 
 
-def _resolved(name: str, mesh: Path | None) -> str | None:
+def _resolved_path(name: str, mesh: Path | None) -> str | None:
     """Real path of a named file, None if invalid; raises InputError if outside."""
     if mesh is None or not name or "\0" in name:
         return None
     slashed = name.replace("\\", "/")
     # Checked without disk access: on Windows, probing a network path already reveals the user.
     if _ELSEWHERE.match(slashed) or Path(os.path.normpath(slashed)).parts[:1] == (os.pardir,):
-        raise _outside(name, mesh)
+        raise _outside_error(name, mesh)
     folder = os.path.realpath(mesh.parent)
     place = os.path.realpath(os.path.join(folder, slashed))  # noqa: PTH118
     if not Path(place).is_relative_to(folder):
-        raise _outside(name, mesh)
+        raise _outside_error(name, mesh)
     return place
 
 
-def _outside(name: str, mesh: Path) -> InputError:
+def _outside_error(name: str, mesh: Path) -> InputError:
     return InputError(
         tr(
             "{mesh} names a file outside its folder ({named}), which is not read; "
             "copy that into the folder of the mesh and correct its name there."
-        ).format(mesh=mesh.name, named=_shortened(name, _LONGEST_NAME))
+        ).format(mesh=mesh.name, named=_shortened_line(name, _LONGEST_NAME))
     )

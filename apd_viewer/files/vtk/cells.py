@@ -69,10 +69,10 @@ def cell_faces(cells: Polygons, types: np.ndarray) -> Polygons:
     flat = np.isin(types, _FLAT)
     if flat.all() and not (types == STRIP).any():
         return cells
-    return _chosen(cells, flat, types == STRIP)
+    return _flat_polygons(cells, flat, types == STRIP)
 
 
-def _chosen(cells: Polygons, flat: np.ndarray, strips: np.ndarray) -> Polygons:
+def _flat_polygons(cells: Polygons, flat: np.ndarray, strips: np.ndarray) -> Polygons:
     """Polygons of the flat cells, with strips split into triangles."""
     corners, sizes, start = [], [], cells.start.tolist()
     for k in np.flatnonzero(flat).tolist():

@@ -55,15 +55,15 @@ class VtkLegacyFile:
         """File content with positions ``U`` (n, 3); all data arrays unchanged."""
         if np.array_equal(mesh.V, U):
             return self.content
-        return spliced_content(self.content, [self._of_points(U.ravel()), *self._norms(U)])
+        return spliced_content(self.content, [self._point_update(U.ravel()), *self._norm_updates(U)])
 
-    def _of_points(self, values: np.ndarray) -> Splice:
+    def _point_update(self, values: np.ndarray) -> Splice:
         old, start, end, is_text = self.points
         if is_text:
             return Splice(start, end, with_replaced_values(self.content[start:end], old, values))
         return Splice(start, end, retyped_array(old, values).tobytes())
 
-    def _norms(self, U: np.ndarray) -> Iterator[Splice]:
+    def _norm_updates(self, U: np.ndarray) -> Iterator[Splice]:
         """Updates of the stored range of distances from the origin, if any."""
         size = np.linalg.norm(U, axis=1)
         for found in _NORMS.finditer(self.content, *self.points_metadata):
@@ -72,7 +72,7 @@ class VtkLegacyFile:
 
 
 @dataclass
-class _Found:
+class _Sections:
     """Sections of the file read so far."""
 
     points: LegacyArray | None = None
@@ -97,17 +97,19 @@ def read_vtk(content: bytes) -> ParsedMesh:
     if head is None:
         raise ValueError(tr("it does not start as a VTK file does"))
     reader = LegacyReader(content, head.end(), head[2].upper() == b"BINARY")
-    found = _Found()
-    kind = _read(reader, found, lists_offsets=int(head[1]) >= 5)
-    if found.points is None:
+    sections = _Sections()
+    kind = _read(reader, sections, lists_offsets=int(head[1]) >= 5)
+    if sections.points is None:
         raise ValueError(tr("it has no points"))
-    V = point_positions(found.points.values)
-    faces = _grid_faces(found) if kind == "UNSTRUCTURED_GRID" else _poly_faces(found)
-    origin = VtkLegacyFile(content, found.points, found.about_points, tuple(dict.fromkeys(found.others)))
+    V = point_positions(sections.points.values)
+    faces = _grid_faces(sections) if kind == "UNSTRUCTURED_GRID" else _poly_faces(sections)
+    origin = VtkLegacyFile(
+        content, sections.points, sections.about_points, tuple(dict.fromkeys(sections.others))
+    )
     return ParsedMesh(V, faces.triangles(V), origin)
 
 
-def _read(reader: LegacyReader, found: _Found, lists_offsets: bool) -> str:
+def _read(reader: LegacyReader, sections: _Sections, lists_offsets: bool) -> str:
     """Read up to the point and cell data; return the kind of the data set."""
     kind = ""
     while (word := reader.peek_word()) and word not in ("POINT_DATA", "CELL_DATA"):
@@ -119,24 +121,24 @@ def _read(reader: LegacyReader, found: _Found, lists_offsets: bool) -> str:
                     tr("The file holds a grid or a field and no surface; extract the surface first.")
                 )
         elif word == "FIELD":
-            found.others.append(_DATA[word])
+            sections.others.append(_DATA[word])
             _skip_field(reader)
         elif word == "POINTS":
-            found.points = reader.read_array(3 * reader.read_count(), reader.read_word())
-            found.about_points = reader.skip_metadata()
+            sections.points = reader.read_array(3 * reader.read_count(), reader.read_word())
+            sections.about_points = reader.skip_metadata()
         elif word == "CELL_TYPES":
-            found.types = reader.read_array(reader.read_count(), b"int").values
+            sections.types = reader.read_array(reader.read_count(), b"int").values
         elif word == "CELLS":
-            found.cells = _cells(reader, found, lists_offsets)
+            sections.cells = _read_cells(reader, sections, lists_offsets)
         elif word in _KINDS:
-            found.polygons[word] = _cells(reader, found, lists_offsets)
+            sections.polygons[word] = _read_cells(reader, sections, lists_offsets)
         elif word == "METADATA":
             reader.position -= len(word)
             reader.skip_metadata()
         else:
             raise ValueError(tr("it has an unknown part {text}").format(text=f"“{word}”"))
     for match in re.finditer(rb"^(POINT_DATA|CELL_DATA)\b", reader.content[reader.position :], re.MULTILINE):
-        found.others.append(_DATA[match[1].decode()])
+        sections.others.append(_DATA[match[1].decode()])
     return kind
 
 
@@ -149,19 +151,21 @@ def _skip_field(reader: LegacyReader) -> None:
         reader.skip_metadata()
 
 
-def _cells(reader: LegacyReader, found: _Found, lists_offsets: bool) -> Polygons:
+def _read_cells(reader: LegacyReader, sections: _Sections, lists_offsets: bool) -> Polygons:
     """Read cells, stored as offsets and connectivity or as one list with sizes."""
-    points = 0 if found.points is None else len(found.points.values) // 3
+    points = 0 if sections.points is None else len(sections.points.values) // 3
     first, second = reader.read_count(), reader.read_count()
     if not lists_offsets:
-        return _counted(reader.read_array(second, b"int").values.astype(np.int64), first, points)
+        return _size_prefixed_polygons(
+            reader.read_array(second, b"int").values.astype(np.int64), first, points
+        )
     if not first:
         return concatenated([])
-    offsets = _named(reader, "OFFSETS", first)
-    return cells_to_polygons(_named(reader, "CONNECTIVITY", second), offsets, points)
+    offsets = _read_named_array(reader, "OFFSETS", first)
+    return cells_to_polygons(_read_named_array(reader, "CONNECTIVITY", second), offsets, points)
 
 
-def _named(reader: LegacyReader, name: str, count: int) -> np.ndarray:
+def _read_named_array(reader: LegacyReader, name: str, count: int) -> np.ndarray:
     if reader.peek_word() != name:
         raise ValueError(tr("its cells have no {name}").format(name=name.lower()))
     reader.read_word()
@@ -170,30 +174,30 @@ def _named(reader: LegacyReader, name: str, count: int) -> np.ndarray:
     return values
 
 
-def _counted(row: np.ndarray, cells: int, points: int) -> Polygons:
+def _size_prefixed_polygons(row: np.ndarray, cells: int, points: int) -> Polygons:
     """Polygons from one list (k,) with the size of each cell before its vertices."""
-    places, at, said = [], 0, row.tolist()
+    places, at, numbers = [], 0, row.tolist()
     for _ in range(cells):
-        if at >= len(said) or said[at] < 0:
+        if at >= len(numbers) or numbers[at] < 0:
             raise ValueError(tr("its cells do not fit the list of their vertices"))
         places.append(at)
-        at += said[at] + 1
+        at += numbers[at] + 1
     heads = np.array(places, dtype=np.int64)
     start = np.concatenate([[0], np.cumsum(row[heads])]) if cells else np.zeros(1, dtype=np.int64)
     return cells_to_polygons(np.delete(row, heads), start, points)
 
 
-def _grid_faces(found: _Found) -> Polygons:
-    if found.cells is None or found.types is None:
+def _grid_faces(sections: _Sections) -> Polygons:
+    if sections.cells is None or sections.types is None:
         return concatenated([])
-    return cell_faces(found.cells, found.types)
+    return cell_faces(sections.cells, sections.types)
 
 
-def _poly_faces(found: _Found) -> Polygons:
+def _poly_faces(sections: _Sections) -> Polygons:
     """Polygons, then the triangles of strips."""
     parts = []
     for name in ("POLYGONS", "TRIANGLE_STRIPS"):
-        cells = found.polygons.get(name)
+        cells = sections.polygons.get(name)
         if cells is not None:
             parts.append(cell_faces(cells, np.full(len(cells.start) - 1, _KINDS[name])))
     return concatenated(parts)
@@ -275,7 +279,7 @@ class LegacyReader:
         """Skip the next ``count`` values of a type, possibly texts or bits."""
         name = kind.lower()
         if name == b"string":
-            self.position = self._behind_line()
+            self.position = self._line_end()
             for _ in range(count):
                 self._skip_text()
         elif name == b"bit":
@@ -294,14 +298,14 @@ class LegacyReader:
         number = int.from_bytes(self.content[self.position : self.position + size], "big")
         self.position += size + number % (1 << 8 * size - 2)
 
-    def _behind_line(self) -> int:
+    def _line_end(self) -> int:
         """Offset after the blank rest of a line."""
         space = _SPACE.match(self.content, self.position)
         assert space is not None  # the pattern also matches the empty string
         return space.end()
 
     def _bytes(self, count: int, dtype: np.dtype) -> LegacyArray:
-        start = self._behind_line()
+        start = self._line_end()
         end = start + count * dtype.itemsize
         if end > len(self.content):
             raise ValueError(tr("it ends early"))

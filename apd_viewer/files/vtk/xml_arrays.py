@@ -96,13 +96,13 @@ _CODECS = {
 
 
 @dataclass(frozen=True)
-class _Coded:
+class _EncodedBytes:
     """Bytes of the file, stored raw or in base64."""
 
     content: bytes
     in_base64: bool
 
-    def taken(self, start: int, size: int) -> tuple[bytes, int]:
+    def decode(self, start: int, size: int) -> tuple[bytes, int]:
         """Decode ``size`` bytes from offset ``start``; return them and the end offset."""
         length = -(-size // 3) * 4 if self.in_base64 else size
         found = self.content[start : start + length]
@@ -115,8 +115,8 @@ class _Coded:
         except binascii.Error:
             raise ValueError(tr("one of its arrays is not valid base64")) from None
 
-    def said(self, data: bytes) -> bytes:
-        """Data encoded as in the file."""
+    def encode(self, data: bytes) -> bytes:
+        """Encode data as in the file."""
         return base64.b64encode(data) if self.in_base64 else data
 
 
@@ -163,10 +163,10 @@ class XmlArrays:
         self.root, self.appended = parse_elements(content)
         if self.root.name != "VTKFile":
             raise ValueError(tr("it is not a VTK file"))
-        said = self.root.attributes
-        self._order = ">" if said.get("byte_order") == "BigEndian" else "<"
-        self._header = np.dtype(self._order + ("u8" if said.get("header_type") == "UInt64" else "u4"))
-        self._compressor = said.get("compressor", "")
+        attributes = self.root.attributes
+        self._order = ">" if attributes.get("byte_order") == "BigEndian" else "<"
+        self._header = np.dtype(self._order + ("u8" if attributes.get("header_type") == "UInt64" else "u4"))
+        self._compressor = attributes.get("compressor", "")
         data = self.root.first_child("AppendedData")
         self._is_raw = data is not None and data.attributes.get("encoding") == "raw"
         # A file may reference one array many times, so the total size is bounded.
@@ -175,13 +175,13 @@ class XmlArrays:
 
     def read(self, element: XmlElement) -> XmlArray:
         """Read a DataArray element; raises ValueError if it is damaged."""
-        stored = self._stored(element)
+        stored = self._read_array(element)
         self._left -= stored.end - stored.start
         if self._left < 0:
             raise ValueError(tr("two of its arrays are at one place"))
         return stored
 
-    def _stored(self, element: XmlElement) -> XmlArray:
+    def _read_array(self, element: XmlElement) -> XmlArray:
         kind = _TYPES.get(element.attributes.get("type", ""))
         if kind is None:
             raise ValueError(tr("one of its arrays is of an unknown type"))
@@ -192,39 +192,39 @@ class XmlArrays:
         if form == "appended":
             if self.appended is None:
                 raise ValueError(tr("its appended data is missing"))
-            return self._unpacked(self.appended + element.int_attribute("offset"), kind, not self._is_raw)
+            return self._binary_array(self.appended + element.int_attribute("offset"), kind, not self._is_raw)
         text = self.content[start:end]
         if not text.strip():
             return XmlArray(np.empty(0, dtype=kind), start, start)
-        return self._unpacked(start + len(text) - len(text.lstrip()), kind, True)
+        return self._binary_array(start + len(text) - len(text.lstrip()), kind, True)
 
-    def _unpacked(self, start: int, kind: str, in_base64: bool) -> XmlArray:
-        coded = _Coded(self.content, in_base64)
-        head, behind = coded.taken(start, self._header.itemsize)
+    def _binary_array(self, start: int, kind: str, in_base64: bool) -> XmlArray:
+        coded = _EncodedBytes(self.content, in_base64)
+        head, behind = coded.decode(start, self._header.itemsize)
         if self._compressor:
             data, end, block = self._blocks(coded, start, self._number(head))
-            return XmlArray(self._typed(data, kind), start, end, self._header, True, block)
+            return XmlArray(self._numbers(data, kind), start, end, self._header, True, block)
         size = self._number(head)
         apart = in_base64 and self._header.itemsize % 3 != 0 and self.content[behind - 1 : behind] == b"="
         if apart:
-            data, end = coded.taken(behind, size)
+            data, end = coded.decode(behind, size)
         else:
-            data, end = coded.taken(start, len(head) + size)
+            data, end = coded.decode(start, len(head) + size)
             data = data[len(head) :]
-        return XmlArray(self._typed(data, kind), start, end, self._header, apart)
+        return XmlArray(self._numbers(data, kind), start, end, self._header, apart)
 
-    def _blocks(self, coded: _Coded, start: int, count: int) -> tuple[bytes, int, int]:
+    def _blocks(self, coded: _EncodedBytes, start: int, count: int) -> tuple[bytes, int, int]:
         """Decompressed bytes, the offset after their blocks, and the block size."""
         codec = _CODECS.get(self._compressor)
         if codec is None:
             raise ValueError(tr("its compression is not supported; save it with ZLib or without compression"))
-        head, at = coded.taken(start, (3 + count) * self._header.itemsize)
+        head, at = coded.decode(start, (3 + count) * self._header.itemsize)
         _, block, last, *packed = np.frombuffer(head, self._header).tolist()
         size = (count - 1) * block + (last or block) if count else 0
         if size > self._most:
             raise ValueError(tr("its arrays would have {size:,} bytes and more").format(size=size))
         self._most -= size
-        data, end = coded.taken(at, sum(packed))
+        data, end = coded.decode(at, sum(packed))
         pieces, place = [], 0
         for k, size in enumerate(packed):
             most = last if last and k == count - 1 else block
@@ -235,7 +235,7 @@ class XmlArrays:
     def _number(self, head: bytes) -> int:
         return int(np.frombuffer(head, self._header)[0])
 
-    def _typed(self, data: bytes, kind: str) -> np.ndarray:
+    def _numbers(self, data: bytes, kind: str) -> np.ndarray:
         dtype = np.dtype(self._order + kind)
         if len(data) % dtype.itemsize:
             raise ValueError(_ENDS)
@@ -246,19 +246,21 @@ class XmlArrays:
         if stored.header is None:
             return with_replaced_values(self.content[stored.start : stored.end], stored.values, values)
         new = retyped_array(stored.values, values)
-        coded = _Coded(b"", element.attributes.get("format") != "appended" or not self._is_raw)
-        return self._packed(coded, stored, new.tobytes())
+        coded = _EncodedBytes(b"", element.attributes.get("format") != "appended" or not self._is_raw)
+        return self._packed_bytes(coded, stored, new.tobytes())
 
-    def _packed(self, coded: _Coded, stored: XmlArray, data: bytes) -> bytes:
+    def _packed_bytes(self, coded: _EncodedBytes, stored: XmlArray, data: bytes) -> bytes:
         if not stored.block:
             head = np.array([len(data)], self._header).tobytes()
             return (
-                coded.said(head) + coded.said(data) if stored.has_separate_header else coded.said(head + data)
+                coded.encode(head) + coded.encode(data)
+                if stored.has_separate_header
+                else coded.encode(head + data)
             )
         codec, size = _CODECS[self._compressor], stored.block
         blocks = [codec.pack(data[k : k + size]) for k in range(0, len(data), size)]
         head = np.array([len(blocks), size, len(data) % size, *map(len, blocks)], self._header).tobytes()
-        return coded.said(head) + coded.said(b"".join(blocks))
+        return coded.encode(head) + coded.encode(b"".join(blocks))
 
 
 def retyped_array(old: np.ndarray, values: np.ndarray) -> np.ndarray:

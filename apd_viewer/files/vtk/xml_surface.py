@@ -79,13 +79,13 @@ class VtkXmlFile:
                 continue
             new = self.arrays.rewritten(element, stored, U[there].ravel())
             yield Splice(stored.start, stored.end, new)
-            yield from _ranges(self.arrays.content, element, U[there])
+            yield from _range_updates(self.arrays.content, element, U[there])
             if element.attributes.get("format") == "appended":
-                yield from self._shifted(
+                yield from self._offset_updates(
                     element.int_attribute("offset"), len(new) - (stored.end - stored.start)
                 )
 
-    def _shifted(self, offset: int, by: int) -> Iterator[Splice]:
+    def _offset_updates(self, offset: int, by: int) -> Iterator[Splice]:
         """Updates of the array offsets after an array of changed length."""
         for element in self.arrays.root.walk() if by else ():
             if element.attributes.get("format") == "appended" and element.int_attribute("offset") > offset:
@@ -185,7 +185,7 @@ def _cells(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
     return cell_faces(_group(arrays, group, points), types)
 
 
-def _ranges(content: bytes, element: XmlElement, U: np.ndarray) -> Iterator[Splice]:
+def _range_updates(content: bytes, element: XmlElement, U: np.ndarray) -> Iterator[Splice]:
     """Updates of the stored ranges of distances from the origin, if any."""
     size = np.linalg.norm(U, axis=1)
     ends = [b"%r" % float(size.min()), b"%r" % float(size.max())]

@@ -44,7 +44,7 @@ def defects(F: np.ndarray, n: int) -> Defects:
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     low, high = np.minimum(a, b), np.maximum(a, b)
     order = _sorted_by(low, _sorted_by(high, np.arange(len(high)), n), n)
-    uses, corner, face, side, doubled, one_sided = _joined(F, low[order], high[order], order)
+    uses, corner, face, side, doubled, one_sided = _match_half_edges(F, low[order], high[order], order)
     edges = np.column_stack([a, b])
     fans = a[corner == np.arange(len(corner))]  # one corner of each fan of triangles
     many = np.flatnonzero(np.bincount(fans, minlength=n) > 1)
@@ -52,13 +52,13 @@ def defects(F: np.ndarray, n: int) -> Defects:
         boundary_edges=edges[order[uses == 1]],
         non_manifold_edges=edges[order[uses > 2]],
         non_manifold_vertices=many,
-        flipped_faces=_fewer(face, side),
+        flipped_faces=_minority_triangles(face, side),
         duplicate_faces=np.flatnonzero(doubled),
         is_non_orientable=bool(one_sided),
     )
 
 
-def _fewer(face: np.ndarray, side: np.ndarray) -> np.ndarray:
+def _minority_triangles(face: np.ndarray, side: np.ndarray) -> np.ndarray:
     """Triangles of the minority orientation within their connected component."""
     count = np.bincount(2 * face + side, minlength=2 * len(face)).reshape(-1, 2)
     return np.flatnonzero(count[face, side] < count[face, 1 - side])
@@ -80,7 +80,7 @@ def _sorted_by(key: np.ndarray, order: np.ndarray, n: int) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True)
-def _joined(
+def _match_half_edges(
     F: np.ndarray, low: np.ndarray, high: np.ndarray, order: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool]:
     """Match half-edges by end vertices ``low`` and ``high``, sorted by ``order``.
@@ -116,7 +116,7 @@ def _joined(
                 if F[s, (c + 2) % 3] == F[t, (d + 2) % 3]:
                     doubled[max(s, t)] = True
                 elif end - begin == 2:
-                    one_sided |= not _agree(face, side, s, t, same_way)
+                    one_sided |= not _unite_triangles(face, side, s, t, same_way)
         begin = end
     for k in range(3 * m):
         corner[k] = root(corner, k)
@@ -142,7 +142,7 @@ def _root_and_side(parent: np.ndarray, side: np.ndarray, k: int) -> tuple[int, i
 
 
 @njit(cache=True, nogil=True)
-def _agree(parent: np.ndarray, side: np.ndarray, s: int, t: int, same_way: bool) -> bool:
+def _unite_triangles(parent: np.ndarray, side: np.ndarray, s: int, t: int, same_way: bool) -> bool:
     """Unite two triangles across an edge; False if their orientations conflict."""
     a, turned_a = _root_and_side(parent, side, s)
     b, turned_b = _root_and_side(parent, side, t)

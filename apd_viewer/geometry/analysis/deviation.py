@@ -15,7 +15,7 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
-from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bounding_hierarchy
+from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarchy, bounding_hierarchy
 
 
 class Deviation:
@@ -81,7 +81,7 @@ class Deviation:
         """Distance of each vertex from its rest position, (n,), mesh units."""
         with cores_for(len(U)):
             found = displacements(U, self._V)
-        found[self._bare] = np.nan
+        found[self._bare_vertices] = np.nan
         return found
 
     def bending(self, U: np.ndarray) -> np.ndarray:
@@ -98,7 +98,7 @@ class Deviation:
         """
         found = cancellable_distances(is_cancelled, U, self._V, self._V, self._boxes)
         if found is not None:
-            found[self._bare] = np.nan
+            found[self._bare_vertices] = np.nan
         return found
 
     def target_distance(
@@ -111,14 +111,14 @@ class Deviation:
         assert self.target is not None
         found = self.target.distances(U, is_cancelled)
         if found is not None:
-            found[self._bare] = np.nan
+            found[self._bare_vertices] = np.nan
         return found
 
     def target_displacement(self, U: np.ndarray) -> np.ndarray:
         """Distance of each vertex from the same vertex of the target, (n,), mesh units."""
         assert self.target is not None
         found = self.target.vertex_distances(U)
-        found[self._bare] = np.nan
+        found[self._bare_vertices] = np.nan
         return found
 
     def _curvature(self, U: np.ndarray) -> np.ndarray:
@@ -126,7 +126,7 @@ class Deviation:
         return mean_curvature(U, patch.start, patch.second, patch.third, self._named)
 
     @cached_property
-    def _bare(self) -> np.ndarray:
+    def _bare_vertices(self) -> np.ndarray:
         """Vertices without triangles, (k,) int array."""
         return np.flatnonzero((np.diff(self._patch.start) == 0)[self._named])
 
@@ -135,7 +135,7 @@ class Deviation:
         return self._curvature(self._V)
 
     @cached_property
-    def _boxes(self) -> BoundingHierarchy:
+    def _boxes(self) -> BoundingVolumeHierarchy:
         return bounding_hierarchy(self._V, self._F)
 
 

@@ -84,11 +84,11 @@ def double_wall(
     if len(F) > _MOST_TRIANGLES or not 0.0 < 2.0 * material <= _THIN * mesh_size(V, F) * area:
         return None
     thickness = 2.0 * material / area
-    T = _facing_outward(F, parts)
+    T = _outward_triangles(F, parts)
     inner = _inner_side(V, T, areas, thickness)
     if inner is None:
         return None
-    both = [_capped(V, T[inner]), _capped(V, T[~inner])]
+    both = [_side_volume(V, T[inner]), _side_volume(V, T[~inner])]
     (within, openings), (around, _) = both
     if within > around:
         (within, openings), (around, _) = both[::-1]
@@ -117,7 +117,7 @@ def _nested_components(V: np.ndarray, F: np.ndarray, component: np.ndarray) -> l
     return parts if nested.all() else []
 
 
-def _facing_outward(F: np.ndarray, parts: list[_WallComponent]) -> np.ndarray:
+def _outward_triangles(F: np.ndarray, parts: list[_WallComponent]) -> np.ndarray:
     """Triangles ``F`` (m, 3) facing away from the wall; inner ones face inwards."""
     T = F.copy()
     for k, (triangles, inside) in enumerate(parts):
@@ -137,8 +137,8 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
     if areas[facing].sum() < _FACING * total:
         return None
     order = np.argsort(away[facing])
-    share = np.cumsum(areas[facing][order]) / areas[facing].sum()
-    low, middle, high = away[facing][order][np.searchsorted(share, [0.1, 0.5, 0.9])]
+    fraction = np.cumsum(areas[facing][order]) / areas[facing].sum()
+    low, middle, high = away[facing][order][np.searchsorted(fraction, [0.1, 0.5, 0.9])]
     if low < _SPREAD[0] * middle or high > _SPREAD[1] * middle:
         return None
     beside = opposite_half_edges(T.astype(np.int32), len(V)) // 3
@@ -151,7 +151,7 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
     return grown_sides(beside, start) == 1
 
 
-def _capped(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
+def _side_volume(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
     """Signed volume of a side with capped rims, and their number; NaN if not planar."""
     if missing_volume_reason(T, len(V)) is None:
         return volume(V, T), 0

@@ -118,11 +118,11 @@ def minimum_width(hull: ConvexHull) -> float:
     """
     few = hull.corners[:: -(-len(hull.corners) // _ENOUGH)]
     part = hull if len(few) == len(hull.corners) else convex_hull(few)
-    direction = _narrowest(hull if part is None else part)
+    direction = _narrowest_direction(hull if part is None else part)
     return float(_extents(direction[None], hull.corners)[0][0])
 
 
-def _narrowest(hull: ConvexHull) -> np.ndarray:
+def _narrowest_direction(hull: ConvexHull) -> np.ndarray:
     """Direction (3,) of the minimum width, of any length.
 
     The two planes hold either a face and a corner, or two edges [Houle & Toussaint 1988], so all of these are
@@ -206,7 +206,7 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
     spread = Rotation.random(_ORIENTATIONS, rng=0).as_rotvec()
     best = spread[np.argsort([turned(turn) for turn in spread])[:_BEST]]
     size, sides = box_volume(corners.T), np.ptp(corners, axis=1)
-    for start in (np.zeros(3), _principal(corners), *best):
+    for start in (np.zeros(3), _principal_rotation(corners), *best):
         around = np.vstack([start, start + _NEAR * np.eye(3)])
         options = {"initial_simplex": around, "xatol": 1e-7, "fatol": 1e-12 * size, "maxiter": 400}
         found = minimize(turned, start, method="Nelder-Mead", options=options).x
@@ -215,7 +215,7 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
     return a, b, c
 
 
-def _principal(corners: np.ndarray) -> np.ndarray:
+def _principal_rotation(corners: np.ndarray) -> np.ndarray:
     """Rotation vector from the principal axes of ``corners`` (3, k) to x, y, z."""
     # Imported here: scipy is slow to load, and few commands need it.
     from scipy.spatial.transform import Rotation

@@ -70,54 +70,54 @@ def vertex_findings(mesh: Mesh) -> Iterator[Finding]:
     exact = np.ones(len(mesh.V), dtype=bool) if weld.offset is None else ~weld.offset.any(axis=1)
     repeated = int(exact.sum()) - len(weld.first)
     if repeated:
-        said = trn(
+        sentence = trn(
             "{n:,} vertex has the same position as another; they move together.",
             "{n:,} vertices have the same position as another; they move together.",
             repeated,
         ).format(n=repeated)
-        yield Finding.at_vertices("repeated vertices", said, np.flatnonzero(repeats))
+        yield Finding.at_vertices("repeated vertices", sentence, np.flatnonzero(repeats))
     if weld.offset is not None:
         near = np.flatnonzero(weld.offset.any(axis=1))
-        said = trn(
+        sentence = trn(
             "{n:,} vertex is closer than {part:g} × the mesh size to another; they move together.",
             "{n:,} vertices are closer than {part:g} × the mesh size to another; they move together.",
             len(near),
         ).format(n=len(near), part=SEAM_TOLERANCE if mesh.has_welded_seams else WELD_TOLERANCE)
-        yield Finding.at_vertices("cracks", said, near)
+        yield Finding.at_vertices("cracks", sentence, near)
     used = np.zeros(len(mesh.V), dtype=bool)
     used[mesh.F.ravel()] = True
     unused = np.flatnonzero(~used)
     if len(unused):
-        said = trn(
+        sentence = trn(
             "{n:,} loose vertex without a face; it follows the nearest surface.",
             "{n:,} loose vertices without a face; they follow the nearest surface.",
             len(unused),
         ).format(n=len(unused))
-        yield Finding.at_vertices("unreferenced vertices", said, unused)
+        yield Finding.at_vertices("unreferenced vertices", sentence, unused)
 
 
 def face_findings(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
     """Findings about degenerate and sliver triangles."""
     flat = areas == 0.0
     if n := int(flat.sum()):
-        said = trn(
+        sentence = trn(
             "{n:,} degenerate face without area or stiffness.",
             "{n:,} degenerate faces without area or stiffness.",
             n,
         ).format(n=n)
-        yield Finding.at_vertices("faces without area", said, mesh.F[flat])
+        yield Finding.at_vertices("faces without area", sentence, mesh.F[flat])
     longest = np.zeros(len(mesh.F))
     for k in range(3):
         edge = mesh.V[mesh.F[:, k]] - mesh.V[mesh.F[:, k - 1]]
         np.maximum(longest, np.einsum("ij,ij->i", edge, edge), out=longest)
     needles = ~flat & (longest > _NEEDLE * 2.0 * areas)
     if n := int(needles.sum()):
-        said = trn(
+        sentence = trn(
             "{n:,} sliver triangle (aspect ratio > {times:g}); the result may be poor there.",
             "{n:,} sliver triangles (aspect ratio > {times:g}); the result may be poor there.",
             n,
         ).format(n=n, times=_NEEDLE)
-        yield Finding.at_vertices("needles", said, mesh.F[needles])
+        yield Finding.at_vertices("needles", sentence, mesh.F[needles])
 
 
 def topology_findings(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
@@ -126,49 +126,49 @@ def topology_findings(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
     proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
     found = defects(F[proper], len(first))
     if n := len(found.duplicate_faces):
-        said = trn(
+        sentence = trn(
             "{n:,} duplicate face; its area counts twice.",
             "{n:,} duplicate faces; their area counts twice.",
             n,
         ).format(n=n)
-        yield Finding.at_vertices("doubled faces", said, mesh.F[proper[found.duplicate_faces]])
+        yield Finding.at_vertices("doubled faces", sentence, mesh.F[proper[found.duplicate_faces]])
     if n := len(found.non_manifold_edges):
-        said = trn(
+        sentence = trn(
             "{n:,} non-manifold edge with more than two faces.",
             "{n:,} non-manifold edges with more than two faces.",
             n,
         ).format(n=n)
-        yield Finding.at_vertices("crowded edges", said, first[found.non_manifold_edges])
+        yield Finding.at_vertices("crowded edges", sentence, first[found.non_manifold_edges])
     if n := len(found.non_manifold_vertices):
-        said = trn(
+        sentence = trn(
             "{n:,} non-manifold vertex; the surfaces there meet only at a point.",
             "{n:,} non-manifold vertices; the surfaces there meet only at a point.",
             n,
         ).format(n=n)
-        yield Finding.at_vertices("bow ties", said, first[found.non_manifold_vertices])
+        yield Finding.at_vertices("bow ties", sentence, first[found.non_manifold_vertices])
     if n := len(found.flipped_faces):
-        said = trn(
+        sentence = trn(
             "{n:,} flipped face; there is no volume.",
             "{n:,} flipped faces; there is no volume.",
             n,
         ).format(n=n)
-        yield Finding.at_vertices("flipped faces", said, mesh.F[proper[found.flipped_faces]])
+        yield Finding.at_vertices("flipped faces", sentence, mesh.F[proper[found.flipped_faces]])
     if found.is_non_orientable:
         yield Finding.at_vertices("one side only", tr("The surface is not orientable, like a Möbius strip."))
     if n := len(found.boundary_edges):
-        said = trn(
+        sentence = trn(
             "The surface is open: it has {n:,} boundary edge.",
             "The surface is open: it has {n:,} boundary edges.",
             n,
         ).format(n=n)
-        yield Finding.at_vertices("open borders", said, first[found.boundary_edges])
+        yield Finding.at_vertices("open borders", sentence, first[found.boundary_edges])
 
 
 def orientation_findings(signed_volume: float | None, area: float) -> Iterator[Finding]:
     """Finding about a negative ``signed_volume``, unless it is within rounding."""
     if signed_volume is not None and signed_volume < -_ROUNDING * area**1.5:
-        said = tr("The surface is inside out: its faces point inwards, and its volume is negative.")
-        yield Finding.at_vertices("inside out", said)
+        sentence = tr("The surface is inside out: its faces point inwards, and its volume is negative.")
+        yield Finding.at_vertices("inside out", sentence)
 
 
 def component_findings(mesh: Mesh, F: np.ndarray, component: np.ndarray) -> Iterator[Finding]:
@@ -177,8 +177,10 @@ def component_findings(mesh: Mesh, F: np.ndarray, component: np.ndarray) -> Iter
     if len(names) > 1:
         others = np.setdiff1d(names, names[np.argmax(sizes)])
         vertices = mesh.F[np.isin(component[F[:, 0]], others)]
-        said = tr("{n:,} connected parts; those without base or handle go along with the nearest surface.")
-        yield Finding.at_vertices(SEPARATE_COMPONENTS, said.format(n=len(names)), vertices)
+        sentence = tr(
+            "{n:,} connected parts; those without base or handle go along with the nearest surface."
+        )
+        yield Finding.at_vertices(SEPARATE_COMPONENTS, sentence.format(n=len(names)), vertices)
 
 
 def size_findings(mesh: Mesh) -> Iterator[Finding]:
@@ -197,8 +199,8 @@ def size_findings(mesh: Mesh) -> Iterator[Finding]:
             "huge", tr("The mesh is {size:.3g} across; check its unit.").format(size=size)
         )
     if away > _FAR * size > 0.0:
-        said = tr(
+        sentence = tr(
             "The mesh is {away:.3g} from the origin, {times:,.0f} times its size; single-precision "
             "formats would round it."
         )
-        yield Finding.at_vertices("far away", said.format(away=away, times=away / size))
+        yield Finding.at_vertices("far away", sentence.format(away=away, times=away / size))

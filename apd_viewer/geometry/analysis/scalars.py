@@ -66,8 +66,8 @@ def shape_scalars(
     rest, area = face_areas(mesh.V, mesh.F), face_areas(U, mesh.F)
     largest, smallest = _stretches(mesh.V[mesh.F], U[mesh.F])
     triangles = {
-        LABEL: _agreed(labels[mesh.F], FREE),
-        REGION: _agreed(member[mesh.F], 0),
+        LABEL: _common_code(labels[mesh.F], FREE),
+        REGION: _common_code(member[mesh.F], 0),
         "area_rest": rest,
         "area": area,
         "area_change": np.divide(area, rest, out=np.full(len(rest), np.nan), where=rest > 0.0) - 1.0,
@@ -77,7 +77,7 @@ def shape_scalars(
     return Scalars(vertices, triangles)
 
 
-def _agreed(codes: np.ndarray, otherwise: int) -> np.ndarray:
+def _common_code(codes: np.ndarray, otherwise: int) -> np.ndarray:
     """Code common to all three corners (m, 3), or ``otherwise``, (m,)."""
     return np.where((codes == codes[:, :1]).all(axis=1), codes[:, 0], otherwise)
 

@@ -75,7 +75,7 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     F = F[proper].astype(np.int64)
     if not len(F):
         return np.zeros((0, 2), dtype=np.int64)
-    X = _of_size_one(U, F)
+    X = _unit_size_positions(U, F)
     edges, tree = _Edges.of(F, len(X)), ipctk.LBVH()
     tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
     near = tree.detect_edge_face_candidates()  # excludes pairs with a common vertex
@@ -83,17 +83,17 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     found = [np.zeros((0, 2), dtype=np.int64)]
     for first in range(0, len(pairs), _PORTION):
         edge, face = pairs[first : first + _PORTION].T
-        pierces, lies = _meeting(X, edges.ends[edge], F[face])
+        pierces, lies = _piercing_and_coplanar(X, edges.ends[edge], F[face])
         which, other = edges.with_faces(edge[pierces])
         found.append(np.column_stack([other, face[pierces][which]]))
         which, other = edges.with_faces(edge[lies])
         face = face[lies][which]
-        over = _overlapping(X, F[face], F[other])
+        over = _overlap_mask(X, F[face], F[other])
         found.append(np.column_stack([other[over], face[over]]))
     return proper[np.concatenate(found)]
 
 
-def _of_size_one(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+def _unit_size_positions(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Positions centred and scaled to unit size, for a single-precision library."""
     used = np.zeros(len(U), dtype=bool)
     used[F.ravel()] = True
@@ -118,7 +118,7 @@ def _heights(X: np.ndarray, T: np.ndarray, *vertices: np.ndarray) -> list[np.nda
     return sides
 
 
-def _meeting(X: np.ndarray, ends: np.ndarray, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _piercing_and_coplanar(X: np.ndarray, ends: np.ndarray, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Masks of the edges ``ends`` (k, 2) piercing ``T`` (k, 3), and coplanar with it."""
     above, below = _heights(X, T, ends[:, 0], ends[:, 1])
     pierces = above * below < 0.0
@@ -129,7 +129,7 @@ def _meeting(X: np.ndarray, ends: np.ndarray, T: np.ndarray) -> tuple[np.ndarray
     return pierces, (above == 0.0) & (below == 0.0)
 
 
-def _overlapping(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
+def _overlap_mask(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
     """Mask of the coplanar pairs of ``S`` (k, 3) and ``T`` (k, 3) with common area."""
     over = (S[:, :, None] == T[:, None, :]).sum(axis=(1, 2)) < 2
     for side in _heights(X, S, *T.T):

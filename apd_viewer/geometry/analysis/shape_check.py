@@ -75,8 +75,8 @@ def double_wall_findings(wall: DoubleWall | None) -> Iterator[Finding]:
     """Finding about a vessel with outer and inner surfaces."""
     if wall is None:
         return
-    said = tr(
+    sentence = tr(
         "A vessel with two walls, {thickness:.3g} apart: its volume, {material:,.6g}, is that of its "
         "material, and it holds {capacity:,.6g}; to deform it as one wall, export one of its surfaces."
     )
-    yield Finding.at_vertices("double wall", said.format(**wall._asdict()))
+    yield Finding.at_vertices("double wall", sentence.format(**wall._asdict()))

@@ -9,7 +9,11 @@ from numba import prange
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import vertex_areas
-from apd_viewer.geometry.picking.bounding_hierarchy import BRANCHING, BoundingHierarchy, bounding_hierarchy
+from apd_viewer.geometry.picking.bounding_hierarchy import (
+    BRANCHING,
+    BoundingVolumeHierarchy,
+    bounding_hierarchy,
+)
 
 _BITS = 3  # log2 of BRANCHING
 # Points per task of a core, and per check for cancellation.
@@ -67,7 +71,7 @@ def cancellable_distances(
     points: np.ndarray,
     first_guesses: np.ndarray,
     V: np.ndarray,
-    boxes: BoundingHierarchy,
+    boxes: BoundingVolumeHierarchy,
 ) -> np.ndarray | None:
     """Distances (k,) of points from a surface; None if ``is_cancelled()`` was True.
 
@@ -120,7 +124,7 @@ def write_distances(
             x, y, z = px - first_guesses[i, 0], py - first_guesses[i, 1], pz - first_guesses[i, 2]
             best = x * x + y * y + z * z
             if last >= 0:  # neighbouring points often have the same nearest triangle
-                best = min(best, _squared(px, py, pz, V, F[last, 0], F[last, 1], F[last, 2]))
+                best = min(best, _squared_distance(px, py, pz, V, F[last, 0], F[last, 1], F[last, 2]))
             # Stackless traversal: a box is followed by the largest one that starts after its end.
             b, size = 0, top
             while b < count:
@@ -134,7 +138,7 @@ def write_distances(
                     continue
                 if near:
                     for t in range(BRANCHING * b, min(BRANCHING * (b + 1), len(F))):
-                        squared = _squared(px, py, pz, V, F[t, 0], F[t, 1], F[t, 2])
+                        squared = _squared_distance(px, py, pz, V, F[t, 0], F[t, 1], F[t, 2])
                         if squared < best:
                             best, last = squared, t
                 b = ((b >> (_BITS * size)) + 1) << (_BITS * size)
@@ -144,7 +148,7 @@ def write_distances(
 
 
 @njit(inline="always")
-def _squared(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: int) -> float:
+def _squared_distance(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: int) -> float:
     """Squared distance of a point from a triangle."""
     ax, ay, az = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
     bx, by, bz = V[k, 0] - V[i, 0], V[k, 1] - V[i, 1], V[k, 2] - V[i, 2]
@@ -156,12 +160,14 @@ def _squared(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: 
     b2 = (ay * dz - az * dy) * nx + (az * dx - ax * dz) * ny + (ax * dy - ay * dx) * nz
     if nn > 0.0 and b1 >= 0.0 and b2 >= 0.0 and b1 + b2 <= nn:
         return (dx * nx + dy * ny + dz * nz) ** 2 / nn
-    side = min(_to_side(dx, dy, dz, ax, ay, az), _to_side(dx, dy, dz, bx, by, bz))
-    return min(side, _to_side(dx - ax, dy - ay, dz - az, bx - ax, by - ay, bz - az))
+    side = min(
+        _squared_segment_distance(dx, dy, dz, ax, ay, az), _squared_segment_distance(dx, dy, dz, bx, by, bz)
+    )
+    return min(side, _squared_segment_distance(dx - ax, dy - ay, dz - az, bx - ax, by - ay, bz - az))
 
 
 @njit(inline="always")
-def _to_side(dx: float, dy: float, dz: float, ex: float, ey: float, ez: float) -> float:
+def _squared_segment_distance(dx: float, dy: float, dz: float, ex: float, ey: float, ez: float) -> float:
     """Squared distance of point ``d`` from the segment from the origin to ``e``."""
     ee = ex * ex + ey * ey + ez * ez
     along = dx * ex + dy * ey + dz * ez

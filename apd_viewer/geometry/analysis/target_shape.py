@@ -17,7 +17,7 @@ from apd_viewer.geometry.analysis.surface_distance import (
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy, bounding_hierarchy
+from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarchy, bounding_hierarchy
 
 # Size ratios beyond this factor suggest different units: an inch is 25.4 mm.
 _ALIKE = 8.0
@@ -91,7 +91,7 @@ class TargetShape:
         return None if 1.0 / _ALIKE < factor < _ALIKE else factor
 
     @cached_property
-    def _boxes(self) -> BoundingHierarchy:
+    def _boxes(self) -> BoundingVolumeHierarchy:
         return bounding_hierarchy(self.mesh.V, self.mesh.F.astype(np.int32))
 
     @cached_property

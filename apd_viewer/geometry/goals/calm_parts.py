@@ -62,7 +62,9 @@ def calm_levels(
     levels = _hats(gesture_flux(solve_mesh, held, handle_of, soft)) * _is_reached(solve_mesh, held)
     # The level next to the handles is not split: two goals there would conflict in a strong pull.
     found = [*levels[:1], *(part for level in levels[1:] for part in _parts(solve_mesh, level))]
-    return np.array([level for level in found if _counts(solve_mesh, level)]).reshape(-1, len(solve_mesh.V))
+    return np.array([level for level in found if _is_large_enough(solve_mesh, level)]).reshape(
+        -1, len(solve_mesh.V)
+    )
 
 
 def _parts(solve_mesh: SolveMesh, level: np.ndarray) -> list[np.ndarray]:
@@ -71,10 +73,10 @@ def _parts(solve_mesh: SolveMesh, level: np.ndarray) -> list[np.ndarray]:
     number = vertex_components(solve_mesh.F[within], len(level))
     largest = number == np.argmax(np.bincount(number, level * solve_mesh.vertex_areas))
     others = level * ~largest
-    return [level * largest, others] if _counts(solve_mesh, others) else [level]
+    return [level * largest, others] if _is_large_enough(solve_mesh, others) else [level]
 
 
-def _counts(solve_mesh: SolveMesh, level: np.ndarray) -> bool:
+def _is_large_enough(solve_mesh: SolveMesh, level: np.ndarray) -> bool:
     """True if the area of a ``level`` (n,) is large enough for a goal."""
     return bool(inner_product(level, solve_mesh.vertex_areas) >= _LEAST_SHARE * solve_mesh.vertex_areas.sum())
 

@@ -77,12 +77,12 @@ class GoalProjection:
     @property
     def largest_miss(self) -> float:
         """Largest goal violation at the last positions, relative to rest."""
-        return _worst(self.values, self._target, self._unit)
+        return _largest_violation(self.values, self._target, self._unit)
 
     @property
     def has_outdated_directions(self) -> bool:
         """True if the step directions should be recomputed."""
-        return _worn(self._inverse, self._inverse_at_first)
+        return _has_faded(self._inverse, self._inverse_at_first)
 
     def force_stiffness(self, multipliers: np.ndarray, edge: float) -> float:
         """Rate of change of the multipliers' forces with the shape, relative to K.
@@ -146,7 +146,7 @@ class GoalProjection:
         """
         mu = np.zeros(len(self.goals))
         self.values = self._measures.values(U)
-        worst = foreseen = self._worst_that_can_move(self.values)
+        worst = foreseen = self._largest_reachable_violation(self.values)
         share = 1.0
         fresh = False  # true once gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
@@ -159,9 +159,9 @@ class GoalProjection:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step
             tried = self._measures.values(there)
-            left = self._worst_that_can_move(tried)
+            left = self._largest_reachable_violation(tried)
             if left < (1.0 - 0.1 * share) * worst:
-                self._inverse = _learned(self._inverse, step, tried - self.values)
+                self._inverse = _broyden_update(self._inverse, step, tried - self.values)
                 foreseen = left * max(left / worst, _CURVED * worst) if len(mu) == 1 else left
                 U, self.values, worst, mu, share, fresh = there, tried, left, mu + step, 1.0, False
             elif fresh:
@@ -171,15 +171,15 @@ class GoalProjection:
                 fresh, foreseen = True, worst
         return U, mu
 
-    def _worst_that_can_move(self, values: np.ndarray) -> float:
-        return _worst(values, self._target, self._reach)
+    def _largest_reachable_violation(self, values: np.ndarray) -> float:
+        return _largest_violation(values, self._target, self._reach)
 
 
 # Compiled although small: every iteration calls them several times.
 
 
 @njit(cache=True, nogil=True)
-def _learned(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
+def _broyden_update(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
     """Broyden update of the inverse slopes by a ``step`` and its ``change``."""
     g = len(step)
     expected, pulled = np.zeros(g), np.zeros(g)
@@ -198,7 +198,7 @@ def _learned(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.nd
 
 
 @njit(cache=True, nogil=True)
-def _worn(inverse: np.ndarray, at_first: np.ndarray) -> bool:
+def _has_faded(inverse: np.ndarray, at_first: np.ndarray) -> bool:
     """True if a goal needs much larger steps than with fresh directions."""
     faded = False
     for i in range(len(inverse)):
@@ -207,7 +207,7 @@ def _worn(inverse: np.ndarray, at_first: np.ndarray) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _worst(values: np.ndarray, targets: np.ndarray, units: np.ndarray) -> float:
+def _largest_violation(values: np.ndarray, targets: np.ndarray, units: np.ndarray) -> float:
     """Largest of ``|values - targets| / units``; infinite if any is NaN."""
     worst = 0.0
     for i in range(len(values)):

@@ -249,13 +249,13 @@ def _goal(
 ) -> Goal:
     """Goal at a percentage of its rest value, measured if ``value`` is None."""
     goal = Goal(name, solve_mesh.all_triangles, 1.0, percentage(percent, name) / 100.0, **kind)
-    return goal_at_rest(goal, solve_mesh.V) if value is None else _scaled(goal, value)
+    return goal_at_rest(goal, solve_mesh.V) if value is None else _rescaled_goal(goal, value)
 
 
 def goal_at_rest(goal: Goal, V: np.ndarray) -> Goal:
     """Goal with the same percentage of its value at rest positions ``V`` (n, 3)."""
-    return _scaled(goal, float(GoalMeasures((goal,)).values(V)[0]))
+    return _rescaled_goal(goal, float(GoalMeasures((goal,)).values(V)[0]))
 
 
-def _scaled(goal: Goal, rest: float) -> Goal:
+def _rescaled_goal(goal: Goal, rest: float) -> Goal:
     return replace(goal, rest=rest, target=rest * (goal.target / goal.rest))

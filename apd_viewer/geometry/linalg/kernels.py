@@ -90,7 +90,7 @@ class KernelCache(_Cache):
         for folder in self._folders():
             file = folder / self._file_name(made_for)
             try:
-                _write(file, _sealed(self._stamp(made_for) + dumps(data._reduce())))
+                _write(file, _sealed_content(self._stamp(made_for) + dumps(data._reduce())))
             except OSError as error:
                 refused = error.strerror or str(error)
                 continue
@@ -145,7 +145,7 @@ def _source_digest(file: str) -> bytes:
         return uuid4().bytes
 
 
-def _sealed(content: bytes) -> bytes:
+def _sealed_content(content: bytes) -> bytes:
     return hashlib.sha256(content).digest() + content
 
 
@@ -153,7 +153,7 @@ def _payload(file: Path, stamp: bytes) -> Any:
     """Contents of a cache file, with its seal and stamp checked."""
     sealed = file.read_bytes()
     content = sealed[_DIGEST:]
-    if sealed != _sealed(content):
+    if sealed != _sealed_content(content):
         raise ValueError("the file is damaged")
     if content[:_DIGEST] != stamp:
         raise _OtherSourcesError

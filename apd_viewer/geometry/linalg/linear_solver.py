@@ -103,11 +103,11 @@ class LinearSolver:
         self, start: np.ndarray, column: np.ndarray, entry: np.ndarray, V: np.ndarray | None
     ) -> None:
         begun = time.monotonic()
-        self.factor: _Simplicial | SupernodalFactor | None = None
+        self.factor: _SimplicialFactor | SupernodalFactor | None = None
         if V is not None and len(V) >= FEWEST_SUPERNODAL_UNKNOWNS and supernodal_works():
-            self.factor = _supernodal(start, column, entry, V)
+            self.factor = _supernodal_factor(start, column, entry, V)
         if self.factor is None:
-            self.factor = _Simplicial(start, column, entry)
+            self.factor = _SimplicialFactor(start, column, entry)
         self.seconds = time.monotonic() - begun
 
     def solve(self, B: np.ndarray) -> np.ndarray:
@@ -121,7 +121,7 @@ class LinearSolver:
         return self.factor.refined(np.ascontiguousarray(B))
 
 
-class _Simplicial:
+class _SimplicialFactor:
     """CHOLMOD's factor in double precision, by cholespy."""
 
     def __init__(self, start: np.ndarray, column: np.ndarray, entry: np.ndarray) -> None:
@@ -136,7 +136,7 @@ class _Simplicial:
     refined = solve
 
 
-def _supernodal(
+def _supernodal_factor(
     start: np.ndarray, column: np.ndarray, entry: np.ndarray, V: np.ndarray
 ) -> SupernodalFactor | None:
     """Supernodal factor; None if nearly dense, or too inaccurate in single precision."""
@@ -159,7 +159,7 @@ def supernodal_works() -> bool:
     V = np.stack(np.divmod(np.arange(size * size), size) + (np.zeros(size * size),), axis=1).astype(float)
     expected = V + np.sin(V[:, [1, 2, 0]])
     try:
-        factor = _supernodal(*csr_rows(A), V)
+        factor = _supernodal_factor(*csr_rows(A), V)
         found = np.zeros_like(V) if factor is None else factor.solve(A @ expected)
     except Exception:
         _log.exception("The supernodal factor failed its self-check")

@@ -36,7 +36,7 @@ def dissect(
     parent : (g,) int array
         The separator that cut each group off; -1 where there is none. Children come before their parents.
     """
-    order, first, parent = _dissected(np.ascontiguousarray(V), start, column, _LEAF)
+    order, first, parent = _dissection(np.ascontiguousarray(V), start, column, _LEAF)
     found = np.argsort(first)
     rank = np.empty_like(found)
     rank[found] = np.arange(len(found))
@@ -45,7 +45,7 @@ def dissect(
 
 
 @njit(cache=True, nogil=True)
-def _dissected(
+def _dissection(
     V: np.ndarray, start: np.ndarray, column: np.ndarray, leaf: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Order of elimination, and the start and parent of each group, parents first."""
@@ -90,7 +90,7 @@ def _take_sides(
     n = len(vertices)
     for k in range(n):
         heights[k] = V[vertices[k], axis]
-    middle = _smallest(heights[:n], n // 2)
+    middle = _kth_smallest(heights[:n], n // 2)
     above = at = 0
     for k in range(n):
         height = V[vertices[k], axis]
@@ -105,7 +105,7 @@ def _take_sides(
 
 
 @njit(cache=True, nogil=True)
-def _smallest(x: np.ndarray, k: int) -> float:
+def _kth_smallest(x: np.ndarray, k: int) -> float:
     """The k-th smallest of ``x``, reordered [Hoare 1961, Algorithm 65: Find]."""
     low, high = 0, len(x) - 1
     while low < high:

@@ -44,7 +44,7 @@ class Supernodes:
     def __init__(self, V: np.ndarray, start: np.ndarray, column: np.ndarray) -> None:
         order, first, parent = dissect(V, start, column)
         rank, self.task = _tasks(np.diff(first), parent, _LARGEST_TASK * len(order))
-        self.order, self.first, parent = _ranked(rank, order, first, parent)
+        self.order, self.first, parent = _ranked_supernodes(rank, order, first, parent)
         self.place = np.empty_like(self.order)
         self.place[self.order] = np.arange(len(self.order))
         self.child, self.sibling = children_of(parent)
@@ -97,7 +97,7 @@ def _tasks(own: np.ndarray, parent: np.ndarray, largest: float) -> tuple[np.ndar
     return rank, np.array(bounds)
 
 
-def _ranked(
+def _ranked_supernodes(
     rank: np.ndarray, order: np.ndarray, first: np.ndarray, parent: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Order, starts and parents of the supernodes, sorted by ``rank``."""

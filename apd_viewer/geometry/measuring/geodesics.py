@@ -65,14 +65,14 @@ def geodesic_path(
     faces = [place.face for place in places]
     if faces[0] == faces[1] or np.array_equal(*ends):
         return ends
-    V, F, corners = _with_points(V, F, places, ends)
+    V, F, corners = _mesh_with_points(V, F, places, ends)
     ids = [int(F[face, corner]) for face, corner in corners]
     first = _first_path(V, F, *ids)
-    kept = _within_reach(V, F, ends, path_length(V[first]))
+    kept = _reachable_triangles(V, F, ends, path_length(V[first]))
     new = np.cumsum(kept) - 1
     G, old = manifold_pieces(F[kept], len(V))
     ids = [int(G[new[face], corner]) for face, corner in corners]
-    return _straightened(V[old], G, old, first, ids)
+    return _straightened_path(V[old], G, old, first, ids)
 
 
 def path_length(path: np.ndarray) -> float:
@@ -80,7 +80,7 @@ def path_length(path: np.ndarray) -> float:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
-def _with_points(
+def _mesh_with_points(
     V: np.ndarray, F: np.ndarray, places: Sequence[SurfacePoint], ends: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, list[tuple[int, int]]]:
     """Mesh with the points inserted as vertices, and a face and corner of each."""
@@ -104,7 +104,7 @@ def _first_path(V: np.ndarray, F: np.ndarray, start: int, end: int) -> np.ndarra
     opposite = opposite_half_edges(F, len(V)).ravel()
     pairs = np.flatnonzero(opposite > np.arange(len(opposite)))
     p, q = (np.roll(F, -2, axis=1).ravel()[h] for h in (pairs, opposite[pairs]))
-    across = _across(V[i[pairs]], V[j[pairs]], V[p], V[q])
+    across = _unfolded_distances(V[i[pairs]], V[j[pairs]], V[p], V[q])
     ends = np.sort(np.column_stack([np.append(i, p), np.append(j, q)]), axis=1)
     lengths = np.append(np.linalg.norm(V[i] - V[j], axis=1), across)
     usable = np.isfinite(lengths) & (ends[:, 0] != ends[:, 1])
@@ -123,8 +123,8 @@ def _first_path(V: np.ndarray, F: np.ndarray, start: int, end: int) -> np.ndarra
     return np.array(path[::-1])
 
 
-def _across(A: np.ndarray, B: np.ndarray, P: np.ndarray, Q: np.ndarray) -> np.ndarray:
-    """Distances of corners P, Q unfolded about edges AB; infinite beyond their ends."""
+def _unfolded_distances(A: np.ndarray, B: np.ndarray, P: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """Distances from P to Q across edges AB, unfolded; infinite if beside an edge."""
     edge = B - A
     long = np.linalg.norm(edge, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -138,7 +138,7 @@ def _across(A: np.ndarray, B: np.ndarray, P: np.ndarray, Q: np.ndarray) -> np.nd
     return np.where(crosses, np.hypot(along_q - along_p, high_p + high_q), np.inf)
 
 
-def _within_reach(V: np.ndarray, F: np.ndarray, ends: np.ndarray, most: float) -> np.ndarray:
+def _reachable_triangles(V: np.ndarray, F: np.ndarray, ends: np.ndarray, most: float) -> np.ndarray:
     """Mask (m,) of triangles within reach of a path of length ``most`` between ends."""
     detour = sum(np.linalg.norm(V - end, axis=1) for end in ends)
     T = V[F]
@@ -147,7 +147,7 @@ def _within_reach(V: np.ndarray, F: np.ndarray, ends: np.ndarray, most: float) -
     return near
 
 
-def _straightened(
+def _straightened_path(
     V: np.ndarray, F: np.ndarray, old: np.ndarray, first: np.ndarray, ids: Sequence[int]
 ) -> np.ndarray:
     """Geodesic homotopic to the path through the vertices ``first``."""
@@ -182,7 +182,7 @@ def manifold_pieces(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     old : (k,) int array
         The vertex of ``F`` that each vertex of ``G`` was.
     """
-    h, o, alike = _neighbours(F, n)
+    h, o, alike = _inner_edges(F, n)
     ahead_h, ahead_o = (each - each % 3 + (each + 1) % 3 for each in (h, o))
     joined = np.vstack(
         [
@@ -198,7 +198,7 @@ def manifold_pieces(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 def oriented_triangles(F: np.ndarray, n: int) -> np.ndarray:
     """Flip triangles (m, 3) so that neighbours face the same side, if possible."""
-    m, (h, o, alike) = len(F), _neighbours(F, n)
+    m, (h, o, alike) = len(F), _inner_edges(F, n)
     # Graph of each triangle and its flipped copy: connected nodes face the same side.
     s, t = h // 3, o // 3
     joined = np.vstack(
@@ -209,7 +209,7 @@ def oriented_triangles(F: np.ndarray, n: int) -> np.ndarray:
     return np.where(turned[:, None], F[:, ::-1], F)
 
 
-def _neighbours(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _inner_edges(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Both half-edges of each inner edge, (e,) each, and whether they run in parallel."""
     opposite = opposite_half_edges(F, n).ravel().astype(np.int64)
     h = np.flatnonzero(opposite > np.arange(len(opposite)))

@@ -118,7 +118,7 @@ def _angle(points: np.ndarray) -> MeasurementResult:
         return MeasurementResult((angle,), legs, label_position=points[1])
     turns = np.linspace(0.0, angle, _ARC_STEPS + 1)[:, None]
     arc = points[1] + _ARC * lengths.min() * (np.cos(turns) * a + np.sin(turns) * aside / away)
-    segments = np.vstack([legs, _joined(arc)])
+    segments = np.vstack([legs, _polyline_segments(arc)])
     return MeasurementResult(
         (angle,), segments, label_position=points[1], label_away_from=arc[_ARC_STEPS // 2]
     )
@@ -130,7 +130,7 @@ def _geodesic(U: np.ndarray, path: CarriedPath | None, is_current: bool) -> Meas
             (None if path is None or not is_current else float("nan"),), np.empty((0, 2, 3))
         )
     points = path.points_at(U)
-    segments = _joined(points)
+    segments = _polyline_segments(points)
     A, B, C = U[path.corners[1:]].transpose(1, 0, 2)
     value = _length(segments) if is_current else None
     return MeasurementResult((value,), segments, np.cross(B - A, C - A), points[len(points) // 2])
@@ -149,6 +149,6 @@ def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> MeasurementResult:
     return MeasurementResult((cut.length, cut.area), cut.segments, np.cross(B - A, C - A), at, within)
 
 
-def _joined(points: np.ndarray) -> np.ndarray:
+def _polyline_segments(points: np.ndarray) -> np.ndarray:
     """Segments (k - 1, 2, 3) of a polyline (k, 3)."""
     return np.stack([points[:-1], points[1:]], axis=1)

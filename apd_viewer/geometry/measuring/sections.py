@@ -73,11 +73,11 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
 def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray) -> PlaneSection:
     """Section of validated arrays by a plane with a unit normal."""
     height = V @ normal - float(np.dot(point, normal))
-    faces = _met(height, F)
+    faces = _crossed_triangles(height, F)
     above = (height >= 0.0)[F[faces]]
     if not len(faces):
         return PlaneSection(np.empty((0, 2, 3)), faces, 0, 0.0, 0.0)
-    down, up = (_crossed(F[faces], above, falls) for falls in (True, False))
+    down, up = (_crossed_edges(F[faces], above, falls) for falls in (True, False))
     crossed, ends = np.unique(np.vstack([down, up]), axis=0, return_inverse=True)
     share = height[crossed[:, 0]] / (height[crossed[:, 0]] - height[crossed[:, 1]])
     points = V[crossed[:, 0]] + share[:, None] * (V[crossed[:, 1]] - V[crossed[:, 0]])
@@ -85,11 +85,13 @@ def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray)
     faces, ends = faces[ends[:, 0] != ends[:, 1]], ends[ends[:, 0] != ends[:, 1]]
     segments, number = points[ends], vertex_components(ends[:, [0, 1, 1]], len(points))
     length = float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum())
-    return PlaneSection(segments, faces, int(number.max()) + 1, length, _enclosed(segments, ends, normal))
+    return PlaneSection(
+        segments, faces, int(number.max()) + 1, length, _enclosed_area(segments, ends, normal)
+    )
 
 
 @njit(cache=True, nogil=True)
-def _met(height: np.ndarray, F: np.ndarray) -> np.ndarray:
+def _crossed_triangles(height: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Triangles with corners on both sides of the plane at height 0."""
     found, count = np.empty(len(F), dtype=np.int64), 0
     for t in range(len(F)):
@@ -100,7 +102,7 @@ def _met(height: np.ndarray, F: np.ndarray) -> np.ndarray:
     return found[:count].copy()
 
 
-def _crossed(F: np.ndarray, above: np.ndarray, falls: bool) -> np.ndarray:
+def _crossed_edges(F: np.ndarray, above: np.ndarray, falls: bool) -> np.ndarray:
     """Edge (s, 2) of each triangle falling below the plane, or else rising above it."""
     after = np.roll(above, -1, axis=1)
     corner = np.argmax(above & ~after if falls else ~above & after, axis=1)
@@ -108,7 +110,7 @@ def _crossed(F: np.ndarray, above: np.ndarray, falls: bool) -> np.ndarray:
     return np.sort(np.column_stack([F[rows, corner], F[rows, (corner + 1) % 3]]), axis=1)
 
 
-def _enclosed(segments: np.ndarray, ends: np.ndarray, normal: np.ndarray) -> float:
+def _enclosed_area(segments: np.ndarray, ends: np.ndarray, normal: np.ndarray) -> float:
     """Area inside contours; NaN unless the segments form closed loops."""
     starts, stops = np.sort(ends, axis=0).T
     if not np.array_equal(starts, stops) or (np.diff(starts) == 0).any():

@@ -77,7 +77,7 @@ def checked_vectors(value: object, count: int, name: str) -> np.ndarray:
 
 def checked_point(value: object) -> np.ndarray:
     """``value`` (3,) as floats; raises InputError unless it is a finite point."""
-    x = _three(value)
+    x = _as_vector(value)
     if x is None:
         raise InputError(tr("A place must be three finite numbers."))
     return x
@@ -85,14 +85,14 @@ def checked_point(value: object) -> np.ndarray:
 
 def checked_direction(value: object) -> np.ndarray:
     """``value`` (3,) scaled to length 1; raises InputError if it has no direction."""
-    x = _three(value)
+    x = _as_vector(value)
     length = 0.0 if x is None else float(np.linalg.norm(x))
     if x is None or not 0.0 < length < np.inf:
         raise InputError(tr("A direction must be three numbers, not all of them 0."))
     return x / length
 
 
-def _three(value: object) -> np.ndarray | None:
+def _as_vector(value: object) -> np.ndarray | None:
     try:
         x = np.asarray(value)
     except ValueError:  # NumPy rejects rows of different lengths
@@ -196,7 +196,7 @@ def is_whole_number(value: object) -> bool:
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
-def _between(least: float, most: float) -> _Kind:
+def _number_kind(least: float, most: float) -> _Kind:
     words = tr("{name} must be a number from {least} to {most}.")
     sentence = words.format(name="{name}", least=f"{least:g}", most=f"{most:g}")
     return _Kind(lambda given: least <= as_float(given) <= most, sentence)
@@ -225,7 +225,7 @@ _PATH = _Kind(
     tr("{name} must be the path of a file, as text or pathlib.Path."),
 )
 _TEXT = _Kind(lambda given: isinstance(given, str), tr("{name} must be a text."))
-_STIFFNESS = _between(0.0, MOST_STIFFNESS)
+_STIFFNESS = _number_kind(0.0, MOST_STIFFNESS)
 
 _KINDS = {
     **dict.fromkeys(("calm", "contact", "plain", "weld", "release"), _FLAG),
@@ -233,12 +233,12 @@ _KINDS = {
     **dict.fromkeys(("thickness", "yield_radius", "radius", "size"), _LENGTH),
     **dict.fromkeys(("iterations", "steps"), _COUNT),
     "regions": _LIST,
-    "tolerance": _between(1e-12, 1e9),
+    "tolerance": _number_kind(1e-12, 1e9),
     "gas": _Kind(
         lambda given: 0.0 < as_float(given) <= _LARGEST,
         tr("{name} must be a number greater than 0 and at most 1e38."),
     ),
-    "container": _between(0.0, _LARGEST),
+    "container": _number_kind(0.0, _LARGEST),
     "factored": _CALL,
     "progress": _CALL,
     "deform.progress": _PROGRESS,

@@ -30,7 +30,7 @@ class CornerNormals(NamedTuple):
     def from_normals(
         cls, N: np.ndarray, normal_of: np.ndarray, V: np.ndarray, F: np.ndarray
     ) -> CornerNormals | None:
-        """Normals ``N`` (k, 3) at corners ``normal_of`` (m, 3) of the triangles F of V.
+        """Corner normals from ``N`` (k, 3) and the row of each corner in it, (m, 3).
 
         Without one, or with one that has no direction, a corner has the normal of its triangle. None if no
         corner has one.

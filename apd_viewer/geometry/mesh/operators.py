@@ -214,7 +214,7 @@ def well_shaped(cot: np.ndarray) -> np.ndarray:
     return (size.max(axis=1) < _NEEDLE) & (size.sum(axis=1) > 0.0)
 
 
-def _opposite(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _opposite_edges(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Ends of the edge opposite to each corner, in scipy's index type."""
     return F[:, [1, 2, 0]].ravel().astype(np.int32), F[:, [2, 0, 1]].ravel().astype(np.int32)
 
@@ -233,7 +233,7 @@ def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
     """
     n = len(V)
     cot = np.clip(cotangents(V, F), 0.0, _STEEPEST)
-    i, j = _opposite(F)
+    i, j = _opposite_edges(F)
     w = 0.5 * cot.ravel()
     edge = i != j
     i, j, w = i[edge], j[edge], w[edge]
@@ -258,7 +258,7 @@ def laplacian(W: sp.csr_array) -> sp.csr_array:
 def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
     """Laplacian (n, n) assembled from corner values ``cot`` (m, 3) of ``F``."""
     w = 0.5 * cot.ravel()
-    i, j = _opposite(F)
+    i, j = _opposite_edges(F)
     W = sp.coo_array((np.concatenate([w, w]), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))
     return laplacian(W.tocsr())
 

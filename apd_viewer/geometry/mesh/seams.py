@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.weld import (
     SEAM_TOLERANCE,
     Weld,
     boundary_edges,
-    shortest_edges,
+    shortest_edge_lengths,
 )
 from apd_viewer.language import trn
 
@@ -91,8 +91,8 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     edges = edges[np.linalg.norm(V[edges[:, 1]] - V[edges[:, 0]], axis=1) > 0.0]  # lengths may underflow
     border = np.unique(edges)
     near = SEAM_TOLERANCE * mesh_size(V, corners)
-    room = np.minimum(near, MOST_EDGE_SHARE * shortest_edges(V, edges)[border])
-    point, edge = _close(V, border, edges, near)
+    room = np.minimum(near, MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)[border])
+    point, edge = _nearby_pairs(V, border, edges, near)
     a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]
     length = np.linalg.norm(along, axis=1)
     at = np.einsum("ij,ij->i", V[border[point]] - a, along) / length
@@ -106,10 +106,10 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     return np.unique(border[point[np.array(free, dtype=bool)]])
 
 
-def _close(
+def _nearby_pairs(
     V: np.ndarray, border: np.ndarray, edges: np.ndarray, near: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Candidate pairs (p,), (p,) of ``border`` vertices within ``near`` of ``edges``."""
+    """Pairs (p,), (p,) of ``border`` vertices and ``edges`` possibly within ``near``."""
     from scipy.spatial import KDTree  # imported here: slow, and most meshes have no boundary
 
     ends, points = V[edges], KDTree(V[border])

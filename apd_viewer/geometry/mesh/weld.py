@@ -60,7 +60,7 @@ class Weld:
         representative = np.empty(len(V), dtype=np.int64)
         representative[order] = leader
         if F is not None:
-            representative = _cracks_closed(V, F, representative, tolerance)
+            representative = _representatives_across_cracks(V, F, representative, tolerance)
         return cls.from_representatives(V, representative)
 
     @classmethod
@@ -71,7 +71,9 @@ class Weld:
 
     def with_seams(self, V: np.ndarray, F: np.ndarray) -> Weld:
         """The weld, also joining boundaries within :data:`SEAM_TOLERANCE`."""
-        return Weld.from_representatives(V, _cracks_closed(V, F, self.representative, SEAM_TOLERANCE))
+        return Weld.from_representatives(
+            V, _representatives_across_cracks(V, F, self.representative, SEAM_TOLERANCE)
+        )
 
     @classmethod
     def from_maps(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
@@ -141,7 +143,9 @@ def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
     return np.minimum(a, b)[edge] * n + np.maximum(a, b)[edge]
 
 
-def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tolerance: float) -> np.ndarray:
+def _representatives_across_cracks(
+    V: np.ndarray, F: np.ndarray, representative: np.ndarray, tolerance: float
+) -> np.ndarray:
     """Representatives with border vertices joined across cracks, but never neighbours."""
     corners, n = representative[F], len(V)
     edges = boundary_edges(corners, n)
@@ -152,15 +156,15 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray, tol
     border = np.unique(edges)
     pairs = border[KDTree(V[border]).query_pairs(tolerance * mesh_size(V, F), output_type="ndarray")]
     gap = np.linalg.norm(V[pairs[:, 0]] - V[pairs[:, 1]], axis=1)
-    room = MOST_EDGE_SHARE * shortest_edges(V, edges)[pairs].min(axis=1)
+    room = MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)[pairs].min(axis=1)
     pairs, gap = pairs[gap <= room], gap[gap <= room]
     at_border = np.zeros(n, dtype=bool)
     at_border[border] = True
     between = _edge_keys(corners[at_border[corners].sum(axis=1) > 1], n)
-    return _clustered(pairs[np.argsort(gap, kind="stable")], set(between.tolist()), n)[representative]
+    return _cluster_leaders(pairs[np.argsort(gap, kind="stable")], set(between.tolist()), n)[representative]
 
 
-def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
+def shortest_edge_lengths(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Length of the shortest of ``edges`` (b, 2) at each vertex, (n,)."""
     shortest = np.full(len(V), np.inf)
     length = np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)
@@ -169,7 +173,7 @@ def shortest_edges(V: np.ndarray, edges: np.ndarray) -> np.ndarray:
     return shortest
 
 
-def _clustered(pairs: np.ndarray, edges: set[int], n: int) -> np.ndarray:
+def _cluster_leaders(pairs: np.ndarray, edges: set[int], n: int) -> np.ndarray:
     """Lowest vertex in the cluster of each of ``n`` vertices.
 
     ``pairs`` (p, 2) are joined in their order, unless an edge would then lead from a cluster to itself: of a

@@ -19,7 +19,7 @@ _CELL_BITS = 10
 _HALF_KEY = 3 * _CELL_BITS // 2
 
 
-class BoundingHierarchy(NamedTuple):
+class BoundingVolumeHierarchy(NamedTuple):
     """Bounding box hierarchy of the triangles of a shape.
 
     Attributes
@@ -38,23 +38,23 @@ class BoundingHierarchy(NamedTuple):
     level: np.ndarray
 
 
-def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingHierarchy:
+def bounding_hierarchy(U: np.ndarray, F: np.ndarray) -> BoundingVolumeHierarchy:
     """Bounding volume hierarchy of ``F`` (m, 3) at ``U`` (n, 3)."""
     sizes = [(len(F) + BRANCHING - 1) // BRANCHING]
     while sizes[-1] > 1:
         sizes.append((sizes[-1] + BRANCHING - 1) // BRANCHING)
     level = np.cumsum([0, *sizes])
     with cores_for(len(U)):
-        T = _in_order(F, _cells(U, F))
+        T = _sorted_triangles(F, _morton_keys(U, F))
         corners = np.empty((level[-1], 2, 3))
-        _around_triangles(U, T, _SLACK * np.abs(U).max(initial=0.0), corners[: level[1]])
+        _write_triangle_boxes(U, T, _SLACK * np.abs(U).max(initial=0.0), corners[: level[1]])
     for i in range(1, len(sizes)):
-        _around_boxes(corners[level[i - 1] : level[i]], corners[level[i] : level[i + 1]])
-    return BoundingHierarchy(T, corners, level)
+        _write_outer_boxes(corners[level[i - 1] : level[i]], corners[level[i] : level[i + 1]])
+    return BoundingVolumeHierarchy(T, corners, level)
 
 
 @parallel()
-def _cells(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+def _morton_keys(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Sort key of each triangle along a space-filling curve."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for t in range(len(F)):
@@ -67,13 +67,13 @@ def _cells(U: np.ndarray, F: np.ndarray) -> np.ndarray:
         found = 0
         for c in range(3):
             middle = (U[F[t, 0], c] + U[F[t, 1], c] + U[F[t, 2], c]) / 3.0
-            found |= _spread(min(max(int((middle - low[c]) * scale), 0), last)) << c
+            found |= _spread_bits(min(max(int((middle - low[c]) * scale), 0), last)) << c
         key[t] = found
     return key
 
 
 @njit(inline="always")
-def _spread(x: int) -> int:
+def _spread_bits(x: int) -> int:
     """Ten bits, each followed by two zero bits [Morton 1966]."""
     x = (x | (x << 16)) & 0x030000FF
     x = (x | (x << 8)) & 0x0300F00F
@@ -82,7 +82,7 @@ def _spread(x: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
+def _sorted_triangles(F: np.ndarray, key: np.ndarray) -> np.ndarray:
     """Triangles sorted stably by ``key`` (m,)."""
     order, lower = np.arange(len(F)).astype(np.int32), (1 << _HALF_KEY) - 1
     for half in range(2):
@@ -100,8 +100,8 @@ def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
 
 
 @parallel()
-def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.ndarray) -> None:
-    """Boxes (b, 2, 3) around each ``BRANCHING`` triangles, enlarged by ``slack``."""
+def _write_triangle_boxes(U: np.ndarray, F: np.ndarray, slack: float, corners: np.ndarray) -> None:
+    """Write boxes (b, 2, 3) around ``BRANCHING`` triangles each, with some ``slack``."""
     for b in prange(len(corners)):
         for c in range(3):
             low, high = np.inf, -np.inf
@@ -112,7 +112,7 @@ def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.nd
 
 
 @njit(cache=True, nogil=True)
-def _around_boxes(inner: np.ndarray, outer: np.ndarray) -> None:
+def _write_outer_boxes(inner: np.ndarray, outer: np.ndarray) -> None:
     """Write the ``outer`` boxes (b, 2, 3) around each group of ``inner`` boxes."""
     for b in range(len(outer)):
         for c in range(3):

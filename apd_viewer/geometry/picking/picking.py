@@ -71,7 +71,7 @@ def ray_hit(
     dx, dy, dz = direction[0], direction[1], direction[2]
     face, distance, b1, b2 = -1, np.inf, 0.0, 0.0
     for b in range(block_boxes.shape[0]):
-        if not _enters(origin, direction, block_boxes[b], distance):
+        if not _enters_box(origin, direction, block_boxes[b], distance):
             continue
         for t in range(b * BLOCK, min((b + 1) * BLOCK, F.shape[0])):
             i, j, k = F[t, 0], F[t, 1], F[t, 2]
@@ -96,7 +96,7 @@ def ray_hit(
 
 
 @njit(cache=True, nogil=True)
-def _enters(origin: np.ndarray, direction: np.ndarray, box: np.ndarray, distance: float) -> bool:
+def _enters_box(origin: np.ndarray, direction: np.ndarray, box: np.ndarray, distance: float) -> bool:
     """True if a ray enters a ``box`` (2, 3) within a ``distance`` of its origin."""
     near, far = 0.0, distance
     for c in range(3):
@@ -160,7 +160,7 @@ def vertices_under_brush(
     reached = np.zeros(U.shape[0], dtype=np.bool_)
     covered = np.empty(U.shape[0], dtype=np.int32)
     count = 1
-    covered[0] = _nearest(U, seeds, b)
+    covered[0] = _nearest_vertex(U, seeds, b)
     reached[covered[0]] = True
     for v in seeds:
         if not reached[v] and _squared_distance(U[v], a, b) <= radius * radius:
@@ -181,7 +181,7 @@ def vertices_under_brush(
 
 
 @njit(cache=True, nogil=True)
-def _nearest(U: np.ndarray, candidates: np.ndarray, x: np.ndarray) -> int:
+def _nearest_vertex(U: np.ndarray, candidates: np.ndarray, x: np.ndarray) -> int:
     """The vertex among ``candidates``, an (s,) int array, nearest to the point ``x``."""
     best, nearest = np.inf, candidates[0]
     for v in candidates:

@@ -48,7 +48,7 @@ class RenderMesh:
     def with_normals(self, normals: CornerNormals) -> RenderMesh:
         """The mesh with normals of a file, and vertices duplicated where they differ."""
         n = len(self.used)
-        F, copied, _ = map(frozen, _split(self.F, normals.group.ravel(), n))
+        F, copied, _ = map(frozen, _split_vertices(self.F, normals.group.ravel(), n))
         own = frozen(np.empty(0, dtype=np.int32))
         return RenderMesh(F, copied, self.joined, F, own, self.used, normals.local)
 
@@ -64,7 +64,7 @@ class RenderMesh:
         group = _smoothing_groups(V, self.joined, opposite, np.cos(SHARP))
         if not len(group):
             return self
-        F, copied, lead = _split(self.F, group, len(V))
+        F, copied, lead = _split_vertices(self.F, group, len(V))
         leading, source = lead[group].reshape(F.shape), np.arange(len(V) + len(copied), dtype=np.int32)
         source[F] = leading
         if np.array_equal(leading, F):
@@ -78,7 +78,7 @@ class RenderMesh:
         Normals stay continuous there.
         """
         n, before = len(self.used), len(self.used) + len(self.repeated_vertices)
-        F, copied, _ = _split(self.F, group.ravel(), before)
+        F, copied, _ = _split_vertices(self.F, group.ravel(), before)
         source = self.source if len(self.source) else np.arange(before, dtype=np.int32)
         vertex = np.append(np.arange(n), self.repeated_vertices)
         arrays = F, np.append(self.repeated_vertices, vertex[copied]), np.append(source, source[copied])
@@ -107,7 +107,7 @@ class RenderMesh:
         kept = self.joined, self.leading, self.repeated_vertices, self.source, self.used
         drape(U, *kept, origin, points, normals, low, high)
         if len(self.local):
-            _turn(points, self.leading, self.source, self.local, normals)
+            _turn_normals(points, self.leading, self.source, self.local, normals)
         return low, high
 
 
@@ -148,7 +148,7 @@ def _smoothing_groups(V: np.ndarray, F: np.ndarray, opposite: np.ndarray, least:
 
 
 @njit(cache=True, nogil=True)
-def _split(F: np.ndarray, group: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _split_vertices(F: np.ndarray, group: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Render triangles, duplicated vertices, and the leading vertex of each group."""
     split, copied = np.empty_like(F), np.empty(F.size, dtype=np.int32)
     lead = np.full(F.size, -1, dtype=np.int32)
@@ -230,7 +230,7 @@ def drape(
 
 
 @njit(cache=True, nogil=True)
-def _turn(
+def _turn_normals(
     points: np.ndarray, F: np.ndarray, source: np.ndarray, local: np.ndarray, normals: np.ndarray
 ) -> None:
     """Rotate the normals ``local`` with their triangles, except those without area."""

@@ -21,7 +21,7 @@ from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.bounding_hierarchy import (
     BRANCHING,
     BRANCHING_BITS,
-    BoundingHierarchy,
+    BoundingVolumeHierarchy,
     bounding_hierarchy,
 )
 from apd_viewer.geometry.picking.picking import block_boxes, ray_hit, vertices_under_brush
@@ -38,7 +38,7 @@ _EDGE_ON = 1e-12
 def is_visible(
     eye: np.ndarray,
     U: np.ndarray,
-    boxes: BoundingHierarchy,
+    boxes: BoundingVolumeHierarchy,
     ids: np.ndarray,
     touching: float = TOUCHING_DISTANCE,
 ) -> np.ndarray:
@@ -52,7 +52,7 @@ def is_visible(
     ----------
     eye : (3,) float array
     U : (n, 3) float array
-    boxes : BoundingHierarchy
+    boxes : BoundingVolumeHierarchy
         The :func:`bounding_hierarchy` of the same ``U``.
     ids : (k,) int array
         The vertices, by the names that the triangles have for them.
@@ -65,14 +65,14 @@ def is_visible(
     eye = np.ascontiguousarray(eye, dtype=np.float64)
     seen = np.empty(len(ids), dtype=bool)
     with cores_for(len(U)):
-        _see(
+        _mark_visible(
             eye, U, np.asarray(ids, dtype=np.int64), boxes.F, boxes.corners, boxes.level, 1.0 - touching, seen
         )
     return seen
 
 
 @parallel()
-def _see(
+def _mark_visible(
     eye: np.ndarray,
     U: np.ndarray,
     ids: np.ndarray,
@@ -103,7 +103,7 @@ def _see(
             if near <= far:
                 for t in range(BRANCHING * b, min(BRANCHING * (b + 1), len(F))):
                     if F[t, 0] != v and F[t, 1] != v and F[t, 2] != v:
-                        hidden |= _hides(ox, oy, oz, dx, dy, dz, U, F[t, 0], F[t, 1], F[t, 2], end)
+                        hidden |= _blocks_segment(ox, oy, oz, dx, dy, dz, U, F[t, 0], F[t, 1], F[t, 2], end)
             b = ((b >> (BRANCHING_BITS * size)) + 1) << (BRANCHING_BITS * size)
             while size < top and b & ((1 << (BRANCHING_BITS * (size + 1))) - 1) == 0:
                 size += 1
@@ -117,7 +117,7 @@ def _inverse(d: float) -> float:
 
 
 @njit(inline="always")
-def _hides(
+def _blocks_segment(
     ox: float,
     oy: float,
     oz: float,
@@ -249,7 +249,7 @@ class SurfaceIndex:
         """Mask (k,) of ``points`` (k, 2) inside a ``polygon`` (p, 2)."""
         return is_inside_polygon(points, polygon)
 
-    def visibility_tree(self, U: np.ndarray) -> BoundingHierarchy:
+    def visibility_tree(self, U: np.ndarray) -> BoundingVolumeHierarchy:
         """Search tree for :meth:`visible`, built once per shape ``U``."""
         return bounding_hierarchy(U, self.joined)
 
@@ -258,7 +258,7 @@ class SurfaceIndex:
         eye: np.ndarray,
         U: np.ndarray,
         ids: np.ndarray,
-        visibility_tree: BoundingHierarchy,
+        visibility_tree: BoundingVolumeHierarchy,
         touching: float = TOUCHING_DISTANCE,
     ) -> np.ndarray:
         """Mask (k,) of the vertices ``ids`` of ``U`` visible from ``eye`` (3,)."""
@@ -266,7 +266,7 @@ class SurfaceIndex:
 
     def vertices_up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
         """Vertices around a face, up to creases sharper than ``crease`` radians."""
-        return np.flatnonzero(flood_fill(self.joined, self._opposite, U, face, crease))
+        return np.flatnonzero(flood_fill(self.joined, self._opposite_half_edges, U, face, crease))
 
     def component(self, face: int) -> np.ndarray:
         """Vertices of the connected component of a face."""
@@ -275,10 +275,10 @@ class SurfaceIndex:
     def border_loop(self, face: int) -> np.ndarray:
         """Vertices of the border loop nearest to a face; empty without a border."""
         F, seeds = self.joined, self.joined[face]
-        return np.flatnonzero(border_loop(F, self._opposite, self.start, self.neighbour, seeds))
+        return np.flatnonzero(border_loop(F, self._opposite_half_edges, self.start, self.neighbour, seeds))
 
     @cached_property
-    def _opposite(self) -> np.ndarray:
+    def _opposite_half_edges(self) -> np.ndarray:
         return opposite_half_edges(self.joined, len(self.used))
 
     def under_brush(

@@ -63,14 +63,14 @@ def smoothed_set(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member
     """
     border = grown_set(start, neighbour, member) & ~shrunk_set(start, neighbour, member)
     near = _walk(start, neighbour, np.flatnonzero(border), RINGS - 1)
-    return _settled(start, neighbour, U, member, near)
+    return _averaged_members(start, neighbour, U, member, near)
 
 
 @njit(cache=True, nogil=True)
-def _settled(
+def _averaged_members(
     start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray, near: np.ndarray
 ) -> np.ndarray:
-    """The set after its membership is averaged near its border, at ``near`` (k,)."""
+    """Set after its membership is averaged near its border, at ``near`` (k,)."""
     share, after, out = member.astype(np.float64), np.empty(len(near)), member.copy()
     for _ in range(RINGS):
         for i in range(len(near)):

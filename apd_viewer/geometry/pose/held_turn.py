@@ -118,26 +118,28 @@ def pass_through_warnings(
     names : sequence of str, optional
         Of the handles; without, they are numbered.
     """
-    said = []
+    sentences = []
     for k, turn in enumerate(turns):
         if turn.lost_angle < LEAST_TURN or frame.share_reached < 1.0:
             continue
         asked, held = (localized_number(f"{round(angle or 0.0, 1) + 0.0:g}") for angle in turn.degrees)
         lost = tr("The surface holds {held} of the {asked} degrees asked").format(held=held, asked=asked)
-        sentence = _because(lost, contact, may_touch) if turn.has_lost_whole_turns else f"{lost}."
+        sentence = (
+            _pass_through_sentence(lost, contact, may_touch) if turn.has_lost_whole_turns else f"{lost}."
+        )
         if len(turns) > 1:
             name = names[k] if names else tr("Handle {n}").format(n=k + 1)
             sentence = tr("{name}: {sentence}").format(name=name, sentence=sentence)
-        said.append(sentence)
+        sentences.append(sentence)
     if frame.volume is not None and volume_rest and frame.volume / volume_rest < -_LITTLE:
-        said.append(_because(tr("The surface has turned inside out"), contact, may_touch))
-    return tuple(said)
+        sentences.append(_pass_through_sentence(tr("The surface has turned inside out"), contact, may_touch))
+    return tuple(sentences)
 
 
-def _because(what: str, contact: bool, may_touch: bool) -> str:
-    said = tr("{what}: it passed through itself.")
+def _pass_through_sentence(what: str, contact: bool, may_touch: bool) -> str:
+    sentence = tr("{what}: it passed through itself.")
     if not may_touch:
-        said = tr("{what}: it passed through itself, as this method knows no contact.")
+        sentence = tr("{what}: it passed through itself, as this method knows no contact.")
     elif not contact:
-        said = tr("{what}: without contact it passed through itself; turn contact on.")
-    return said.format(what=what)
+        sentence = tr("{what}: without contact it passed through itself; turn contact on.")
+    return sentence.format(what=what)

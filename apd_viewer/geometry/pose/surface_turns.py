@@ -100,18 +100,18 @@ class SurfaceTurns:
         if (base := self._rotations[BASE]) is None:
             return
         self._pairs = TriangleTurns.from_shapes(V, U @ base, F, labels)
-        inside = self._inside(BASE)
+        inside = self._is_inside(BASE)
         for k in range(HANDLE, labels.max() + 1):
-            inside |= self._inside(k)
+            inside |= self._is_inside(k)
         i, j = self._pairs.faces.T
         outside = ~(inside[i] | inside[j])
         arms = sp.csr_array((outside[outside], (i[outside], j[outside])), shape=2 * (len(F),))
         self._arm = np.where(inside, -1, connected_components(arms, directed=False)[1])
 
-    def _inside(self, label: int) -> np.ndarray:
+    def _is_inside(self, label: int) -> np.ndarray:
         return (self._held == label).all(axis=1)
 
-    def _ends(self, label: int) -> np.ndarray:
+    def _end_triangles(self, label: int) -> np.ndarray:
         """Triangles ending the paths to a part: all within it, or else the nearest."""
         corners = (self._held == label).sum(axis=1)
         return np.flatnonzero((corners > 0) & (corners == corners.max(initial=0)))
@@ -122,7 +122,7 @@ class SurfaceTurns:
         if base is None or end is None:
             return None
         last = quaternion(base.T @ end)
-        made, jumps, arm = self._ways(HANDLE + k, requested.axis, last)
+        made, jumps, arm = self._path_turns(HANDLE + k, requested.axis, last)
         held = [
             self._by_arm(requested, made[arm == each], jumps[arm == each], last) for each in np.unique(arm)
         ]
@@ -142,12 +142,12 @@ class SurfaceTurns:
             return None
         return requested.angle if likeness > 0.0 else requested.angle - 2.0 * math.pi
 
-    def _ways(
+    def _path_turns(
         self, label: int, axis: np.ndarray, last: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Turns and sign jumps (a,) summed along the cheapest paths to a part, and arms."""
-        pairs, start, ends = self._pairs, self._ends(BASE), self._ends(label)
-        own = self._inside(label)
+        pairs, start, ends = self._pairs, self._end_triangles(BASE), self._end_triangles(label)
+        own = self._is_inside(label)
         step, clear = pairs.turns_about(axis)
         i, j = pairs.faces.T
         # Arms that meet only along a row of the part's vertices are separate.
@@ -167,13 +167,13 @@ class SurfaceTurns:
         first = shortest_turns(np.broadcast_to(_AT_REST, (len(start), 4)), pairs.q[start], axis)
         values[start] = np.column_stack(first)
         reached = ends[before[ends] >= 0]
-        made, jumps = _summed(values, before)[reached].T
+        made, jumps = _ancestor_sums(values, before)[reached].T
         more, jumped = shortest_turns(pairs.q[reached], np.broadcast_to(last, (len(reached), 4)), axis)
         arm = np.where(self._arm[reached] < 0, self._arm[before[reached]], self._arm[reached])
         return made + more, jumps + jumped, arm
 
 
-def _summed(values: np.ndarray, before: np.ndarray) -> np.ndarray:
+def _ancestor_sums(values: np.ndarray, before: np.ndarray) -> np.ndarray:
     """Sums of the values (n, k) of each tree node and all its ancestors."""
     n = len(values)
     sums = np.vstack([values, np.zeros(values.shape[1])])
@@ -245,11 +245,14 @@ class TriangleTurns(NamedTuple):
         (s, c), (t, d) = np.divmod(h, 3), np.divmod(opposite[h], 3)
         in_plane = now.angles - rest.angles
         way = [q[s]]
-        way.append(_products(_turning(now.normal[s], in_plane[s, c]), way[-1]))
+        way.append(_quaternion_products(_rotation_quaternions(now.normal[s], in_plane[s, c]), way[-1]))
         same = F[s, c] == F[t, d]
-        edge, bent = now.edge(s, c), _hinge(now, s, c, t, same) - _hinge(rest, s, c, t, same)
-        way.append(_products(_turning(edge, bent), way[-1]))
-        way.append(_products(_turning(now.normal[t], -in_plane[t, d]), way[-1]))
+        edge, bent = (
+            now.edge(s, c),
+            _dihedral_angle(now, s, c, t, same) - _dihedral_angle(rest, s, c, t, same),
+        )
+        way.append(_quaternion_products(_rotation_quaternions(edge, bent), way[-1]))
+        way.append(_quaternion_products(_rotation_quaternions(now.normal[t], -in_plane[t, d]), way[-1]))
         ends = labels[np.column_stack([F[s, c], F[s, (c + 1) % 3]])]
         return cls(q, np.column_stack([s, t]), ends, tuple(way), _dots(way[-1], q[t]) < 0.0)
 
@@ -258,12 +261,14 @@ class TriangleTurns(NamedTuple):
         points = [(q[:, 0], q[:, 1:] @ axis) for q in self.intermediate_rotations]
         angles = [np.arctan2(along, w) for w, along in points]
         # A turn below 360 degrees changes the half-angle along the ellipse by less than 180 degrees.
-        steps = [_wrapped(after - before) for before, after in itertools.pairwise(angles)]
+        steps = [_wrapped_angle(after - before) for before, after in itertools.pairwise(angles)]
         clear = np.min([np.hypot(w, along) for w, along in points], axis=0)
         return 2.0 * np.sum(steps, axis=0), clear
 
 
-def _hinge(frames: TriangleAxes, s: np.ndarray, c: np.ndarray, t: np.ndarray, same: np.ndarray) -> np.ndarray:
+def _dihedral_angle(
+    frames: TriangleAxes, s: np.ndarray, c: np.ndarray, t: np.ndarray, same: np.ndarray
+) -> np.ndarray:
     """Dihedral angle at edge ``c`` (k,) from ``s`` to ``t``, flipped where ``same``."""
     n, other = frames.normal[s], np.where(same[:, None], -1.0, 1.0) * frames.normal[t]
     angle: np.ndarray = np.arctan2(_dots(frames.edge(s, c), np.cross(n, other)), _dots(n, other))
@@ -275,7 +280,7 @@ def shortest_turns(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.n
     jump = _dots(p, q) < 0.0
     q = np.where(jump[:, None], -q, q)
     before, after = (np.arctan2(each[:, 1:] @ axis, each[:, 0]) for each in (p, q))
-    return 2.0 * _wrapped(after - before), jump
+    return 2.0 * _wrapped_angle(after - before), jump
 
 
 def triangle_quality(X: np.ndarray, F: np.ndarray) -> np.ndarray:
@@ -285,12 +290,12 @@ def triangle_quality(X: np.ndarray, F: np.ndarray) -> np.ndarray:
     return np.divide(area, squares, out=np.zeros(len(F)), where=squares > 0.0)
 
 
-def _turning(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
+def _rotation_quaternions(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Unit quaternions (k, 4) of rotations about axes (k, 3)."""
     return np.column_stack([np.cos(angle / 2), np.sin(angle / 2)[:, None] * axis])
 
 
-def _products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+def _quaternion_products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Quaternions (k, 4) of the rotations ``q`` followed by ``p``."""
     w = p[:, 0] * q[:, 0] - _dots(p[:, 1:], q[:, 1:])
     return np.column_stack([w, p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])])
@@ -298,11 +303,11 @@ def _products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 def quaternion_product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Quaternion (4,) of the rotation ``q`` followed by ``p``."""
-    found: np.ndarray = _products(p[None], q[None])[0]
+    found: np.ndarray = _quaternion_products(p[None], q[None])[0]
     return found
 
 
-def _wrapped(angle: np.ndarray) -> np.ndarray:
+def _wrapped_angle(angle: np.ndarray) -> np.ndarray:
     """Angle wrapped to the range from -pi to pi."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
@@ -337,16 +342,16 @@ def held_turns(
         Of each handle: its poses against the base, one after another, and from one to the next by the
         shortest rotation; none where it is not known.
     """
-    asked = [RequestedTurn.from_poses(poses) for poses in paths]
-    turned = any(way.angle >= LEAST_TURN for way in asked)
+    requested = [RequestedTurn.from_poses(poses) for poses in paths]
+    turned = any(way.angle >= LEAST_TURN for way in requested)
     looks = turned and (labels == BASE).any() and np.isfinite(U).all()
     surface = SurfaceTurns(V, U, F, labels) if looks else None
-    said = []
-    for k, way in enumerate(asked):
+    turns = []
+    for k, way in enumerate(requested):
         held = surface.turn(k, way) if surface and way.angle >= LEAST_TURN else None
-        sign = math.copysign(1.0, signed_angle_about(way.axis, _line(V, labels, k))[0])
-        said.append(HeldTurn(sign * way.angle, None if held is None else sign * held))
-    return tuple(said)
+        sign = math.copysign(1.0, signed_angle_about(way.axis, _base_to_handle(V, labels, k))[0])
+        turns.append(HeldTurn(sign * way.angle, None if held is None else sign * held))
+    return tuple(turns)
 
 
 def relative_paths(X: np.ndarray, positions: np.ndarray, labels: np.ndarray) -> list[list[np.ndarray]]:
@@ -371,7 +376,7 @@ def _rotations(X: np.ndarray, positions: np.ndarray, mask: np.ndarray) -> list[n
     return [R for R in found if R is not None]
 
 
-def _line(V: np.ndarray, labels: np.ndarray, k: int) -> np.ndarray:
+def _base_to_handle(V: np.ndarray, labels: np.ndarray, k: int) -> np.ndarray:
     """Vector (3,) from the centre of the base to handle ``k``; zero if undefined."""
     base, handle = labels == BASE, labels == HANDLE + k
     if not (base.any() and handle.any()):

@@ -44,12 +44,12 @@ def extended_waypoints(
     if not (np.isfinite(current_pose).all() and np.isfinite(pose).all()):
         return ()
     passed = [np.eye(4), *waypoints, current_pose]
-    while len(passed) > 1 and _can_skip(passed[-2], passed[-1], pose):
+    while len(passed) > 1 and _is_redundant(passed[-2], passed[-1], pose):
         passed.pop()
     return tuple(frozen(np.array(each)) for each in passed[1:])
 
 
-def _can_skip(before: np.ndarray, between: np.ndarray, after: np.ndarray) -> bool:
+def _is_redundant(before: np.ndarray, between: np.ndarray, after: np.ndarray) -> bool:
     ways = (before, between), (between, after), (before, after)
     return max(_angle(*way) for way in ways) <= _FARTHEST
 
@@ -78,7 +78,7 @@ def summed_rotations(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.nd
     """
     rotations = [nearest_rotation(each) for each in (np.eye(4), *waypoints, pose)]
     made: np.ndarray = np.sum(
-        [_vector(after @ before.T) for before, after in itertools.pairwise(rotations)], axis=0
+        [_rotation_vector(after @ before.T) for before, after in itertools.pairwise(rotations)], axis=0
     )
     return made
 
@@ -171,7 +171,8 @@ def handle_path(waypoints: Sequence[np.ndarray], pose: np.ndarray, pivot: npt.Ar
     angle = float(np.linalg.norm(vectors[-1]))
     turn = _turn(steps[0][1], vectors[0], vectors[-1] / angle, angle)
     if all(
-        _same(turn.pose_at(v @ turn.axis / angle), end) for v, (_, end) in zip(vectors, steps, strict=True)
+        _is_same_pose(turn.pose_at(v @ turn.axis / angle), end)
+        for v, (_, end) in zip(vectors, steps, strict=True)
     ):
         return turn
     centre = np.asarray(pivot, dtype=float)
@@ -188,7 +189,7 @@ def _turn(first: np.ndarray, vector: np.ndarray, axis: np.ndarray, angle: float)
     return RotationPath(point, axis, angle)
 
 
-def _same(one: np.ndarray, other: np.ndarray) -> bool:
+def _is_same_pose(one: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.abs(one - other).max() <= _SAME * max(1.0, np.abs(other[:3, 3]).max()))
 
 
@@ -218,7 +219,7 @@ def rotation_pose(R: np.ndarray) -> np.ndarray:
     return pose
 
 
-def _vector(R: np.ndarray) -> np.ndarray:
+def _rotation_vector(R: np.ndarray) -> np.ndarray:
     """Rotation vector (3,) of a rotation (3, 3) by at most half a turn."""
     turn = rigid_transform(rotation_pose(R), np.zeros(3))
     return turn.angle * turn.axis

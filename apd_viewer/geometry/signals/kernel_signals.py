@@ -19,7 +19,7 @@ from numba.core.pythonapi import _boxers
 from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 
 
-def _boxed(kind: Any, value: Any, compiler: Any) -> Any:
+def _box_with_class(kind: Any, value: Any, compiler: Any) -> Any:
     """Numba's boxing, with the class among the constants of the kernel."""
     constants = compiler.env_manager
     array_class = constants.read_const(constants.add_const(kind.box_type))
@@ -30,7 +30,7 @@ def _boxed(kind: Any, value: Any, compiler: Any) -> Any:
         del compiler.pyapi.unserialize
 
 
-def _late(compile_: Any) -> Any:
+def _with_deferred_signals(compile_: Any) -> Any:
     @functools.wraps(compile_)
     def compiled(*args: Any) -> Any:
         with DEFERRED_SIGNALS:
@@ -39,5 +39,5 @@ def _late(compile_: Any) -> Any:
     return compiled
 
 
-_boxers.functions[types.Array] = _boxed
-Dispatcher.compile = _late(Dispatcher.compile)  # type: ignore[method-assign]
+_boxers.functions[types.Array] = _box_with_class
+Dispatcher.compile = _with_deferred_signals(Dispatcher.compile)  # type: ignore[method-assign]

@@ -220,7 +220,9 @@ class Document:
 
         Locked parts stay as they are.
         """
-        labels = _painted(self.labels, self.mesh.weld.with_coincident(ids), label, self.flags.locked.labels)
+        labels = _painted_codes(
+            self.labels, self.mesh.weld.with_coincident(ids), label, self.flags.locked.labels
+        )
         return self if labels is self.labels else replace(self, labels=labels)
 
     def with_region_number(self, ids: np.ndarray, number: int) -> Document:
@@ -228,7 +230,9 @@ class Document:
 
         Locked regions stay as they are.
         """
-        member = _painted(self.member, self.mesh.weld.with_coincident(ids), number, self.flags.locked.regions)
+        member = _painted_codes(
+            self.member, self.mesh.weld.with_coincident(ids), number, self.flags.locked.regions
+        )
         return self if member is self.member else replace(self, member=member)
 
     def with_pose(self, k: int, pose: np.ndarray) -> Document:
@@ -248,7 +252,7 @@ class Document:
         return replace(self, regions=(*self.regions[:k], region, *self.regions[k + 1 :]))
 
 
-def _painted(codes: np.ndarray, ids: np.ndarray, code: int, locked: np.ndarray) -> np.ndarray:
+def _painted_codes(codes: np.ndarray, ids: np.ndarray, code: int, locked: np.ndarray) -> np.ndarray:
     """Codes with ``code`` at unlocked ``ids``; the identical array if nothing changes."""
     ids = ids[~(locked[codes[ids]] | locked[code])]
     if (codes[ids] == code).all():

@@ -45,7 +45,7 @@ def obstacle_shifts(document: Document) -> np.ndarray:
 
 
 def with_handles_reset(document: Document, *numbers: int) -> Document:
-    """Document with handles reset; once none is moved, the whole shape is at rest."""
+    """Document with handles reset; if none remains moved, all of the shape is at rest."""
     document = document.relative_to_rest
     handles = list(document.handles)
     for k in numbers:
@@ -66,17 +66,17 @@ def without_paint(document: Document) -> Document:
 def without_handle(document: Document, k: int) -> Document:
     """Document without handle ``k``; its vertices become free."""
     left = document.handles[:k] + document.handles[k + 1 :]
-    labels = _without(document.labels, HANDLE + k, FREE)
+    labels = _codes_without(document.labels, HANDLE + k, FREE)
     return replace(document, handles=left or (Handle(default_name(tr("Handle"), 1)),), labels=labels)
 
 
 def without_region(document: Document, k: int) -> Document:
     """Document without region ``k``."""
     left = document.regions[:k] + document.regions[k + 1 :]
-    return replace(document, regions=left, member=_without(document.member, k + 1, 0))
+    return replace(document, regions=left, member=_codes_without(document.member, k + 1, 0))
 
 
-def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
+def _codes_without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
     """Codes with ``gone`` replaced by ``instead``, and those above decremented."""
     return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))
 
@@ -139,12 +139,12 @@ class PaintedPart(NamedTuple):
 
     def name(self, document: Document) -> str:
         """Name of the part."""
-        named = self._named(document)
+        named = self._named_part(document)
         return tr("Base") if named is None else named.name
 
     def flags(self, document: Document) -> PartFlags:
         """Flags of the part."""
-        named = self._named(document)
+        named = self._named_part(document)
         return document.base if named is None else named.flags
 
     def document_with_flags(self, document: Document, flags: PartFlags) -> Document:
@@ -157,18 +157,18 @@ class PaintedPart(NamedTuple):
         k = self.code - HANDLE
         return document.with_handle(k, replace(document.handles[k], flags=flags))
 
-    def is_in(self, document: Document) -> bool:
+    def exists_in(self, document: Document) -> bool:
         """True if the document has the part; False for a region not yet created."""
         return not self.is_region or self.code <= len(document.regions)
 
-    def _named(self, document: Document) -> Handle | NamedRegion | None:
+    def _named_part(self, document: Document) -> Handle | NamedRegion | None:
         if self.is_region:
             return document.regions[self.code - 1]
         return None if self.code == BASE else document.handles[self.code - HANDLE]
 
     def document_with_members(self, document: Document, members: np.ndarray) -> Document:
         """Document with exactly the vertices ``members`` (n,) bool in the part."""
-        if not self.is_in(document) and members.any():
+        if not self.exists_in(document) and members.any():
             document = with_next_region(document)  # a stroke may create the region
         paint = type(document).with_region_number if self.is_region else type(document).with_label
         cleared = paint(document, np.flatnonzero(self.mask(document) & ~members), self.unpainted_code)

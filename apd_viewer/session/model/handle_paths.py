@@ -66,15 +66,15 @@ def intermediate_documents(document: Document) -> Iterator[Document]:
     steps = math.ceil(max(path.angle for path in paths) / _STEP)
     for step in range(1, steps):
         stop = document_at(document, paths, step / steps)
-        yield _rounded(stop, [True] * len(paths))
+        yield _with_rounded_poses(stop, [True] * len(paths))
 
 
 def with_rounded_poses(document: Document) -> Document:
     """Document with rounded poses of all handles with half a turn or more."""
-    return _rounded(document, [handle.has_half_turn for handle in document.handles])
+    return _with_rounded_poses(document, [handle.has_half_turn for handle in document.handles])
 
 
-def _rounded(document: Document, which: Sequence[bool]) -> Document:
+def _with_rounded_poses(document: Document, which: Sequence[bool]) -> Document:
     size = diagonal(document.mesh.V)
     for k, handle in enumerate(document.handles):
         if which[k]:

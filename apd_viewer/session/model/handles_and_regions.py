@@ -145,7 +145,9 @@ class Handle:
         """Handle gripped at its current pose; its motion from rest is kept."""
         whole = self.relative_to_rest
         earlier = (*whole.waypoints, whole.pose) if whole.is_moved else ()
-        return replace(self.with_pose(IDENTITY), pivot=_carried(self.pivot, self.pose), earlier_poses=earlier)
+        return replace(
+            self.with_pose(IDENTITY), pivot=_moved_point(self.pivot, self.pose), earlier_poses=earlier
+        )
 
     @property
     def relative_to_rest(self) -> Handle:
@@ -158,7 +160,7 @@ class Handle:
         )
         for pose in (*self.waypoints, self.pose) if self.is_moved else ():
             whole = whole.moved_to(pose @ start)
-        return replace(whole, pivot=_carried(self.pivot, np.linalg.inv(start)))
+        return replace(whole, pivot=_moved_point(self.pivot, np.linalg.inv(start)))
 
     def with_pose_from_rest(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
         """Handle at ``pose`` (4, 4) from rest, reached along waypoints."""
@@ -170,7 +172,7 @@ class Handle:
         return handle
 
 
-def _carried(point: np.ndarray | None, pose: np.ndarray) -> np.ndarray | None:
+def _moved_point(point: np.ndarray | None, pose: np.ndarray) -> np.ndarray | None:
     return None if point is None else frozen(transform(pose, point[None])[0])
 
 

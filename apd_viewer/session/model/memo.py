@@ -131,7 +131,7 @@ def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
 
 
 @memoised
-def _away(
+def _label_distances(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, label: int, reach: float
 ) -> np.ndarray:
     """Distance of every vertex from a label along the edges at rest, (n,)."""
@@ -150,5 +150,5 @@ def falloff_constraints(
     strength = np.zeros((len(falloffs), len(labels)))
     for k, (falloff, reach) in enumerate(zip(falloffs, reaches, strict=True)):
         if falloff > 0.0:
-            strength[k] = strengths(_away(V, F, weld, labels, HANDLE + k, float(reach)), falloff)
+            strength[k] = strengths(_label_distances(V, F, weld, labels, HANDLE + k, float(reach)), falloff)
     return soft_constraints(labels == FREE, strength, np.array(falloffs))

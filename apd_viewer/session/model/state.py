@@ -89,7 +89,7 @@ class State:
 
     @property
     def load_excess(self) -> float | None:
-        """Expected excess of loads on the obstacles; None without stiffness."""
+        """Expected relative overestimate of the obstacle loads; None without stiffness."""
         return load_excess_of(self.document)
 
     @property
@@ -192,8 +192,8 @@ def welded_state(state: State) -> State:
     document = replace(
         before,
         mesh=mesh,
-        labels=_alike(before.labels, mesh.weld, FREE),
-        member=_alike(before.member, mesh.weld, 0),
+        labels=_shared_codes(before.labels, mesh.weld, FREE),
+        member=_shared_codes(before.member, mesh.weld, 0),
         grip=beside(before.grip),
     )
     loose = {part.first for part in document.loose_components}
@@ -206,7 +206,7 @@ def welded_state(state: State) -> State:
     return found if U is mesh.V else found.as_unsettled()
 
 
-def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
+def _shared_codes(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
     """Codes shared by both sides of a seam; ``none`` yields to the other side's."""
     shared = np.full(len(weld.first), none, dtype=codes.dtype)
     said = np.flatnonzero(codes != none)[::-1]  # the first of several codes is used
@@ -215,6 +215,6 @@ def _alike(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
 
 
 def load_excess_of(document: Document) -> float | None:
-    """Expected excess of loads on the obstacles; None without stiffness."""
+    """Expected relative overestimate of the obstacle loads; None without stiffness."""
     cells = memo.cell_stiffness(document.mesh.V, document.mesh.joined_F)
     return load_excess(document.settings.in_effect.material, cells)

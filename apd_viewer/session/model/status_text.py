@@ -30,11 +30,13 @@ def about_findings(findings: Sequence[Finding]) -> str | None:
 
     Those about its file are told as they are, since much else is found in any file of some formats.
     """
-    said = [finding.sentence for finding in findings if finding.is_about_file or len(findings) == 1]
-    if len(findings) > len(said):
+    sentences = [finding.sentence for finding in findings if finding.is_about_file or len(findings) == 1]
+    if len(findings) > len(sentences):
         # No count is given: findings on the current shape are still computed in the background.
-        said.append(tr("The mesh check has found issues; click the badge at the lower right to see them."))
-    return " ".join(said) or None
+        sentences.append(
+            tr("The mesh check has found issues; click the badge at the lower right to see them.")
+        )
+    return " ".join(sentences) or None
 
 
 def about_export(name: str, area: float, rest_area: float, unit: Unit) -> str:
@@ -46,13 +48,13 @@ def about_export(name: str, area: float, rest_area: float, unit: Unit) -> str:
 
 def about_deck(name: str, deck: Deck) -> str:
     """Sentence about an FE deck: its size and number of held nodes."""
-    said = trn(
+    sentence = trn(
         "{name}: {shells:,} shells, {held:,} held nodes, {n} step.",
         "{name}: {shells:,} shells, {held:,} held nodes, {n} steps.",
         len(deck.steps),
     )
     held = sum(len(part.vertices) for part in deck.held_sets)
-    return said.format(name=name, shells=len(deck.used_faces), held=held, n=len(deck.steps))
+    return sentence.format(name=name, shells=len(deck.used_faces), held=held, n=len(deck.steps))
 
 
 def about_baking(area: float, before: float, unit: Unit) -> str:
@@ -68,8 +70,8 @@ def about_baking(area: float, before: float, unit: Unit) -> str:
 
 def about_session(name: str, embedded: bool) -> str:
     """Sentence about a saved session."""
-    said = tr("Saved {name}, including a copy of the mesh.") if embedded else tr("Saved {name}.")
-    return said.format(name=name)
+    sentence = tr("Saved {name}, including a copy of the mesh.") if embedded else tr("Saved {name}.")
+    return sentence.format(name=name)
 
 
 _LOST = {
@@ -92,8 +94,8 @@ def about_lost_file(name: str, file_state: FileState) -> str:
 
 def about_selection(name: str, left_out: Sequence[str]) -> str:
     """Sentence about a saved selection."""
-    said = tr("Saved {name}, without the {things}.") if left_out else tr("Saved {name}.")
-    return said.format(name=name, things=tr(" and the ").join(left_out))
+    sentence = tr("Saved {name}, without the {things}.") if left_out else tr("Saved {name}.")
+    return sentence.format(name=name, things=tr(" and the ").join(left_out))
 
 
 def about_loaded_selection(name: str, selection: Selection) -> str:
@@ -128,24 +130,24 @@ def about_lock(name: str) -> str:
 
 def caps_phrase(openings: int) -> str:
     """Phrase about capped openings in a volume."""
-    said = trn("with its opening capped flat", "with its {n:,} openings capped flat", openings)
-    return said.format(n=openings)
+    phrase = trn("with its opening capped flat", "with its {n:,} openings capped flat", openings)
+    return phrase.format(n=openings)
 
 
 def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
     """Finding on vertices exempt from contact, near triangles crossing at rest."""
     if crossing is None or not len(crossing):
         return ()
-    # Imported here: the window shows other sentences before these modules are loaded.
+    # Imported here: other sentences of this module are shown before these modules are loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
     from apd_viewer.geometry.contact.contact import is_near_crossing
 
     near = is_near_crossing(mesh.joined_F, crossing, len(mesh.V))
     where = frozen(np.flatnonzero(near[mesh.weld.representative]))
-    said = tr(
+    sentence = tr(
         "{n:,} triangles cross at rest; contact leaves the {vertices:,} vertices near them as they are."
     ).format(n=len(crossing), vertices=len(where))
-    return (Finding("exempt from contact", said, where),)
+    return (Finding("exempt from contact", sentence, where),)
 
 
 def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
@@ -155,9 +157,9 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
     # Imported here: the other functions are needed before the findings module is loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
 
-    said = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")
+    sentence = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")
     where = frozen(np.unique(mesh.F[crossing]))
-    return (Finding("self-intersections", said.format(n=len(crossing)), where),)
+    return (Finding("self-intersections", sentence.format(n=len(crossing)), where),)
 
 
 def self_passing_warnings(state: State, check: ShapeCheck | None) -> tuple[str, ...]:

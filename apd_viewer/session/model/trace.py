@@ -30,7 +30,7 @@ MOST_SAMPLES = 512
 class _Start:
     """Start of a trace: requested document, initial readings and time."""
 
-    asked: Document | None
+    requested: Document | None
     readings: list[float]
     moment: float
     released: float | None = None
@@ -98,7 +98,7 @@ class Trace:
     def add_frame(self, document: Document, frame: Frame) -> None:
         """Append a frame of ``document``."""
         coming = self._next
-        if coming is not None and document is not coming.asked:
+        if coming is not None and document is not coming.requested:
             self._next = None
             self._begin(coming)
         # Undisplayed frames are not measured, but their iterations count.
@@ -108,7 +108,7 @@ class Trace:
         self._keep([self._clock() - self._start.moment, self._iteration, *_readings(document, frame)])
 
     def _begin(self, start: _Start) -> None:
-        self._start = replace(start, asked=None)  # the document would keep its mesh alive
+        self._start = replace(start, requested=None)  # the document would keep its mesh alive
         self._forget()
         self._keep([0.0, 0.0, *start.readings])
 

@@ -60,10 +60,10 @@ def _parse_value(
         raise InputError(
             tr("The entry is too long; enter at most {most} characters.").format(most=MOST_CHARACTERS)
         )
-    said = ExpressionParser(tokenize(text), names, unit).parsed_quantity()
-    if said.powers not in (DIMENSIONLESS, powers):
-        raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=said.kind, wanted=wanted))
-    return said.value
+    quantity = ExpressionParser(tokenize(text), names, unit).parsed_quantity()
+    if quantity.powers not in (DIMENSIONLESS, powers):
+        raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=quantity.kind, wanted=wanted))
+    return quantity.value
 
 
 # Limit of nested parentheses, far below Python's recursion limit.
@@ -83,10 +83,10 @@ class ExpressionParser:
 
     def parsed_quantity(self) -> Quantity:
         """Quantity of all tokens."""
-        said = self._sum()
+        quantity = self._sum()
         if self._token:
-            raise self._misplaced()
-        return said
+            raise self._misplaced_error()
+        return quantity
 
     @property
     def _token(self) -> str:
@@ -104,12 +104,12 @@ class ExpressionParser:
         return total
 
     def _product(self) -> Quantity:
-        product = self._signed() * self._unit_behind()
+        product = self._signed_factor() * self._unit_factor()
         while self._token in ("*", "/", "(") or self._token[:1].isalpha():
             divides = self._token == "/"
             if self._token in ("*", "/"):
                 self._take()
-            factor, unit = self._signed(), self._unit_behind()
+            factor, unit = self._signed_factor(), self._unit_factor()
             if not divides:
                 product *= factor * unit
             elif product.powers == DIMENSIONLESS:
@@ -118,36 +118,36 @@ class ExpressionParser:
                 product /= factor * unit
         return product
 
-    def _signed(self) -> Quantity:
+    def _signed_factor(self) -> Quantity:
         self._nested += 1
         if self._nested > _MOST_NESTED:
             raise InputError(tr("Too many nested parentheses; use fewer."))
         sign = 1.0
         while self._token in ("+", "-"):
             sign *= 1.0 if self._take() == "+" else -1.0
-        power = self._raised(self._single())
+        power = self._power(self._primary())
         self._nested -= 1
         return Quantity(sign) * power
 
-    def _raised(self, root: Quantity) -> Quantity:
+    def _power(self, root: Quantity) -> Quantity:
         if self._token not in ("^", "**"):
             return root
         self._take()
-        return root ** self._signed()
+        return root ** self._signed_factor()
 
-    def _single(self) -> Quantity:
+    def _primary(self) -> Quantity:
         if self._token == "(":
             self._take()
             value = self._sum()
-            self._close()
+            self._close_parenthesis()
         elif is_number(self._token):
             value = _number(self._take())
         elif self._token in FUNCTIONS and self._token not in self._names:
             value = call_function(self._take(), self._arguments())
         elif self._token[:1].isalpha():
-            value = self._named(self._take())
+            value = self._named_value(self._take())
         else:
-            raise self._misplaced()
+            raise self._misplaced_error()
         while self._token == "%":
             self._take()
             value /= Quantity(100.0)
@@ -160,22 +160,22 @@ class ExpressionParser:
         while self._token == ",":
             self._take()
             values.append(self._sum())
-        self._close()
+        self._close_parenthesis()
         return values
 
-    def _close(self) -> None:
+    def _close_parenthesis(self) -> None:
         if self._token and self._token != ")":
-            raise self._misplaced()
+            raise self._misplaced_error()
         if not self._take():
             raise InputError(tr("A parenthesis is not closed; close it."))
 
-    def _unit_behind(self) -> Quantity:
+    def _unit_factor(self) -> Quantity:
         """Unit after a number; 1 if there is none."""
         if self._token in self._names or self._token not in (*_MICROMETRES, *_DEGREES):
             return Quantity(1.0)
-        return self._raised(self._named(self._take()))
+        return self._power(self._named_value(self._take()))
 
-    def _named(self, word: str) -> Quantity:
+    def _named_value(self, word: str) -> Quantity:
         if word in self._names:
             return Quantity(self._names[word], length=1.0)
         if word == "pi":
@@ -201,7 +201,7 @@ class ExpressionParser:
             raise NoUnitError(word)
         return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.symbol], length=1.0)
 
-    def _misplaced(self) -> InputError:
+    def _misplaced_error(self) -> InputError:
         if not self._token:
             return InputError(tr("The expression is incomplete; complete it."))
         if is_number(self._token):
@@ -245,10 +245,12 @@ def call_function(name: str, values: list[Quantity]) -> Quantity:
         return replace(first, value=abs(first.value))
     if name == "sqrt":
         return first ** Quantity(0.5)
-    return _of_angle(name, first) if name in _OF_ANGLES else _to_angle(name, first)
+    return (
+        _trigonometric_value(name, first) if name in _OF_ANGLES else _inverse_trigonometric_value(name, first)
+    )
 
 
-def _of_angle(name: str, value: Quantity) -> Quantity:
+def _trigonometric_value(name: str, value: Quantity) -> Quantity:
     if value.powers not in (DIMENSIONLESS, (0.0, 1.0)):
         raise InputError(
             tr("{name} does not accept {kind}; enter an angle, as in {name}(30deg).").format(
@@ -261,7 +263,7 @@ def _of_angle(name: str, value: Quantity) -> Quantity:
     return Quantity(_OF_ANGLES[name](turn))
 
 
-def _to_angle(name: str, value: Quantity) -> Quantity:
+def _inverse_trigonometric_value(name: str, value: Quantity) -> Quantity:
     if value.powers != DIMENSIONLESS:
         raise InputError(
             tr("{name} does not accept {kind}; enter a number, as in {name}(0.5).").format(

@@ -65,19 +65,19 @@ class Unit(Enum):
 
     def format_length(self, number: str) -> str:
         """Text of a length: the given number with its unit."""
-        return self._written(number, 1)
+        return self._with_symbol(number, 1)
 
     def format_area(self, number: str) -> str:
         """Text of an area: the given number with its unit."""
-        return self._written(number, 2)
+        return self._with_symbol(number, 2)
 
     def format_volume(self, number: str) -> str:
         """Text of a volume: the given number with its unit."""
-        return self._written(number, 3)
+        return self._with_symbol(number, 3)
 
     def format_curvature(self, number: str) -> str:
         """Text of a curvature: the given number over the unit of length."""
-        return self._written(number, -1)
+        return self._with_symbol(number, -1)
 
     def legible_unit(self, value: float, power: int) -> tuple[Unit, float]:
         """Unit suited to the size of an area or volume, and the factor to it."""
@@ -101,14 +101,15 @@ class Unit(Enum):
     def capacity_unit(self, litres: float) -> tuple[str, float]:
         """Capacity unit suited to a volume in litres, and the factor from litres to it."""
         if self._is_of_inches:
-            symbol, factor = _largest(_LITRES_OF_INCHES, abs(litres))
+            symbol, factor = _fitting_unit(_LITRES_OF_INCHES, abs(litres))
         else:
-            symbol, factor = _largest(_LITRES, 10.0 * abs(litres))  # litres are usual from a tenth of a litre
+            # Litres are customary for a tenth of a litre and more.
+            symbol, factor = _fitting_unit(_LITRES, 10.0 * abs(litres))
         return symbol + self._mark, factor
 
     def mass_unit(self, grams: float) -> tuple[str, float]:
         """Mass unit suited to an amount in grams, and the factor from grams to it."""
-        symbol, factor = _largest(_GRAMS_OF_INCHES if self._is_of_inches else _GRAMS, grams)
+        symbol, factor = _fitting_unit(_GRAMS_OF_INCHES if self._is_of_inches else _GRAMS, grams)
         return symbol + self._mark, factor
 
     @property
@@ -119,7 +120,7 @@ class Unit(Enum):
     def _mark(self) -> str:
         return _GUESS if self.is_guess else ""
 
-    def _written(self, number: str, power: int) -> str:
+    def _with_symbol(self, number: str, power: int) -> str:
         return f"{number}{_GAP}{self.symbol}{_POWERS[power]}{self._mark}" if self.value else number
 
 
@@ -136,7 +137,7 @@ SYMBOLS = tuple(MICROMETRES)
 _LARGER = {Unit.MILLIMETRE: Unit.CENTIMETRE, Unit.CENTIMETRE: Unit.METRE, Unit.INCH: Unit.FOOT}
 
 
-def _largest(sizes: dict[str, float], amount: float) -> tuple[str, float]:
+def _fitting_unit(sizes: dict[str, float], amount: float) -> tuple[str, float]:
     """Largest unit not above an amount, else the smallest, and its reciprocal size."""
     fitting = [symbol for symbol, size in sizes.items() if amount >= size]
     symbol = fitting[-1] if fitting else next(iter(sizes))

@@ -52,8 +52,8 @@ class WallText(NamedTuple):
     def text(self, unit: Unit) -> str:
         """Thickness and density, with units added to bare numbers; empty if none."""
         thickness, density = self.thickness.strip(), self.density.strip()
-        thickness = unit.format_length(thickness) if _is_bare(thickness) else thickness
-        density = f"{density}\u00a0g/cm³" if _is_bare(density) else density
+        thickness = unit.format_length(thickness) if _is_without_unit(thickness) else thickness
+        density = f"{density}\u00a0g/cm³" if _is_without_unit(density) else density
         return comma_separated(filter(None, (thickness, density)))
 
     def usable_thickness(self, unit: Unit) -> float | None:
@@ -154,13 +154,13 @@ class Wall:
 def wall_from(text: WallText, unit: Unit) -> Wall:
     """Wall from a text, for a mesh in a unit; raises InputError."""
     known = text.material
-    thickness = _parsed(text.thickness, lambda typed: parse_thickness(typed, unit))
+    thickness = _optional_number(text.thickness, lambda typed: parse_thickness(typed, unit))
     if known and thickness is None:
         thickness = parse_length(f"{known.thickness} mm", unit, {})
-    density = _parsed(text.density, parse_density)
-    young = _parsed(text.young, parse_young_modulus)
-    poisson = _parsed(text.poisson, parse_poisson_ratio)
-    radius = _parsed(text.yield_radius, lambda typed: parse_length(typed, unit, {}))
+    density = _optional_number(text.density, parse_density)
+    young = _optional_number(text.young, parse_young_modulus)
+    poisson = _optional_number(text.poisson, parse_poisson_ratio)
+    radius = _optional_number(text.yield_radius, lambda typed: parse_length(typed, unit, {}))
     if known:
         density = known.density if density is None else density
         young = GPA * known.young if young is None and known.young is not None else young
@@ -199,12 +199,12 @@ def parse_thickness(text: str, unit: Unit) -> float:
     return thickness
 
 
-def _parsed(text: str, parse: Callable[[str], float]) -> float | None:
+def _optional_number(text: str, parse: Callable[[str], float]) -> float | None:
     """Parsed number of a text; None if empty."""
     return parse(text) if text.strip() else None
 
 
-def _is_bare(text: str) -> bool:
+def _is_without_unit(text: str) -> bool:
     with suppress(InputError):
         parse_number(text, {})
         return True

@@ -60,7 +60,7 @@ class WallMaterial(NamedTuple):
     source: str
 
     def yield_radius(self, thickness: float) -> float | None:
-        """Bending radius with yielding outermost fibres, in the unit of ``thickness``.
+        """Bending radius at which the outer fibres yield, in the unit of ``thickness``.
 
         None where bends do not last.
         """

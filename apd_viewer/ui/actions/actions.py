@@ -133,7 +133,7 @@ class Actions:
 
 
 def help_actions(maker: ActionMaker, commands: Commands) -> dict[str, QAction]:
-    """Actions by their names, in menu order; the help connects the first ones."""
+    """Help actions by name, in menu order; the help controller connects some of them."""
     manual = tr("Open the manual in the browser; it needs no network")
     ask = tr("Click anything to open the manual there; by its key at once, at the mouse")
     find = tr("Type what you want to do, and run the command from there")

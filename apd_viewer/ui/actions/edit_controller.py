@@ -130,7 +130,7 @@ class EditController:
     def open_brush_entry(self) -> None:
         """Open a card to enter the brush radius."""
         if self._is_open:
-            if not self._canvas.tool.words.is_brush:
+            if not self._canvas.tool.traits.is_brush:
                 self._take(Tool.HANDLE)
             self.text_entries.open_brush_entry()
 
@@ -254,6 +254,6 @@ class PartController:
     def _flags(self) -> PartFlags | None:
         """Flags of the part painted by the current tool; None without such a part."""
         part, state = self._canvas.strokes.part, self._session.store.state
-        if state is None or self._give_up() or not part.is_in(state.document):
+        if state is None or self._give_up() or not part.exists_in(state.document):
             return None
         return part.flags(state.document)

@@ -92,8 +92,8 @@ class SelectActions:
     def _make_modes(self, maker: ActionMaker, commands: Commands) -> None:
         self.modes = {}
         for way in SelectionMode:
-            name, words, command = f"way:{way.name}", way.words, partial(commands.choose_mode, way)
-            self.modes[way] = maker.make(name, words.title, words.icon, words.tip, words.key, command)
+            name, traits, command = f"way:{way.name}", way.traits, partial(commands.choose_mode, way)
+            self.modes[way] = maker.make(name, traits.title, traits.icon, traits.tip, traits.key, command)
         maker.make_exclusive(self.modes.values())
         self.select_hidden = maker.make_checkable(
             "through",

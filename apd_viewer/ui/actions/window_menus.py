@@ -69,9 +69,9 @@ class WindowMenus:
         self.bar = self._make_bar(window)
 
     def _make_tool(self, tool: Tool) -> QAction:
-        name, words = f"take:{tool.name}", tool.words
+        name, traits = f"take:{tool.name}", tool.traits
         command = partial(self._choose_tool, tool)
-        return self.maker.make(name, words.title, words.icon, words.tip, words.key, command)
+        return self.maker.make(name, traits.title, traits.icon, traits.tip, traits.key, command)
 
     def _choose_tool(self, tool: Tool) -> None:
         self.choose_tool(tool)

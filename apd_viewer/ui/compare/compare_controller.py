@@ -69,11 +69,11 @@ class CompareController:
         """Compare methods on the current document, or report a missing step."""
         if (state := self._store.state) is None:
             return
-        if sentence := _why_not(state):
+        if sentence := _refusal(state):
             self._notice.show_failure(sentence)
             return
         if self.window is None:
-            self.window = self._made()
+            self.window = self._make_window()
         window, comparison = self.window, self.window.comparison
         window.show()
         if comparison is None or comparison.document is not state.document:
@@ -81,11 +81,11 @@ class CompareController:
         window.raise_()
         window.activateWindow()
 
-    def _made(self) -> ComparisonWindow:
+    def _make_window(self) -> ComparisonWindow:
         scale = self._looks.overlay.scales.get(Measure.AREA) or default_scale(Measure.AREA, 1.0)
         window = ComparisonWindow(self._memory, scale, self._canvas.viewport.camera_controller.camera)
         window.set_theme(self._theme)
-        window.repeat_requested.connect(self._again)
+        window.repeat_requested.connect(self._repeat)
         window.closed.connect(self._forget)
         for axis, action in self._views.items():
             window.add_shortcuts(action.shortcuts(), partial(window.linked.look_along, axis))
@@ -93,10 +93,10 @@ class CompareController:
             window.add_shortcuts(self._frame.shortcuts(), window.linked.frame_shapes)
         return window
 
-    def _again(self) -> None:
+    def _repeat(self) -> None:
         if (state := self._store.state) is None or self.window is None:
             return
-        if sentence := _why_not(state):
+        if sentence := _refusal(state):
             self.window.show_refusal(sentence)
         else:
             self.window.compare(state, self._store.unit)
@@ -124,6 +124,6 @@ class CompareController:
             self.window.close()
 
 
-def _why_not(state: State) -> str | None:
+def _refusal(state: State) -> str | None:
     """Sentence on the step missing before a comparison; None if there is none."""
     return state.document.paint_problem or (_AT_REST if state.is_at_rest else None)

@@ -226,7 +226,7 @@ class ComparisonWindow(QWidget):
             outcome = comparison.outcomes.get(method, MethodOutcome())
             if outcome.frame is not None:
                 self.views[method].show_shape(outcome.frame.U)
-            self.views[method].show_status(*_how_far(method, comparison))
+            self.views[method].show_status(*_status_texts(method, comparison))
             self.table.show_readings(row, method_readings(state, outcome))
         under_way = comparison.current_method
         self.stop.setEnabled(under_way is not None)
@@ -316,7 +316,7 @@ class ComparisonWindow(QWidget):
         super().closeEvent(event)
 
 
-def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
+def _status_texts(method: str, comparison: Comparison) -> tuple[str, str, str]:
     """Progress of a method, its details, and a failure message."""
     outcome = comparison.outcomes.get(method)
     if outcome is None:

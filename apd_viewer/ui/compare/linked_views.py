@@ -16,7 +16,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.overlays.legend import ScaleBar
+from apd_viewer.ui.overlays.legend import LegendColorBar
 from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.scene.camera_controller import link_cameras
@@ -65,7 +65,7 @@ class LinkedViews(QWidget):
         link_cameras([view.viewport.camera_controller for view in self.views.values()])
         for view in self.views.values():
             view.probe.hovered.connect(self.mark_point)
-            view.values_changed.connect(self._measured)
+            view.values_changed.connect(self._start_reading)
 
     def show_rest_shape(self, state: State, unit: Unit) -> None:
         """Show the rest shape of a document in all views."""
@@ -75,7 +75,7 @@ class LinkedViews(QWidget):
 
     def set_camera(self, state: State, camera: Camera) -> None:
         """Set the view direction, and frame both the rest and the current shape."""
-        look = self._first.viewport.camera_controller
+        look = self._first_view.viewport.camera_controller
         own = look.camera
         look.camera = replace(
             camera,
@@ -91,7 +91,7 @@ class LinkedViews(QWidget):
 
     def look_along(self, axis: str) -> None:
         """Frame all shapes along an axis: see :meth:`CameraController.along`."""
-        self._first.viewport.camera_controller.look_along(axis)
+        self._first_view.viewport.camera_controller.look_along(axis)
         self.frame_shapes()
 
     def frame_shapes(self) -> None:
@@ -99,7 +99,7 @@ class LinkedViews(QWidget):
         self._frame(np.vstack([self.views[name].surface.U for name in self._shown]))
 
     @property
-    def _first(self) -> MethodView:
+    def _first_view(self) -> MethodView:
         """First view; setting its camera sets all linked cameras."""
         return next(iter(self.views.values()))
 
@@ -127,7 +127,7 @@ class LinkedViews(QWidget):
         for view in self.views.values():
             view.mark_point(point, self._unit)
 
-    def _measured(self) -> None:
+    def _start_reading(self) -> None:
         if not self._reading.isActive():
             self._reading.start()
 
@@ -143,11 +143,11 @@ class LinkedViews(QWidget):
         """Show only the views of the named methods."""
         self._shown = names
         self._arrange()
-        self._measured()
+        self._start_reading()
 
     def _arrange(self) -> None:
         names = self._shown
-        self.column_count = _across(len(names), self.width(), self.height(), self._aspect)
+        self.column_count = _best_column_count(len(names), self.width(), self.height(), self._aspect)
         places = {name: divmod(k, self.column_count) for k, name in enumerate(names)}
         for k in range(len(self.views)):
             self._grid.setRowStretch(k, int(k * self.column_count < len(names)))
@@ -174,7 +174,7 @@ class LinkedViews(QWidget):
             view.viewport.close()
 
 
-def _across(count: int, width: int, height: int, aspect: float) -> int:
+def _best_column_count(count: int, width: int, height: int, aspect: float) -> int:
     """Number of columns maximizing the size of ``count`` views of an aspect ratio."""
 
     def size(across: int) -> float:
@@ -210,7 +210,7 @@ class SharedScale(QWidget):
         self.scale = scale
         self.span: tuple[float, float] | None = None
         self.setFixedWidth(_WIDTH)
-        self._bar = ScaleBar()
+        self._bar = LegendColorBar()
         tip = tr("Change at the ends of the scale, where the colours are strongest")
         self.reach = NumberField(
             brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9, suffix="\u00a0%"

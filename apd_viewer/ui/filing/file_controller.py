@@ -63,25 +63,27 @@ class FileController:
 
     def restore(self, recovery_file: RecoveryFile) -> None:
         """Open a recovered session in the background; saving asks for a path."""
-        self.run_unless_unsaved(lambda: self._session.autosave.restore(recovery_file))
+        self.run_after_save_prompt(lambda: self._session.autosave.restore(recovery_file))
 
     def open_path(self, path: str | Path) -> None:
         """Open a file in the background."""
-        self.run_unless_unsaved(lambda: self._session.files.open(path))
+        self.run_after_save_prompt(lambda: self._session.files.open(path))
 
     def open_sample(self, name: str) -> None:
         """Open a sample in the background."""
-        self.run_unless_unsaved(lambda: self._session.files.open_sample(name))
+        self.run_after_save_prompt(lambda: self._session.files.open_sample(name))
 
     def show_mesh(self, mesh: Mesh) -> None:
         """Show a mesh passed in memory."""
-        self.run_unless_unsaved(lambda: self._session.files.open_mesh(mesh))
+        self.run_after_save_prompt(lambda: self._session.files.open_mesh(mesh))
 
     def export_mesh(self, on_done: Callable[[], object] = lambda: None) -> None:
         """Ask for a path, export the deformed mesh, and call ``on_done()``."""
         if (state := self._session.store.state) is None:
             return
-        path = file_dialogs.ask_where_to_put_mesh(self._window, self._memory.last_folder, state.document.mesh)
+        path = file_dialogs.ask_where_to_save_mesh(
+            self._window, self._memory.last_folder, state.document.mesh
+        )
         if path is not None:
             self._session.files.export(path, on_done)
 
@@ -89,7 +91,7 @@ class FileController:
         """Ask for a file and export the scalars to it."""
         if (state := self._session.store.state) is None:
             return
-        found = file_dialogs.ask_where_to_put_scalars(
+        found = file_dialogs.ask_where_to_save_scalars(
             self._window, self._memory.last_folder, state.document.mesh
         )
         if found is not None:
@@ -99,7 +101,9 @@ class FileController:
         """Ask for a file and export the FE deck to it."""
         if (state := self._session.store.state) is None:
             return
-        path = file_dialogs.ask_where_to_put_deck(self._window, self._memory.last_folder, state.document.mesh)
+        path = file_dialogs.ask_where_to_save_deck(
+            self._window, self._memory.last_folder, state.document.mesh
+        )
         if path is not None:
             self._session.files.export_deck(path, self._view())
 
@@ -119,7 +123,7 @@ class FileController:
         if (state := self._session.store.state) is None:
             return
         mesh = state.document.mesh
-        found = file_dialogs.ask_where_to_put_session(self._window, self._memory.last_folder, mesh)
+        found = file_dialogs.ask_where_to_save_session(self._window, self._memory.last_folder, mesh)
         if found is not None:
             self._memory.remember_file(found[0])
             self._save(*found, on_done)
@@ -156,7 +160,7 @@ class FileController:
         """Ask for a file and save the selection to it."""
         if (state := self._session.store.state) is None:
             return
-        path = file_dialogs.ask_where_to_put_selection(
+        path = file_dialogs.ask_where_to_save_selection(
             self._window, self._memory.last_folder, state.document.mesh
         )
         if path is not None:
@@ -181,7 +185,7 @@ class FileController:
         if self._window.isWindowModified() != unsaved:
             self._window.setWindowModified(unsaved)
 
-    def run_unless_unsaved(self, action: Callable[[], object], closes: bool = False) -> None:
+    def run_after_save_prompt(self, action: Callable[[], object], closes: bool = False) -> None:
         """Call ``action()`` unless the user cancels to keep unsaved work."""
         if self.may_discard_work(action, closes):
             action()
@@ -199,9 +203,8 @@ class FileController:
         found = FileState.SAME if file is None else file.state
         answer = ask_before_leaving(self._window, name, closes, found)
         if answer is UnsavedAnswer.SAVE:
-            self.save(
-                partial(self.run_unless_unsaved, action, closes)
-            )  # the user may continue working while the file is written
+            # Asked again when the file is written: the user may have continued working.
+            self.save(partial(self.run_after_save_prompt, action, closes))
         elif answer is UnsavedAnswer.EXPORT:
             self.export_mesh(action)
         return answer is UnsavedAnswer.DISCARD
@@ -282,12 +285,12 @@ def ask_before_leaving(
     parent: QWidget, name: str, closes: bool, fate: FileState = FileState.SAME
 ) -> UnsavedAnswer:
     """Ask about unsaved work before closing, or before opening another file."""
-    said = tr("Save changes to “{name}” before closing?")
+    text = tr("Save changes to “{name}” before closing?")
     if not closes:
-        said = tr("Save changes to “{name}” before opening another file?")
+        text = tr("Save changes to “{name}” before opening another file?")
     kept = tr("A session keeps paint, handles, targets, settings and the shape; a mesh only the shape.")
     lost = lost_file_text("{name}", fate)
-    question = Question(tr("Unsaved changes"), said, name, f"{lost}\n{kept}".lstrip())
+    question = Question(tr("Unsaved changes"), text, name, f"{lost}\n{kept}".lstrip())
     return ask_question(parent, question, UnsavedAnswer)
 
 
@@ -298,12 +301,12 @@ def ask_about_changed_file(
 
     Whoever has found the change may still be at work. ``Enter`` loses nothing.
     """
-    said = tr("“{name}” has been changed by another window or program. Overwrite it?")
+    text = tr("“{name}” has been changed by another window or program. Overwrite it?")
     about = tr(
         "Overwrite loses what is in the file. Reload opens the file instead and takes this window’s "
         "changes away; Undo brings them back."
     )
-    question = Question(tr("File changed"), said, name, about)
+    question = Question(tr("File changed"), text, name, about)
 
     def ask() -> None:
         actions.get(ask_question(parent, question, ChangedFileAnswer), lambda: None)()

@@ -36,14 +36,16 @@ def ask_for_target_shape(parent: QWidget, folder: Path) -> Path | None:
     return Path(path) if path else None
 
 
-def ask_where_to_put_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
+def ask_where_to_save_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
     """Ask for a session file to write, and whether to embed the mesh."""
     path, chosen = QFileDialog.getSaveFileName(
         parent, tr("Save session"), str(folder / f"{mesh.stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
     )
     if not path:
         return None
-    target = Path(path) if path.lower().endswith(SESSION_SUFFIX) else _ended(parent, path, SESSION_SUFFIX)
+    target = (
+        Path(path) if path.lower().endswith(SESSION_SUFFIX) else _confirmed_path(parent, path, SESSION_SUFFIX)
+    )
     return None if target is None else (target, chosen == _WITH)
 
 
@@ -53,7 +55,7 @@ def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
     return Path(path) if path else None
 
 
-def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask where to save a selection; None if cancelled."""
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
@@ -64,10 +66,10 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
     )
     if not path or Path(path).suffix.lower() in SELECTION_FORMATS:
         return Path(path) if path else None
-    return _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
+    return _confirmed_path(parent, path, next(kind for kind, name in filters.items() if name == chosen))
 
 
-def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask for a file for the deformed mesh, confirming overwrite and data loss."""
     suffix = mesh.origin.suffix if mesh.origin else ".obj"
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITABLE_FORMATS])}
@@ -82,11 +84,11 @@ def ask_where_to_put_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | N
         return None
     target: Path | None = Path(path)
     if Path(path).suffix.lower() not in MESH_FORMATS:
-        target = _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
-    return target if target and _agreed(parent, mesh, target) else None
+        target = _confirmed_path(parent, path, next(kind for kind, name in filters.items() if name == chosen))
+    return target if target and _accepts_loss(parent, mesh, target) else None
 
 
-def ask_where_to_put_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, ScalarRows] | None:
+def ask_where_to_save_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, ScalarRows] | None:
     """Ask for a file for the scalars, and for a row per vertex or per triangle."""
     filters = {
         tr("PLY with scalars of vertices and faces (*.ply)"): (".ply", ScalarRows.VERTICES),
@@ -99,11 +101,11 @@ def ask_where_to_put_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple
     if not path:
         return None
     suffix, rows = filters.get(chosen, (".ply", ScalarRows.VERTICES))
-    target = Path(path) if path.lower().endswith((".ply", ".csv")) else _ended(parent, path, suffix)
+    target = Path(path) if path.lower().endswith((".ply", ".csv")) else _confirmed_path(parent, path, suffix)
     return None if target is None else (target, rows)
 
 
-def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
+def _accepts_loss(parent: QWidget, mesh: Mesh, target: Path) -> bool:
     """True if the target format loses no data, or the user accepts the loss."""
     lost = dropped_contents(mesh, target)
     if not lost:
@@ -125,7 +127,7 @@ def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
     return answer == buttons.Save
 
 
-def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
+def _confirmed_path(parent: QWidget, path: str, suffix: str) -> Path | None:
     """Path with the chosen format's suffix; None if an overwrite is declined."""
     target = Path(path + suffix)
     buttons = QMessageBox.StandardButton
@@ -136,17 +138,17 @@ def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
     return target if answer == buttons.Yes else None
 
 
-def ask_where_to_put_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask for a report file to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Save report"), folder / f"{mesh.stem}-report.html")
 
 
-def ask_where_to_put_deck(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_deck(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask for an FE deck to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Export FE deck"), folder / f"{mesh.stem}.inp")
 
 
-def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+def ask_where_to_save_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask for a picture file to write; None if cancelled."""
     return ask_where_to_save(parent, tr("Save picture"), folder / f"{mesh.stem}.png")
 
@@ -157,7 +159,7 @@ def ask_where_to_save(parent: QWidget, title: str, proposed: Path) -> Path | Non
     path, _ = QFileDialog.getSaveFileName(parent, title, str(proposed), f"{suffix[1:].upper()} (*{suffix})")
     if not path or path.lower().endswith(suffix):
         return Path(path) if path else None
-    return _ended(parent, path, suffix)
+    return _confirmed_path(parent, path, suffix)
 
 
 def show_about_box(parent: QWidget) -> None:

@@ -23,7 +23,7 @@ class Opener(Protocol):
         """Open a sample."""
 
     def show_mesh(self, mesh: Mesh) -> None:
-        """Show a mesh in memory."""
+        """Show a mesh that is already in memory."""
 
 
 class FileRequests:
@@ -56,7 +56,7 @@ class FileRequests:
         self._request(lambda opener: opener.open_sample(name))
 
     def show_mesh(self, mesh: Mesh) -> None:
-        """Show a mesh in memory."""
+        """Show a mesh that is already in memory."""
         self._request(lambda opener: opener.show_mesh(mesh))
 
     def set_opener(self, opener: Opener) -> None:

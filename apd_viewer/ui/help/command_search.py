@@ -46,7 +46,7 @@ class CommandSearch(QFrame):
     Attributes
     ----------
     search : QLineEdit
-    list : FoundList
+    list : SearchResultList
     """
 
     dismissed = Signal()
@@ -65,7 +65,7 @@ class CommandSearch(QFrame):
         column = self._column = QVBoxLayout(self, spacing=8)
         column.setContentsMargins(12, 8, 8, 10)
         column.addLayout(self._make_head())
-        self.list = FoundList()
+        self.list = SearchResultList()
         self.list.itemClicked.connect(self._run)
         column.addWidget(self.list, 1)
         self._hint = QLabel(tr("Enter runs it, F1 explains it, Esc closes"), objectName="quiet")
@@ -160,7 +160,7 @@ class CommandSearch(QFrame):
 _ROWS = 10  # rows visible without scrolling
 
 
-class FoundList(QTreeWidget):
+class SearchResultList(QTreeWidget):
     """List of matching entries, ending with one that searches the manual."""
 
     def __init__(self) -> None:

@@ -78,8 +78,8 @@ class ContextHelp(QObject):
             return marked
         mouse = QCursor.pos()
         under, focused = QApplication.widgetAt(mouse), self._shell.focusWidget()
-        pointed = self._place(under, mouse) if under is not None and mouse != self._mouse else None
-        used = self._place(focused, None) if focused is not None else None
+        pointed = self._manual_place(under, mouse) if under is not None and mouse != self._mouse else None
+        used = self._manual_place(focused, None) if focused is not None else None
         return pointed or used or self._tool
 
     def explain_next_click(self) -> None:
@@ -91,7 +91,7 @@ class ContextHelp(QObject):
         if now is not None:
             self._mouse = QCursor.pos()
 
-    def _place(self, widget: QWidget, at: QPoint | None) -> ManualPlace | None:
+    def _manual_place(self, widget: QWidget, at: QPoint | None) -> ManualPlace | None:
         """Manual location of a widget in this window; None for the viewport itself."""
         if widget.window() is not self._shell or isinstance(widget, Viewport):
             return None
@@ -107,7 +107,7 @@ class ContextHelp(QObject):
         """Show the manual instead of acting, on the help key or a What's This click."""
         kind = event.type()
         if watched is self._action:
-            return kind == QEvent.Type.Shortcut and self._done(self.explain_target)
+            return kind == QEvent.Type.Shortcut and self._run_and_accept(self.explain_target)
         if kind == QEvent.Type.KeyPress and isinstance(watched, QMenu):
             return self._explain_entry(watched, cast(QKeyEvent, event))
         if kind == QEvent.Type.LeaveWhatsThisMode:
@@ -119,10 +119,10 @@ class ContextHelp(QObject):
             if kind == QEvent.Type.WhatsThis:
                 at = event.globalPos()
                 QWhatsThis.leaveWhatsThisMode()
-                return self._done(lambda: show_manual(self._clicked(watched, at)))
+                return self._run_and_accept(lambda: show_manual(self._clicked_place(watched, at)))
         return False
 
-    def _clicked(self, widget: QWidget, at: QPoint) -> ManualPlace:
+    def _clicked_place(self, widget: QWidget, at: QPoint) -> ManualPlace:
         return self._tool if isinstance(widget, Viewport) else widget_place(widget, at) or _WINDOW
 
     def _explain_entry(self, menu: QMenu, event: QKeyEvent) -> bool:
@@ -134,10 +134,10 @@ class ContextHelp(QObject):
         place = menu_entry_place(action) if action is not None else None
         while (popup := QApplication.activePopupWidget()) is not None:
             popup.close()
-        return self._done(lambda: show_manual(place or ManualPlace("reference/keys")))
+        return self._run_and_accept(lambda: show_manual(place or ManualPlace("reference/keys")))
 
     @staticmethod
-    def _done(command: Callable[[], object]) -> bool:
+    def _run_and_accept(command: Callable[[], object]) -> bool:
         command()
         return True
 

@@ -75,7 +75,7 @@ class HelpController(QObject):
             partial(searchable_entries, window, self.shortcuts.entries, panel, session.store, open_settings),
             look_up_in_manual,
         )
-        self.context = ContextHelp(window, canvas, actions.help["help"], self._marked)
+        self.context = ContextHelp(window, canvas, actions.help["help"], self._marked_place)
         for name, command in (
             ("manual", self.open_manual),
             ("help", self.context.explain_next_click),
@@ -121,8 +121,8 @@ class HelpController(QObject):
 
     def plan_first_tour(self, opens_sample: bool) -> None:
         """On the first run, schedule the tour to start when the bottle opens."""
-        self._wished = opens_sample and not self._memory.has_toured
-        self._memory.has_toured = True
+        self._wished = opens_sample and not self._memory.has_seen_tour
+        self._memory.has_seen_tour = True
 
     def refresh(self) -> None:
         """Start a scheduled tour once the bottle is open; end it with another mesh."""
@@ -177,7 +177,7 @@ class HelpController(QObject):
         card.hide()
         return True
 
-    def _marked(self) -> ManualPlace | None:
+    def _marked_place(self) -> ManualPlace | None:
         """Manual location of the entry selected in the search, if it has the focus."""
         marked = self.search.marked_entry if self.search.isAncestorOf(self._window.focusWidget()) else None
         return None if marked is None else marked.place

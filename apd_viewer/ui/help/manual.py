@@ -85,7 +85,7 @@ def open_manual(place: ManualPlace = FIRST_PAGE) -> None:
     url = QUrl.fromLocalFile(str(page))
     if place.anchor:
         url.setFragment(place.anchor)
-        url = QUrl.fromLocalFile(str(_forwarding(url)))
+        url = QUrl.fromLocalFile(str(_forwarding_page(url)))
     _show(url)
 
 
@@ -95,7 +95,7 @@ def search_manual(words: str) -> None:
     query = QUrlQuery()
     query.addQueryItem("q", words)
     url.setQuery(query)
-    _show(QUrl.fromLocalFile(str(_forwarding(url))))
+    _show(QUrl.fromLocalFile(str(_forwarding_page(url))))
 
 
 def _show(url: QUrl) -> None:
@@ -105,7 +105,7 @@ def _show(url: QUrl) -> None:
         )
 
 
-def _forwarding(url: QUrl) -> Path:
+def _forwarding_page(url: QUrl) -> Path:
     """HTML page redirecting to ``url``: file openers drop anchors and queries."""
     place = QStandardPaths.writableLocation(QStandardPaths.StandardLocation.CacheLocation)
     text = _FORWARD.format(url=escape(url.toString(QUrl.ComponentFormattingOption.FullyEncoded)))

@@ -95,7 +95,7 @@ def command_entries(
         entry = by_action.get(action)
         if entry is not None:
             where = tr("{menu} > {entry}").format(menu=menu, entry=within) if within else menu
-            why_not = "" if action.isEnabled() else _why_not(entry, store)
+            why_not = "" if action.isEnabled() else _disabled_reason(entry, store)
             title = found.full_title(entry.title)
             texts = SearchTexts(title, entry.tip, SYNONYMS.get(entry.name, ""))
             keys = native_keys(keys_of(action))
@@ -103,7 +103,7 @@ def command_entries(
             yield Searchable(texts, where, action.trigger, place, keys, why_not, entry.image)
 
 
-def _why_not(entry: ShortcutEntry, store: StateStore) -> str:
+def _disabled_reason(entry: ShortcutEntry, store: StateStore) -> str:
     """Reason for a disabled menu action."""
     name = entry.name
     if store.state is None:
@@ -116,8 +116,8 @@ def _why_not(entry: ShortcutEntry, store: StateStore) -> str:
         return tr("load a target shape first")
     if name.endswith("_obstacle"):
         return tr("click an obstacle first")
-    said = entry.action.toolTip()  # for instance: the file has no texture
-    return said if said and said != entry.full_tip else tr("not with what is open")
+    tip = entry.action.toolTip()  # for instance: the file has no texture
+    return tip if tip and tip != entry.full_tip else tr("not with what is open")
 
 
 def control_entries(panel: Panel) -> Iterator[Searchable]:
@@ -220,10 +220,10 @@ def title_and_tip(widget: QWidget) -> tuple[str, str]:
     title = widget.accessibleName()
     if isinstance(widget, QAbstractButton) and not title:
         title = without_mnemonic(widget.text())
-    return _flat(title), _flat(widget.toolTip())
+    return _single_line(title), _single_line(widget.toolTip())
 
 
-def _flat(text: str) -> str:
+def _single_line(text: str) -> str:
     """Text with its line breaks and repeated spaces collapsed."""
     return " ".join(text.split())
 
@@ -320,21 +320,25 @@ def match_score(query: SearchQuery, texts: SearchTexts) -> float:
     title, tip, also = (normalized_words(text) for text in texts)
     total, found = 0.0, 0
     for word in query.words:
-        best = max(_TITLE * _best(word, title), _ALSO * _best(word, also), _TIP * _best(word, tip))
+        best = max(
+            _TITLE * _best_similarity(word, title),
+            _ALSO * _best_similarity(word, also),
+            _TIP * _best_similarity(word, tip),
+        )
         total += best
         found += best > 0.0
     if not query.words or 2 * found <= len(query.words):
         return 0.0
-    named = sum(max(_alike(word, other) for word in query.words) for other in title) / max(1, len(title))
+    named = sum(max(_similarity(word, other) for word in query.words) for other in title) / max(1, len(title))
     general = query.is_general and not _GENERAL.isdisjoint(also)
     return total / len(query.words) + _WHOLE * named + _MESH * general
 
 
-def _best(word: str, others: Iterable[str]) -> float:
-    return max((_alike(word, other) for other in others), default=0.0)
+def _best_similarity(word: str, others: Iterable[str]) -> float:
+    return max((_similarity(word, other) for other in others), default=0.0)
 
 
-def _alike(word: str, other: str) -> float:
+def _similarity(word: str, other: str) -> float:
     """Similarity of two words: 1 if equal, less for a prefix, a variant or a typo."""
     if word == other:
         return 1.0

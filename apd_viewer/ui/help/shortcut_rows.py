@@ -164,12 +164,12 @@ _ALWAYS = tr("right drag orbits, middle button or Shift+drag pans, Ctrl+right dr
 
 def mouse_gestures() -> list[MouseGesture]:
     """Mouse gestures of all tools, the camera and the selection modes."""
-    plain = [tool for tool in Tool if not tool.words.is_brush]
+    plain = [tool for tool in Tool if not tool.traits.is_brush]
     found = [
         MouseGesture(tr("With any tool"), "view", _ALWAYS),
-        *(MouseGesture(tool.words.title, tool.words.icon, tool.words.hint) for tool in plain),
-        MouseGesture(tr("While painting"), Tool.HANDLE.words.icon, Tool.HANDLE.modifiers),
-        *(MouseGesture(way.words.title, way.words.icon, way.words.hint) for way in SelectionMode),
+        *(MouseGesture(tool.traits.title, tool.traits.icon, tool.traits.hint) for tool in plain),
+        MouseGesture(tr("While painting"), Tool.HANDLE.traits.icon, Tool.HANDLE.modifiers),
+        *(MouseGesture(way.traits.title, way.traits.icon, way.traits.hint) for way in SelectionMode),
     ]
     return [gesture._replace(text=gesture.text[:1].upper() + gesture.text[1:]) for gesture in found]
 

@@ -129,10 +129,10 @@ class ShortcutSheet(QFrame):
         self.search.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def _connect(self, row: ActionRow) -> None:
-        row.keys.keys_chosen.connect(partial(self._ask, row))
+        row.keys.keys_chosen.connect(partial(self._request_keys, row))
         row.keys.recording_changed.connect(self._say_waiting)
         row.keys.step_requested.connect(partial(self._step, row))
-        row.back.clicked.connect(lambda: self._ask(row, row.entry.default_keys))
+        row.back.clicked.connect(lambda: self._request_keys(row, row.entry.default_keys))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -151,12 +151,12 @@ class ShortcutSheet(QFrame):
             self.no_results.setText(tr("No results for “{text}”.").format(text=text.strip()))
 
     @property
-    def _shown(self) -> list[ActionRow]:
+    def _visible_rows(self) -> list[ActionRow]:
         return [row for row in self.rows.values() if row.isVisible()]
 
     def _step(self, row: ActionRow, step: int) -> None:
         """Focus an adjacent visible row, or the search field above the first."""
-        shown = self._shown
+        shown = self._visible_rows
         k = shown.index(row) + step
         if 0 <= k < len(shown):
             shown[k].keys.setFocus(Qt.FocusReason.TabFocusReason)
@@ -166,7 +166,7 @@ class ShortcutSheet(QFrame):
 
     # Changes of shortcuts
 
-    def _ask(self, row: ActionRow, keys: str) -> None:
+    def _request_keys(self, row: ActionRow, keys: str) -> None:
         """Assign keys to an action, unless they are reserved or in use."""
         other = self._shortcuts.conflicting_entry(keys, row.entry)
         if reason := self._shortcuts.refusal(row.entry, keys):
@@ -174,7 +174,7 @@ class ShortcutSheet(QFrame):
         elif other is not None:
             self._offer_swap(row, keys, other.title)
         else:
-            self._give(row, keys)
+            self._assign_keys(row, keys)
 
     def _offer_swap(self, row: ActionRow, keys: str, other: str) -> None:
         taken = next(key for key in split_keys(keys) if self._shortcuts.conflicting_entry(key, row.entry))
@@ -195,9 +195,9 @@ class ShortcutSheet(QFrame):
 
     def _swap(self) -> None:
         if self._wish is not None:
-            self._give(*self._wish)
+            self._assign_keys(*self._wish)
 
-    def _give(self, row: ActionRow, keys: str) -> None:
+    def _assign_keys(self, row: ActionRow, keys: str) -> None:
         self._shortcuts.assign_keys(row.entry, keys)
         self._say(
             tr("“{action}” now has {keys}.").format(
@@ -222,7 +222,7 @@ class ShortcutSheet(QFrame):
         self._say(_WAITING if waits else _HINT)
 
     def _say(self, sentence: str, warn: bool = False) -> None:
-        """Show a status message and withdraw an offer to swap keys."""
+        """Show a status message and decline a pending swap of keys."""
         self._wish = None
         self.swap.hide()
         self.restore_all.show()
@@ -240,8 +240,8 @@ class ShortcutSheet(QFrame):
             self.setGeometry(left, _MARGIN, width, self._canvas.height() - 2 * _MARGIN)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Withdraw an offer or close on Esc; move from search to list on Down."""
-        shown = self._shown
+        """Decline a swap or close on Esc; move from the search to the list on Down."""
+        shown = self._visible_rows
         if event.key() == Qt.Key.Key_Escape and self._wish is not None:
             self._wish[0].keys.setFocus()
             self._say(_HINT)

@@ -121,7 +121,7 @@ class Tour(QObject):
         self._looking = QTimer(self, singleShot=True, interval=_LOOK)
         self._looking.timeout.connect(self.update_target)
         self._reading = QTimer(self, singleShot=True, interval=_READING_TIME)
-        self._reading.timeout.connect(self._followed)
+        self._reading.timeout.connect(self._advance)
         canvas.drag_began.connect(self._begin_drag)
         canvas.drag_ended.connect(self._end_drag)
 
@@ -208,7 +208,7 @@ class Tour(QObject):
             return _NOT_HELD
         return self._steps[self._step_now].sentence
 
-    def _followed(self) -> None:
+    def _advance(self) -> None:
         """Advance to the next step, unless the card is hidden."""
         if self.card.isVisible():
             self._step(1)
@@ -225,7 +225,7 @@ class Tour(QObject):
         )
         self._turned = not np.allclose(old, new)
         if self._step_now == _RING and self._turned:
-            self._followed()
+            self._advance()
 
 
 _MOST_POINTS = 500  # largest sample of mesh vertices, for speed
@@ -251,7 +251,7 @@ class TourTargets:
     def mesh(self) -> QRect | None:
         """Rectangle of the mesh in the window."""
         U = self._canvas.surface.U
-        return self._around(
+        return self._box_around_points(
             self._canvas.viewport.camera_controller.camera.project(U[:: 1 + len(U) // _MOST_POINTS])
         )
 
@@ -266,11 +266,11 @@ class TourTargets:
     def area(self) -> QRect | None:
         """Rectangle of the area reading in the window."""
         area = self._panel.area
-        return self._of([area.percent, area.verdict, area.area])
+        return self._box_of_widgets([area.percent, area.verdict, area.area])
 
     def brushes(self) -> QRect | None:
         """Rectangle of the buttons of the painting tools."""
-        return self._buttons([self._actions.tools[tool] for tool in Tool if tool.words.is_brush])
+        return self._buttons([self._actions.tools[tool] for tool in Tool if tool.traits.is_brush])
 
     def export(self) -> QRect | None:
         """Rectangle of the export button."""
@@ -280,9 +280,9 @@ class TourTargets:
         gizmo = self._canvas.gizmo
         if not gizmo.visible or not gizmo.frame.is_visible:
             return None
-        return self._around(np.vstack([points(gizmo.frame, axis) for axis in range(3)]))
+        return self._box_around_points(np.vstack([points(gizmo.frame, axis) for axis in range(3)]))
 
-    def _around(self, points: np.ndarray) -> QRect | None:
+    def _box_around_points(self, points: np.ndarray) -> QRect | None:
         """Visible part of the bounding box of viewport points."""
         view = self._canvas.viewport
         if not len(points) or not np.isfinite(points).all():
@@ -290,18 +290,18 @@ class TourTargets:
         # Coordinates far outside the view would overflow in Qt.
         low, high = np.clip([points.min(axis=0), points.max(axis=0)], -1e6, 1e6).round().astype(int)
         seen = QRect(QPoint(*low.tolist()), QPoint(*high.tolist())) & view.rect()
-        return self._shifted(view, seen) if seen.isValid() else None
+        return self._mapped_to_window(view, seen) if seen.isValid() else None
 
     def _buttons(self, actions: list[QAction]) -> QRect | None:
-        return self._of([self._actions.bar.widgetForAction(action) for action in actions])
+        return self._box_of_widgets([self._actions.bar.widgetForAction(action) for action in actions])
 
-    def _of(self, widgets: list[QWidget]) -> QRect | None:
+    def _box_of_widgets(self, widgets: list[QWidget]) -> QRect | None:
         """Bounding box of the visible parts of widgets."""
         found = QRect()
         for widget in widgets:
             if widget.isVisible() and not (seen := widget.visibleRegion().boundingRect()).isEmpty():
-                found |= self._shifted(widget, seen)
+                found |= self._mapped_to_window(widget, seen)
         return found if found.isValid() else None
 
-    def _shifted(self, widget: QWidget, rect: QRect) -> QRect:
+    def _mapped_to_window(self, widget: QWidget, rect: QRect) -> QRect:
         return rect.translated(widget.mapTo(self._window, QPoint()))

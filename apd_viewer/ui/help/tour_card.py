@@ -26,17 +26,17 @@ def card_placement(size: QSize, target: QRect, available: QRect, uncovered: QRec
         )
         rect = QRect(QPoint(), size)
         rect.moveCenter(target.center() + away)
-        found.append((_within(rect, available), side))
-    return min(found, key=lambda place: _hidden(place[0], target) + _hidden(place[0], uncovered))
+        found.append((_moved_inside(rect, available), side))
+    return min(found, key=lambda place: _overlap_area(place[0], target) + _overlap_area(place[0], uncovered))
 
 
-def _within(rect: QRect, room: QRect) -> QRect:
+def _moved_inside(rect: QRect, room: QRect) -> QRect:
     left = max(room.left(), min(rect.left(), room.right() - rect.width() + 1))
     top = max(room.top(), min(rect.top(), room.bottom() - rect.height() + 1))
     return QRect(QPoint(left, top), rect.size())
 
 
-def _hidden(rect: QRect, other: QRect) -> int:
+def _overlap_area(rect: QRect, other: QRect) -> int:
     both = rect & other
     return both.width() * both.height() if both.isValid() else 0
 

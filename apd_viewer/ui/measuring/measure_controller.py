@@ -328,26 +328,28 @@ def draw_labels(
     taken: list[QRectF] = []
     for measured, lines, chosen in labels:
         if measured.label_position is not None and camera.depth(measured.label_position[None])[0] > 0.0:
-            room = _free(_beside(painter, camera, measured, lines), taken)
+            room = _avoid_overlap(_label_rectangle(painter, camera, measured, lines), taken)
             taken.append(room)
             _write(painter, room, lines, chosen)
 
 
-def _beside(painter: QPainter, eye: Camera, measured: MeasurementResult, lines: Sequence[str]) -> QRectF:
+def _label_rectangle(
+    painter: QPainter, eye: Camera, measured: MeasurementResult, lines: Sequence[str]
+) -> QRectF:
     """Rectangle of a label, placed to cover little of its measurement."""
     metrics = painter.fontMetrics()
     wide = max(metrics.horizontalAdvance(line) for line in lines) + 2 * _ROOM
     tall = len(lines) * metrics.height() + _ROOM
     assert measured.label_position is not None
     at = eye.project(measured.label_position[None])[0]
-    aside = np.array(_aside(eye, measured, at))
+    aside = np.array(_label_direction(eye, measured, at))
     # The label's nearest corner or side faces the point, so no slanted line runs under the label.
     middle = at + _GAP * aside + np.clip(4.0 * aside, -1.0, 1.0) * [wide / 2, tall / 2]
     left = min(max(middle[0] - wide / 2, 4.0), eye.width - wide - 4.0)
     return QRectF(left, middle[1] - tall / 2, wide, tall)
 
 
-def _aside(eye: Camera, measured: MeasurementResult, at: np.ndarray) -> tuple[float, float]:
+def _label_direction(eye: Camera, measured: MeasurementResult, at: np.ndarray) -> tuple[float, float]:
     """Unit vector on the screen from a measurement to its label."""
     if measured.label_away_from is not None:
         way = at - eye.project(measured.label_away_from[None])[0]
@@ -359,7 +361,7 @@ def _aside(eye: Camera, measured: MeasurementResult, at: np.ndarray) -> tuple[fl
     return (float(way[0]) / long, float(way[1]) / long) if long > 0.0 else (1.0, 0.0)
 
 
-def _free(room: QRectF, taken: Sequence[QRectF]) -> QRectF:
+def _avoid_overlap(room: QRectF, taken: Sequence[QRectF]) -> QRectF:
     """Move a label rectangle down until it overlaps no other label."""
     for other in sorted(taken, key=lambda other: other.top()):
         if room.intersects(other):

@@ -85,21 +85,21 @@ class MeasureTool(MouseTool, QObject):
         """Show the point under the cursor; a drag can still move it."""
         if not self._enabled or not may_begin_stroke(event):
             return False
-        self._look(event.position())
+        self._update_hit(event.position())
         return self._under is not None
 
     def move(self, event: QMouseEvent) -> bool:
         """Show the point under the cursor."""
         if not self._enabled:
             return False
-        self._look(event.position())
+        self._update_hit(event.position())
         if self._under is not None:
             self._viewport.setCursor(Qt.CursorShape.CrossCursor)
         return self._under is not None
 
     def release(self, event: QMouseEvent) -> None:
         """Add the point; emit ``picked`` once all points are there."""
-        self._look(event.position())
+        self._update_hit(event.position())
         if self._under is None:
             return
         if (plane := self.plane) is not None:
@@ -135,7 +135,7 @@ class MeasureTool(MouseTool, QObject):
         self._viewport.tool_layer.update()
         return there
 
-    def _look(self, position: QPointF) -> None:
+    def _update_hit(self, position: QPointF) -> None:
         hit = self._surface.hit(position)
         self._under = None
         if hit is not None:

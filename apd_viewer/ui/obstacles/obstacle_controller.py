@@ -128,12 +128,12 @@ class ObstacleController(QObject):
         """Add a plate below the shape."""
         if self._may_begin():
             up = self._canvas.viewport.camera_controller.camera.up_axis.direction
-            self._taken(self._session.obstacles.add_floor(up, self._thickness()))
+            self._activate_new(self._session.obstacles.add_floor(up, self._thickness()))
 
     def add_plates(self, axis: int) -> None:
         """Add plates on both sides of the shape, along axis 0, 1 or 2."""
         if self._may_begin():
-            self._taken(self._session.obstacles.add_plates(np.eye(3)[axis], self._thickness()))
+            self._activate_new(self._session.obstacles.add_plates(np.eye(3)[axis], self._thickness()))
 
     def remove(self, k: int | None = None) -> None:
         """Remove obstacle ``k``, or the active one."""
@@ -172,9 +172,9 @@ class ObstacleController(QObject):
         return self._session.obstacles.proposed_obstacle(kind, point, outwards, self._thickness(), at_once)
 
     def _add(self, obstacle: NamedObstacle) -> None:
-        self._taken(self._session.obstacles.add(obstacle, self._thickness()))
+        self._activate_new(self._session.obstacles.add(obstacle, self._thickness()))
 
-    def _taken(self, k: int | None) -> None:
+    def _activate_new(self, k: int | None) -> None:
         """Make a new obstacle active and show it in the panel."""
         if k is not None:
             self._take(Tool.MOVE)
@@ -243,7 +243,7 @@ class ObstacleController(QObject):
         in_hand = active is not None and self._canvas.tool is Tool.MOVE
         self._canvas.is_handle_inactive = in_hand
         self.picker.enabled = self._canvas.tool is Tool.MOVE and self.placer.kind is None
-        shown = [self._shown(state, k, in_hand) for k in range(len(obstacles))]
+        shown = [self._drawn_obstacle(state, k, in_hand) for k in range(len(obstacles))]
         self.picker.set_obstacles(shown, self._extent(state))
         if self._preview is not None:
             shown.append(DrawnObstacle(self._preview, np.zeros(3), is_chosen=True))
@@ -254,7 +254,7 @@ class ObstacleController(QObject):
         )
         self._section.show_state(state, self._session.store.unit, active, self._session.typed_values)
 
-    def _shown(self, state: State, k: int, in_hand: bool) -> DrawnObstacle:
+    def _drawn_obstacle(self, state: State, k: int, in_hand: bool) -> DrawnObstacle:
         obstacle, shift = state.document.obstacles[k], state.obstacle_shifts[k]
         behind = float(np.linalg.norm(obstacle.shift - shift))
         pixel = self._canvas.viewport.camera_controller.camera.world_per_pixel(obstacle.centre)
@@ -349,20 +349,20 @@ class ObstaclePlacer(MouseTool, QObject):
         """Grab the mouse over the surface; the position can change until release."""
         if self.kind is None or event.button() != Qt.MouseButton.LeftButton:
             return False
-        return self._show(self._proposed(event, at_once=True))
+        return self._show(self._proposed_obstacle(event, at_once=True))
 
     def move(self, event: QMouseEvent) -> bool:
         """Preview the obstacle at the point under the cursor."""
         if self.kind is None:
             return False
-        there = self._show(self._proposed(event, at_once=True))
+        there = self._show(self._proposed_obstacle(event, at_once=True))
         if there:
             self._viewport.setCursor(Qt.CursorShape.CrossCursor)
         return there
 
     def release(self, event: QMouseEvent) -> None:
         """Place the obstacle under the cursor, unless it has left the surface."""
-        obstacle = None if self.kind is None else self._proposed(event, at_once=False)
+        obstacle = None if self.kind is None else self._proposed_obstacle(event, at_once=False)
         if obstacle is not None:
             self.cancel()
             self.placed.emit(obstacle)
@@ -379,7 +379,7 @@ class ObstaclePlacer(MouseTool, QObject):
         self.leave()
         return waited
 
-    def _proposed(self, event: QMouseEvent, at_once: bool) -> NamedObstacle | None:
+    def _proposed_obstacle(self, event: QMouseEvent, at_once: bool) -> NamedObstacle | None:
         hit = self._surface.hit(event.position())
         if hit is None or self.kind is None:
             return None

@@ -147,13 +147,13 @@ class ObstacleFields(QWidget):
         field = self.sender()
         assert isinstance(field, TypedField)
         try:
-            obstacle = self._as_typed()
+            obstacle = self._edited_obstacle()
         except InputError as error:
             field.show_error(str(error))
         else:
             self.obstacle_entered.emit(obstacle)
 
-    def _as_typed(self) -> NamedObstacle:
+    def _edited_obstacle(self) -> NamedObstacle:
         """Obstacle with the edited values; all others keep their full precision."""
         assert self._shown is not None
         assert self._values is not None
@@ -165,16 +165,16 @@ class ObstacleFields(QWidget):
                 obstacle, axis=frozen(checked_direction(values.parse_vector(self.axis.text())))
             )
         if self.radius.is_changed:
-            obstacle = replace(obstacle, radius=_positive(values.parse_length(self.radius.text())))
+            obstacle = replace(obstacle, radius=_positive_length(values.parse_length(self.radius.text())))
         if self.length.is_changed:
-            obstacle = replace(obstacle, length=_positive(values.parse_length(self.length.text())))
+            obstacle = replace(obstacle, length=_positive_length(values.parse_length(self.length.text())))
         return obstacle
 
     def _move(self) -> None:
         self.distance_entered.emit(self.along.currentData(), self.distance.text())
 
 
-def _positive(length: float) -> float:
+def _positive_length(length: float) -> float:
     if not 0.0 < length < np.inf:
         raise InputError(tr("Enter a length greater than 0."))
     return length

@@ -139,18 +139,18 @@ def ray_distance(
         within = t > 0.0 and (np.abs(start + t * step)[:2] <= plate_half_sides(axes, extent)).all()
         return float(t) if within else np.inf
     half = 0.5 * obstacle.length if obstacle.kind is ObstacleKind.CYLINDER else 0.0
-    return _to_capsule(start, step, half, obstacle.radius)
+    return _capsule_distance(start, step, half, obstacle.radius)
 
 
-def _to_capsule(start: np.ndarray, step: np.ndarray, half: float, radius: float) -> float:
+def _capsule_distance(start: np.ndarray, step: np.ndarray, half: float, radius: float) -> float:
     """Distance along a ray to a capsule with axis z, or infinity."""
-    ends = [_to_sphere(start - [0.0, 0.0, z], step, radius) for z in (-half, half)]
+    ends = [_sphere_distance(start - [0.0, 0.0, z], step, radius) for z in (-half, half)]
     t = _smaller_root(step[:2] @ step[:2], start[:2] @ step[:2], start[:2] @ start[:2] - radius**2)
     side = t if t > 0.0 and abs(start[2] + t * step[2]) <= half else np.inf
     return min(*ends, side)
 
 
-def _to_sphere(start: np.ndarray, step: np.ndarray, radius: float) -> float:
+def _sphere_distance(start: np.ndarray, step: np.ndarray, radius: float) -> float:
     t = _smaller_root(step @ step, start @ step, start @ start - radius**2)
     return t if t > 0.0 else np.inf
 

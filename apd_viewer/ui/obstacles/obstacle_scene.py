@@ -61,7 +61,7 @@ class ObstacleScene:
         self._viewport = viewport
         self._figures: list[_Figure] = []
         self.drawn_obstacles: tuple[DrawnObstacle, ...] = ()
-        viewport.pre_draw.append(self._dress)
+        viewport.pre_draw.append(self._match_background)
 
     def show_obstacles(self, obstacles: Sequence[DrawnObstacle], extent: ShapeExtent) -> None:
         """Draw these obstacles for a mesh of this extent, replacing all previous ones."""
@@ -76,7 +76,7 @@ class ObstacleScene:
             figure.hide()
         self._viewport.update()
 
-    def _dress(self) -> None:
+    def _match_background(self) -> None:
         """Adapt the colours to a dark or light background, before each draw."""
         dark, pixel = self._viewport.is_dark, self._viewport.devicePixelRatioF()
         for figure, each in zip(self._figures, self.drawn_obstacles, strict=False):
@@ -119,7 +119,7 @@ class _Figure:
         fill.point_data["Normals"] = shape.normals.astype(np.float32)
         fill.GetPointData().SetActiveNormals("Normals")
         self._set(self._fill, fill)
-        self._set(self._line, _with_marks(shape))
+        self._set(self._line, _outline_with_tips(shape))
         self._set(self._ghost, _lines(shape.dashes))
         flat = obstacle.kind is ObstacleKind.PLATE
         self._fill.GetProperty().SetBackfaceCulling(not flat)
@@ -176,7 +176,7 @@ def _lines(segments: np.ndarray) -> pv.PolyData:
     return data
 
 
-def _with_marks(shape: ObstacleShape) -> pv.PolyData:
+def _outline_with_tips(shape: ObstacleShape) -> pv.PolyData:
     """Outline and arrow tips as PolyData."""
     data = _lines(shape.outline)
     if len(shape.marks):

@@ -102,7 +102,7 @@ def _plate(obstacle: NamedObstacle, extent: ShapeExtent) -> ObstacleShape:
     axes = axes_along(obstacle.axis)
     a, b = plate_half_sides(axes, extent)
     size = extent.diagonal
-    rim = _rounded(a, b, _CORNER * size) @ axes[:2]
+    rim = _rounded_rectangle(a, b, _CORNER * size) @ axes[:2]
     V = np.vstack([np.zeros((1, 3)), rim])
     ring = 1 + np.arange(len(rim))
     F = np.column_stack([np.zeros(len(rim), int), ring, np.roll(ring, -1)])
@@ -114,7 +114,7 @@ def _plate(obstacle: NamedObstacle, extent: ShapeExtent) -> ObstacleShape:
     return ObstacleShape(V, F, np.tile(normal, (len(V), 1)), outline, _cones(tips, axes, 0.4 * _MARK * size))
 
 
-def _rounded(a: float, b: float, corner: float) -> np.ndarray:
+def _rounded_rectangle(a: float, b: float, corner: float) -> np.ndarray:
     """Outline (k, 2) of a rectangle with rounded corners, in short segments."""
     r = min(corner, a, b)
     turn = np.linspace(0.0, 0.5 * np.pi, 7)

@@ -104,7 +104,7 @@ class CardStack(QWidget):
         cards = [self._column.itemAt(k).widget() for k in range(self._column.count())]
         shown = [card for card in cards if card is not None and not card.isHidden()]
         if shown:
-            self._fold(shown)
+            self._shrink_cards(shown)
             widest = max(card.minimumSizeHint().width() for card in shown)
             self.setFixedWidth(max(widest, min(CARD_WIDTH, self._canvas.width() // 3)))
             # Activate the layout now; when shown, the cards would otherwise keep the layout of the old size.
@@ -113,24 +113,24 @@ class CardStack(QWidget):
         self.setVisible(bool(shown))
         if not shown:
             return
-        room = self._home() if self._corner is None else QRect(self._corner, self.size())
+        room = self._default_rectangle() if self._corner is None else QRect(self._corner, self.size())
         free = self._canvas.size().shrunkBy(QMargins(0, 0, self.width() + _MARGIN, self.height() + _MARGIN))
         self.move(max(min(room.left(), free.width()), _MARGIN), max(min(room.top(), free.height()), _MARGIN))
         self.raise_()
 
-    def _home(self) -> QRect:
+    def _default_rectangle(self) -> QRect:
         """Default rectangle at the lower left, beside and above other widgets."""
         room = QRect(_MARGIN, self._canvas.height() - self.height() - _MARGIN, self.width(), self.height())
         beside = [other for other in self._beside if not other.isHidden()]
         below = [other for other in self._below if not other.isHidden()]
         for _ in range(2):  # twice, as moving up may bring the cards beside another column
             for other in beside:
-                if _meet(room, other):
+                if _are_close(room, other):
                     room.moveLeft(other.geometry().right() + _MARGIN)
             room = moved_above(room, below)
         return room
 
-    def _fold(self, shown: Sequence[QWidget]) -> None:
+    def _shrink_cards(self, shown: Sequence[QWidget]) -> None:
         """Shrink cards if there is no room for all of them."""
         room = self._canvas.height() - 2 * _MARGIN - (len(shown) - 1) * _GAP
         room -= sum(card.sizeHint().height() for card in shown if card not in self._fits)
@@ -144,12 +144,12 @@ def moved_above(rect: QRect, below: Sequence[QWidget]) -> QRect:
     """Rectangle moved up until it covers no visible widget."""
     shown = [other for other in below if not other.isHidden()]
     for other in sorted(shown, key=lambda widget: -widget.geometry().bottom()):
-        if _meet(rect, other):
+        if _are_close(rect, other):
             rect.moveBottom(other.geometry().top() - _MARGIN)
     return rect
 
 
-def _meet(room: QRect, other: QWidget) -> bool:
+def _are_close(room: QRect, other: QWidget) -> bool:
     return other.geometry().adjusted(-_GAP, -_GAP, _GAP, _GAP).intersects(room)
 
 

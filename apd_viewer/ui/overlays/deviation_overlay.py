@@ -45,7 +45,7 @@ class _ValueInputs(NamedTuple):
     change: Deviation
 
 
-class _Slow(NamedTuple):
+class _SlowValues(NamedTuple):
     """Values of a slow measure, None if cancelled, with their inputs."""
 
     seen: _ValueInputs
@@ -191,7 +191,7 @@ class DeviationOverlay(QObject):
             fitted = self.scale.fitted_to(span, self._size)
             self._rescale(fitted.reach, fitted.neutral)
 
-    def _fit_first(self) -> None:
+    def _fit_first_scale(self) -> None:
         span, self._fresh = self.reading.span, False
         if span is not None and self.measure is not None and self.measure not in self.scales:
             self._fitted = self.scale.fitted_to(span, self._size)
@@ -258,7 +258,7 @@ class DeviationOverlay(QObject):
         if self._document_measures is not None:
             _, change.calmness, change.contact_pressure = self._document_measures
         values = self.measure.traits.values
-        self._task.begin(lambda enough: _Slow(seen, values(change, U, enough)))
+        self._task.begin(lambda enough: _SlowValues(seen, values(change, U, enough)))
 
     def _take(self, result: object) -> None:
         """Receive a result from the background thread."""
@@ -270,7 +270,7 @@ class DeviationOverlay(QObject):
             self._change = result.change
             self._legend.show_note("")
             self._canvas.viewport.update()
-        elif isinstance(result, _Slow) and self._still_wants(result):
+        elif isinstance(result, _SlowValues) and self._is_current(result):
             self.reading.values = result.values
             self._legend.show_note(result.seen.measure.traits.note_for(result.values))
             self._color()
@@ -279,7 +279,7 @@ class DeviationOverlay(QObject):
             if result.seen != self._seen:
                 self._measure_soon()
 
-    def _still_wants(self, result: _Slow) -> bool:
+    def _is_current(self, result: _SlowValues) -> bool:
         """True if the values match the displayed shape, or may lag behind it."""
         lags = self.measure is not None and self.measure.is_delayed
         now, seen = self._seen, result.seen
@@ -293,7 +293,7 @@ class DeviationOverlay(QObject):
         if values is None:
             return
         if self._fresh:
-            self._fit_first()
+            self._fit_first_scale()
         surface, scale = self._canvas.surface, self.scale
         write_shades(values, scale.measure.is_signed, scale.end, surface.shades)
         surface.update_shades()

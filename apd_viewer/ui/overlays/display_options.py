@@ -69,7 +69,7 @@ class DisplayOptions:
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
         self.target_ghost = Ghost(canvas.viewport, AMBER_GLASS_SHADER)
         self.overlay = DeviationOverlay(
-            canvas, self.legend, self.cards.geometry, _recalled(preferences.display_options)
+            canvas, self.legend, self.cards.geometry, _recalled_scales(preferences.display_options)
         )
         self.turntable = Turntable(canvas.viewport)
         self._recall()
@@ -167,7 +167,7 @@ class DisplayOptions:
         self._memory.display_options = looks
 
 
-def _recalled(looks: dict[str, str]) -> dict[Measure, Scale]:
+def _recalled_scales(looks: dict[str, str]) -> dict[Measure, Scale]:
     """Scales read from stored options; invalid ones are skipped."""
     scales = {}
     for measure in Measure:
@@ -184,7 +184,7 @@ _WHOLE = 200
 _SCALE = SliderScale(_WHOLE, lambda step: step / _WHOLE, lambda share: share * _WHOLE, _WHOLE)
 
 
-class _Held(Slider):
+class _ReturningSlider(Slider):
     """Slider returning to its end on release."""
 
     def __init__(self) -> None:
@@ -224,7 +224,7 @@ class BeforeAfter(QFrame):
         block_mouse_events(self)
         self._canvas = canvas
         self._mesh: Mesh | None = None
-        self.slider = _Held()
+        self.slider = _ReturningSlider()
         self.slider.setAccessibleName(tr("Path from rest"))
         self.slider.setToolTip(tr("Drag to see the path from rest; release to see the current shape"))
         self.slider.valueChanged.connect(self._blend)

@@ -69,7 +69,7 @@ class FindingsController(QObject):
         )
         self.list.weld_requested.connect(session.shapes.weld)
         self.list.dismissed.connect(self._dismiss)
-        canvas.viewport.clicked.connect(self._clicked)
+        canvas.viewport.clicked.connect(self._close_on_click)
         for begun in (canvas.strokes.began, canvas.drag_began):
             begun.connect(self.close)
 
@@ -109,7 +109,7 @@ class FindingsController(QObject):
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         if on:
-            self._listed = self._all_listed()
+            self._listed = self._listed_findings()
             rows = [FindingRow(each.sentence, parts, each.kind == SEAMS) for each, parts in self._listed]
             self.list.open(issue_count_text(len(self._findings)), rows)
             self.refresh()
@@ -124,7 +124,7 @@ class FindingsController(QObject):
         if self.badge.isChecked():
             self.list.show_staying(self._session.store.required_state().document.staying_components)
 
-    def _all_listed(self) -> list[ListedFinding]:
+    def _listed_findings(self) -> list[ListedFinding]:
         """All findings, with loose components listed below the finding about them."""
         document = self._session.store.required_state().document
         listed = []
@@ -144,7 +144,7 @@ class FindingsController(QObject):
         self._canvas.coloring.mark(vertices)
         self._canvas.view.show_vertices(vertices, QRectF(self.list.geometry()))
 
-    def _clicked(self, _: QPointF) -> None:
+    def _close_on_click(self, _: QPointF) -> None:
         self.close()
 
     def _follow_keys(self, _: QWidget | None, now: QWidget | None) -> None:

@@ -63,8 +63,8 @@ class Legend(QFrame):
         self.close_button = small_button(tr("Hide overlay"), tr("Hide overlay"))
         self.close_button.clicked.connect(lambda: self.measure_chosen.emit(None))
         self.fold_button = small_button(tr("Fold legend"), tr("Show fewer or all lines of the legend"))
-        self.fold_button.clicked.connect(self._fold)
-        self.bar = ScaleBar()
+        self.fold_button.clicked.connect(self._toggle_lines)
+        self.bar = LegendColorBar()
         self.note = QLabel(objectName="quiet", wordWrap=True)
         self.under_cursor, self.largest = QLabel(), QLabel()
         self.next_extreme = small_button(tr("Next extreme"), tr("Go to the next extreme"))
@@ -145,12 +145,12 @@ class Legend(QFrame):
         self._least, self._most = least, most
         self._show_lines()
 
-    def _fold(self) -> None:
+    def _toggle_lines(self) -> None:
         """Toggle between all lines and none."""
-        self._unfolded = any(line[0].isHidden() for line in self._lines if self._wants(line))
+        self._unfolded = any(line[0].isHidden() for line in self._lines if self._is_wanted(line))
         self._show_lines()
 
-    def _wants(self, line: list[QWidget]) -> bool:
+    def _is_wanted(self, line: list[QWidget]) -> bool:
         return self._scale.measure.is_signed or self.neutral not in line
 
     def _show_lines(self) -> None:
@@ -162,12 +162,12 @@ class Legend(QFrame):
             above.append([self.note])
         height = margins.top() + margins.bottom() + sum(self._height(line) for line in above)
         for line in self._lines:
-            wanted = self._wants(line)
+            wanted = self._is_wanted(line)
             height += self._height(line) if wanted else 0
             for widget in line:
                 if widget.isHidden() == (wanted and height <= room):
                     widget.setVisible(widget.isHidden())
-        folded = any(line[0].isHidden() for line in self._lines if self._wants(line))
+        folded = any(line[0].isHidden() for line in self._lines if self._is_wanted(line))
         if folded != self._folded:  # setting an icon triggers another layout, so only on change
             self._folded = folded
             self._draw_fold()
@@ -213,7 +213,7 @@ _STEPS = 256
 _TALL, _SPAN, _TICK = 14, 3, 7  # px: colour height, gap to the range line below, and tick length
 
 
-class ScaleBar(QWidget):
+class LegendColorBar(QWidget):
     """Colour bar, labelled at its ends and at zero, with a tick at one value.
 
     A line below the colours spans the values that the shape has, as far as the scale reaches.
@@ -267,12 +267,12 @@ class ScaleBar(QWidget):
         painter.drawRect(bar)
         ink = palette.windowText().color()
         if self._span is not None:
-            low, high = (self._at(value, bar) for value in self._span)
+            low, high = (self._x_at(value, bar) for value in self._span)
             painter.setPen(QPen(ink, 2.0, c=Qt.PenCapStyle.FlatCap))
             y = bar.bottom() + _SPAN
             painter.drawLine(QPointF(min(low, high - 2.0), y), QPointF(high, y))
         if self.value is not None and self.value == self.value:
-            self._draw_tick(painter, self._at(self.value, bar), bar)
+            self._draw_tick(painter, self._x_at(self.value, bar), bar)
         painter.setPen(ink)
         for place, text in self.labels:
             room = QRectF(self.fontMetrics().boundingRect(text)).adjusted(-1, 0, 3, 0)
@@ -284,7 +284,7 @@ class ScaleBar(QWidget):
                 text,
             )
 
-    def _at(self, value: float, bar: QRectF) -> float:
+    def _x_at(self, value: float, bar: QRectF) -> float:
         return bar.left() + self._scale.position(value) * bar.width()
 
     def _draw_tick(self, painter: QPainter, x: float, bar: QRectF) -> None:

@@ -292,10 +292,10 @@ class NextStepHint:
             self._invitation.show_text(self._waits or self._sentence(*self._asked))
 
     def _sentence(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> str:
-        if document.has_active_obstacles and not tool.words.is_brush:
+        if document.has_active_obstacles and not tool.traits.is_brush:
             nothing_held = not document.label_counts[BASE] and not document.label_counts[HANDLE:].any()
             if obstacle is not None or nothing_held:  # moving obstacles needs no painted base or handle
-                return self._of_obstacles(document, tool, obstacle)
+                return self._obstacle_hint(document, tool, obstacle)
         if not document.label_counts[BASE]:
             return with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
         if not document.label_counts[HANDLE:].any():
@@ -313,7 +313,7 @@ class NextStepHint:
             return ""
         return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])
 
-    def _of_obstacles(self, document: Document, tool: Tool, obstacle: int | None) -> str:
+    def _obstacle_hint(self, document: Document, tool: Tool, obstacle: int | None) -> str:
         if self.has_moved or any(each.shift.any() for each in document.obstacles):
             return ""
         if tool is not Tool.MOVE:

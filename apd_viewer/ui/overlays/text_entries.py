@@ -67,7 +67,7 @@ class TextEntries:
         self.vertices.text_changed.connect(self._preview)
         self.vertices.text_entered.connect(self._choose)
         self.vertices.closed.connect(lambda: canvas.preview_selection(None))
-        self.brush.text_changed.connect(lambda text: self._understood(self.brush, text, self._radius))
+        self.brush.text_changed.connect(lambda text: self._parse_or_explain(self.brush, text, self._radius))
         self.brush.text_entered.connect(self._take_brush)
         self.pivot.text_changed.connect(self._show_pivot)
         self.pivot.text_entered.connect(self._take_pivot)
@@ -86,8 +86,8 @@ class TextEntries:
                     other.close_card()
             card.open_card()
 
-    def _understood(self, card: TextEntryCard, text: str, read: Callable[[str], object]) -> object:
-        """Parsed value of a text; None if invalid, with the error on the card."""
+    def _parse_or_explain(self, card: TextEntryCard, text: str, read: Callable[[str], object]) -> object:
+        """Parse a text; None if it is invalid, with the error on the card."""
         if self._session.store.state is None:
             return None
         try:
@@ -101,14 +101,14 @@ class TextEntries:
     # Vertex entry
 
     def _preview(self, text: str) -> None:
-        ids = self._understood(self.vertices, text, self._session.typed_values.parse_vertices)
+        ids = self._parse_or_explain(self.vertices, text, self._session.typed_values.parse_vertices)
         self._canvas.preview_selection(ids if isinstance(ids, np.ndarray) else None)
         if isinstance(ids, np.ndarray):
             said = trn("{n:,} vertex.", "{n:,} vertices.", len(ids)).format(n=len(ids))
             self.vertices.show_message(f"{said} {self.vertices.help}")
 
     def _choose(self, text: str, act: StrokeEffect) -> None:
-        ids = self._understood(self.vertices, text, self._session.typed_values.parse_vertices)
+        ids = self._parse_or_explain(self.vertices, text, self._session.typed_values.parse_vertices)
         if isinstance(ids, np.ndarray) and not self._give_up():
             self._canvas.preview_selection(None)
             self._canvas.strokes.paint_vertices(ids, act)
@@ -120,8 +120,8 @@ class TextEntries:
         size = self._canvas.brush.size
         length = (
             None
-            if size.length is None
-            else f"{format_editable(size.length, 4)}{self._session.store.unit.symbol}"
+            if size.mesh_radius is None
+            else f"{format_editable(size.mesh_radius, 4)}{self._session.store.unit.symbol}"
         )
         self.brush.text.setText(length or f"{size.radius:.0f}{_PIXELS}")
         self.open_entry(self.brush)
@@ -142,22 +142,22 @@ class TextEntries:
         return radius, pixels
 
     def _take_brush(self, text: str, _: StrokeEffect) -> None:
-        meant = self._understood(self.brush, text, self._radius)
+        meant = self._parse_or_explain(self.brush, text, self._radius)
         if isinstance(meant, tuple):
             radius, pixels = meant
             if pixels:
                 self._canvas.brush.size.radius = radius
             else:
-                self._canvas.brush.size.length = radius
+                self._canvas.brush.size.mesh_radius = radius
             self.brush.close_card()
 
     # Pivot entry
 
     def _show_pivot(self, text: str) -> None:
-        self._mark(self._understood(self.pivot, text, self._session.typed_values.parse_point))
+        self._mark(self._parse_or_explain(self.pivot, text, self._session.typed_values.parse_point))
 
     def _take_pivot(self, text: str, _: StrokeEffect) -> None:
-        point = self._understood(self.pivot, text, self._session.typed_values.parse_point)
+        point = self._parse_or_explain(self.pivot, text, self._session.typed_values.parse_point)
         if isinstance(point, np.ndarray) and not self._give_up():
             self._session.handles.set_pivot(point, self._parts.handle)
             self.pivot.close_card()

@@ -186,14 +186,14 @@ class AreaSection(QWidget):
     def show_activity(self, state: State, session: Session) -> None:
         """Show the solver's activity."""
         activity = session.store.activity.value
-        said = _WORDS[activity]
+        text = _WORDS[activity]
         if session.store.is_previewing:
-            said = tr("preview")
+            text = tr("preview")
         elif session.store.is_preparing:
-            said = tr("preparing")
+            text = tr("preparing")
         elif activity == "not reached" and state.frame.unreached:
-            said = tr("out of reach")
-        self.activity.setText(said)
+            text = tr("out of reach")
+        self.activity.setText(text)
         stability = stability_text(state.frame, not state.document.settings.traits.is_plain_only)
         self.activity.setToolTip(tr("Stability: {words}").format(words=stability))
 
@@ -216,7 +216,7 @@ class VolumeSection(Section):
         In percent.
     target_changed : Signal(object)
         The volume to keep in percent, or None to leave it free.
-    volume, litres, pairs, least_gap, share : QLabel
+    volume, litres, pairs, least_gap, path_fraction : QLabel
     crossings : CrossingsButton
     """
 
@@ -260,7 +260,7 @@ class VolumeSection(Section):
             values.append(QLabel(readings.NO_VALUE, accessibleName=title, toolTip=tip))
             grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
             grid.addWidget(values[-1], row, 1, Qt.AlignmentFlag.AlignRight)
-        self.pairs, self.least_gap, self.share = values
+        self.pairs, self.least_gap, self.path_fraction = values
         self._contact.hide()  # shown once contact is on
         self.column.addWidget(self._contact)
 
@@ -304,7 +304,7 @@ class VolumeSection(Section):
         self.litres.setVisible(bool(said.remarks))
         if state.is_contact_active:
             touch = readings.contact(state, unit)
-            for label, text in zip((self.pairs, self.least_gap, self.share), touch, strict=True):
+            for label, text in zip((self.pairs, self.least_gap, self.path_fraction), touch, strict=True):
                 label.setText(text)
         self._contact.setVisible(state.is_contact_active)
 
@@ -315,7 +315,7 @@ class VolumeSection(Section):
             label.setText(readings.NO_VALUE)
 
     def show_check(self, state: State, check: ShapeCheck | None, under_way: bool) -> None:
-        """Show the self-intersections of a state, as far as known."""
+        """Show the self-intersections of a state, or that they are not known yet."""
         if check is not None:
             count = None if check.crossing is None else len(check.crossing)
             self.crossings.show_count(count, state.is_contact_active)
@@ -342,14 +342,14 @@ class CrossingsButton(QToolButton):
     def show_pending(self, cannot_cross: bool = False) -> None:
         """Show that checking waits for the shape to stop, or that contact rules it out."""
         if cannot_cross:
-            self._say(tr("no self-intersections"), _KEPT_APART, "sound")
+            self._show_text(tr("no self-intersections"), _KEPT_APART, "sound")
             return
         tip = tr("Self-intersections are checked when the shape stops moving")
-        self._say(tr("self-intersections: checked when it stops"), tip)
+        self._show_text(tr("self-intersections: checked when it stops"), tip)
 
     def show_checking(self) -> None:
         """Show that a check for self-intersections is in progress."""
-        self._say(tr("checking for self-intersections…"), tr("Checking whether triangles intersect"))
+        self._show_text(tr("checking for self-intersections…"), tr("Checking whether triangles intersect"))
 
     def show_count(self, triangles: int | None, kept_apart: bool = False) -> None:
         """Show the number of intersecting triangles; None if unknown.
@@ -358,29 +358,29 @@ class CrossingsButton(QToolButton):
         """
         if triangles is None:
             tip = tr("The library ipctk, which checks this, is missing or does not respond")
-            self._say(tr("self-intersections: not checked"), tip)
+            self._show_text(tr("self-intersections: not checked"), tip)
         elif triangles == 0:
-            self._say(
+            self._show_text(
                 tr("no self-intersections"),
                 _KEPT_APART if kept_apart else tr("No triangles intersect"),
                 "sound",
             )
         else:
-            said = tr("{n:,} intersecting triangles")
+            sentence = tr("{n:,} intersecting triangles")
             tip = tr("The volume counts overlaps twice. Show where this is")
             if kept_apart:
                 tip = tr(
                     "Contact leaves what crosses at rest as it is, and keeps no loose part apart from what "
                     "carries it; the volume counts such overlaps twice. Show where this is"
                 )
-            self._say(said.format(n=triangles), tip, "warning")
+            self._show_text(sentence.format(n=triangles), tip, "warning")
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""
         self._theme = theme
         self._draw()
 
-    def _say(self, text: str, tip: str, symbol: str = "") -> None:
+    def _show_text(self, text: str, tip: str, symbol: str = "") -> None:
         self.setText(text)
         self.setToolTip(tip)
         self.setAccessibleName(text)

@@ -48,7 +48,7 @@ class StatusBar(QStatusBar):
         Stops the solver, or lets it go on; restarts it while it does not answer.
     progress : ConvergenceProgress
     compiling : CompilingProgress
-    words : ElidedLabel
+    hint : ElidedLabel
         About the current tool.
     extent : QLabel
         Number of vertices; size in the tip.
@@ -61,7 +61,7 @@ class StatusBar(QStatusBar):
     def __init__(self, badge: QWidget) -> None:
         super().__init__()
         self.setSizeGripEnabled(False)
-        self.words = ElidedLabel()
+        self.hint = ElidedLabel()
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_requested)
         self.pause = QToolButton(text=tr("Pause"))
@@ -74,8 +74,8 @@ class StatusBar(QStatusBar):
         self.progress = ConvergenceProgress(is_waiting=self.compiling.isVisible)
         self._job, self._pace, self.extent = QLabel(), ElidedLabel(), QLabel()
         # Gives way first: it may be elided, as its tooltip has the full text.
-        self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.addWidget(self.words, 1)
+        self.hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.addWidget(self.hint, 1)
         for widget in (
             self._job,
             self._cancel,
@@ -94,14 +94,14 @@ class StatusBar(QStatusBar):
 
     def show_hint(self, text: str) -> None:
         """Show the hint of the current tool."""
-        self.words.show_text(text)
+        self.hint.show_text(text)
 
     def show_brush_size(self, brush: BrushSize, unit: Unit) -> None:
         """Show the brush size for a moment."""
         size = (
             f"{brush.radius:.0f} px"
-            if brush.length is None
-            else unit.format_length(format_short(brush.length))
+            if brush.mesh_radius is None
+            else unit.format_length(format_short(brush.mesh_radius))
         )
         self.showMessage(tr("Brush {size}").format(size=size), 1500)
 
@@ -174,11 +174,11 @@ class CompilingProgress(QWidget):
         row.addWidget(QLabel(tr("compiling for this computer, only once…")))
         self.hide()
 
-    def follow(self, share: float | None) -> None:
+    def follow(self, fraction: float | None) -> None:
         """Show the fraction of kernels compiled; hide if None or 1."""
-        self.setVisible(share is not None and share < 1.0)
-        if share is not None:
-            self.bar.show_share(share)
+        self.setVisible(fraction is not None and fraction < 1.0)
+        if fraction is not None:
+            self.bar.show_fraction(fraction)
 
 
 # Faster convergence needs no progress bar; during a drag of a handle the solver restarts constantly.
@@ -208,11 +208,11 @@ class ConvergenceProgress(QWidget):
         self._iteration = 0
         self.bar = ThinBar()
         self.bar.setFixedWidth(_WIDTH)
-        self.words = QLabel()
+        self.time_left = QLabel()
         row = QHBoxLayout(self, spacing=0)
         row.setContentsMargins(8, 0, 0, 0)
         row.addWidget(self.bar, 0, Qt.AlignmentFlag.AlignVCenter)
-        row.addWidget(self.words)
+        row.addWidget(self.time_left)
         self._timer = QTimer(self, interval=_TICK)
         self._timer.timeout.connect(self._show)
         self.hide()
@@ -241,6 +241,6 @@ class ConvergenceProgress(QWidget):
         assert self._frame is not None
         gap, left = self._frame.gap, forecast.seconds_left(now)
         rests = self._iteration > 0 and gap is not None and gap <= 1.0
-        self.bar.show_share(1.0 if rests else forecast.elapsed_fraction(now))
-        self.words.setText(_SEARCHING if rests else _UNKNOWN if left is None else time_left_text(left))
+        self.bar.show_fraction(1.0 if rests else forecast.elapsed_fraction(now))
+        self.time_left.setText(_SEARCHING if rests else _UNKNOWN if left is None else time_left_text(left))
         self.setVisible(now - forecast.start_moment >= _PATIENCE and not self._waits())

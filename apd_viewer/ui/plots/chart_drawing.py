@@ -111,23 +111,23 @@ class ChartArea:
 
     def pixel_positions(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Pixel positions (n, 2) of points in chart coordinates."""
-        return np.column_stack([self._at_x(x), self._at_y(y)])
+        return np.column_stack([self._pixel_columns(x), self._pixel_rows(y)])
 
-    def _at_x(self, x: np.ndarray) -> np.ndarray:
+    def _pixel_columns(self, x: np.ndarray) -> np.ndarray:
         axis, field = self._x, self._field
         return field.left() + field.width() * (x - axis.low) / (axis.high - axis.low)
 
-    def _at_y(self, y: np.ndarray) -> np.ndarray:
+    def _pixel_rows(self, y: np.ndarray) -> np.ndarray:
         axis, field = self._y, self._field
         return field.bottom() - field.height() * (np.clip(y, axis.low, axis.high) - axis.low) / (
             axis.high - axis.low
         )
 
     def _x_of(self, place: float) -> float:
-        return float(self._at_x(np.array(place)))
+        return float(self._pixel_columns(np.array(place)))
 
     def _y_of(self, place: float) -> float:
-        return float(self._at_y(np.array(place)))
+        return float(self._pixel_rows(np.array(place)))
 
     def _draw_axes(self) -> None:
         painter, field, metrics = self._painter, self._field, self._metrics
@@ -147,8 +147,8 @@ class ChartArea:
             painter.drawText(QPointF(start, baseline), text)
 
     def _draw_bars(self, bars: Bars) -> None:
-        edges = self._at_x(bars.edges).tolist()
-        tops, bottom = self._at_y(bars.heights).tolist(), self._field.bottom()
+        edges = self._pixel_columns(bars.edges).tolist()
+        tops, bottom = self._pixel_rows(bars.heights).tolist(), self._field.bottom()
         gap = 1.0 if edges[1] - edges[0] > 4.0 else 0.0
         middle = 0.5 * (bars.edges[1:] + bars.edges[:-1])
         nothing = 1e-9 * float(bars.edges[-1] - bars.edges[0])
@@ -183,7 +183,7 @@ class ChartArea:
         pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
         self._painter.setPen(pen)
         known = np.isfinite(curve.y)
-        x, y = self._at_x(curve.x), self._at_y(np.where(known, curve.y, self._y.low))
+        x, y = self._pixel_columns(curve.x), self._pixel_rows(np.where(known, curve.y, self._y.low))
         ends = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]))).reshape(-1, 2)
         for first, last in ends.tolist():
             # Points that share a half-pixel cell would make the line uneven; the last point is always kept.
@@ -283,17 +283,17 @@ def draw_color_bar(
     bar.setLeft(rect.right() - widest - _GAP - _BAR)
     bar.setWidth(_BAR)
     fill = QLinearGradient(bar.bottomLeft(), bar.topLeft())
-    for share, color in zip(
+    for fraction, color in zip(
         np.linspace(0.0, 1.0, len(color_bar.colors)).tolist(), color_bar.colors, strict=True
     ):
-        fill.setColorAt(share, QColor(color))
+        fill.setColorAt(fraction, QColor(color))
     painter.fillRect(bar, fill)
     painter.setPen(QPen(QColor(theme.line), 1.0))
     painter.drawRect(bar)
     painter.setPen(QColor(theme.quiet))
     for place, text in ticks:
-        share = (place - color_bar.axis.low) / (color_bar.axis.high - color_bar.axis.low)
-        y = bar.bottom() - share * bar.height() + 0.35 * metrics.ascent()
+        fraction = (place - color_bar.axis.low) / (color_bar.axis.high - color_bar.axis.low)
+        y = bar.bottom() - fraction * bar.height() + 0.35 * metrics.ascent()
         painter.drawText(QPointF(bar.right() + _GAP, y), text)
     return rect.adjusted(0.0, 0.0, -(widest + 3 * _GAP + _BAR), 0.0)
 

@@ -112,14 +112,14 @@ class Plots(QWidget):
         room = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
         room.setWidget(charts)
         column.addWidget(room, 1)
-        self._turn(wide=True)
+        self._arrange_in_row(wide=True)
         self._choose(preferences.plots if preferences.plots is not None else _AT_FIRST)
 
     def _choice(self, name: str) -> QToolButton:
         words = _CHARTS[name]
         button = QToolButton(text=words.title, toolTip=words.tip, checkable=True, objectName="choice")
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        button.toggled.connect(self._chosen)
+        button.toggled.connect(self._apply_choice)
         return button
 
     def _make_save(self) -> None:
@@ -182,7 +182,7 @@ class Plots(QWidget):
             button.blockSignals(False)
         self._arrange()
 
-    def _chosen(self) -> None:
+    def _apply_choice(self) -> None:
         self._memory.plots = [name for name, button in self.choices.items() if button.isChecked()]
         self._arrange()
 
@@ -202,9 +202,9 @@ class Plots(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Arrange the charts by the aspect ratio of the dock."""
         super().resizeEvent(event)
-        self._turn(self.width() > max(_WIDE, self.height()))
+        self._arrange_in_row(self.width() > max(_WIDE, self.height()))
 
-    def _turn(self, wide: bool) -> None:
+    def _arrange_in_row(self, wide: bool) -> None:
         directions = QBoxLayout.Direction
         self._charts.setDirection(directions.LeftToRight if wide else directions.TopToBottom)
         for view in self.views.values():
@@ -234,11 +234,11 @@ class Plots(QWidget):
             return reading_charts.local_change(
                 None, tr("Open a mesh to see the area change of its triangles here.")
             )
-        if not self._ready():
+        if not self._is_histogram_ready():
             return reading_charts.local_change(None, tr("Preparing…"))
         return reading_charts.local_change(self._local_change(state))
 
-    def _ready(self) -> bool:
+    def _is_histogram_ready(self) -> bool:
         """True if the histogram is compiled; the first call starts compiling."""
         if self._loading.ident is None:
             self._loading.start()

@@ -41,16 +41,16 @@ def area_error(state: State | None, trace: Trace) -> Chart:
     title = tr("Area error by iteration")
     if state is None or len(trace) < 2:
         return Chart(title, empty_text=tr("Move a handle to see the area error here."))
-    limit, name = _accepted(state.document)
+    limit, name = _area_tolerance(state.document)
     # Clip errors far below the tolerance; their size is irrelevant to the reader.
     miss = np.maximum(trace["area_miss"], _DEEPEST * (limit or _ROUGHLY))
     reached = [float(miss.min()), float(miss.max()), *([limit] if limit else [])]
     now = float(trace["area_miss"][-1])
-    said = tr("{error} %").format(error=_percent(now))
+    text = tr("{error} %").format(error=_percent(now))
     across = (ReferenceLine(float(np.log10(limit)), color="warm"),) if limit else ()
     return Chart(
         title,
-        ((said, "ink"), *(((name, "warm"),) if limit else ())),
+        ((text, "ink"), *(((name, "warm"),) if limit else ())),
         linear_axis(0.0, float(trace["iteration"][-1]), whole=True),
         decade_axis(min(reached), max(reached)),
         (Curve(trace["iteration"], np.log10(miss)),),
@@ -58,7 +58,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
     )
 
 
-def _accepted(document: Document) -> tuple[float | None, str]:
+def _area_tolerance(document: Document) -> tuple[float | None, str]:
     """Area tolerance and its label; None if the area is free."""
     if kept_percentages(document)[0] is None:
         return None, ""
@@ -87,7 +87,7 @@ def energy(trace: Trace, unit: Unit) -> Chart:
         _seconds(trace),
         axis,
         (Curve(trace["seconds"], E),),
-        vertical_lines=_let_go(trace),
+        vertical_lines=_release_lines(trace),
     )
 
 
@@ -98,13 +98,13 @@ def area_and_volume(state: State | None, trace: Trace) -> Chart:
         return Chart(title, empty_text=tr("Move a handle to see area and volume here."))
     area, rest = 100.0 * trace["area_error"], state.inspection.volume
     volume = 100.0 * (trace["volume"] / rest - 1.0) if rest else np.full(len(area), np.nan)
-    said = [(tr("area {change} %").format(change=format_signed(float(area[-1]), 3)), "accent")]
+    texts = [(tr("area {change} %").format(change=format_signed(float(area[-1]), 3)), "accent")]
     if np.isfinite(volume[-1]):
-        said.append((tr("volume {change} %").format(change=format_signed(float(volume[-1]), 2)), "warm"))
+        texts.append((tr("volume {change} %").format(change=format_signed(float(volume[-1]), 2)), "warm"))
     both = np.concatenate([area, volume[np.isfinite(volume)]])
     y = rounded_axis(min(float(both.min()), -_SMALLEST), max(float(both.max()), _SMALLEST), " %")
     curves = Curve(trace["seconds"], volume, "warm"), Curve(trace["seconds"], area, "accent")
-    return Chart(title, tuple(said), _seconds(trace), y, curves, vertical_lines=_let_go(trace))
+    return Chart(title, tuple(texts), _seconds(trace), y, curves, vertical_lines=_release_lines(trace))
 
 
 def local_change(change: LocalChange | None, empty: str = "") -> Chart:
@@ -117,20 +117,20 @@ def local_change(change: LocalChange | None, empty: str = "") -> Chart:
     edges = np.linspace(x.low, x.high, _BINS + 1)
     # The outermost bins include all values beyond the axis.
     shares = 100.0 * change.shares(np.concatenate([[-np.inf], edges[1:-1], [np.inf]]))
-    said = (
+    texts = (
         (tr("mean {percent} %").format(percent=_percent(change.mean)), "ink"),
         (tr("99th {percent} %").format(percent=_percent(change.p99)), "quiet"),
         (tr("max {percent} %").format(percent=_percent(change.largest)), "quiet"),
     )
     y = rounded_axis(0.0, float(shares.max()), " %")
-    return Chart(title, said, x, y, bars=Bars(edges, shares))
+    return Chart(title, texts, x, y, bars=Bars(edges, shares))
 
 
 def _seconds(trace: Trace) -> Axis:
     return linear_axis(0.0, float(trace["seconds"][-1]), tr(" s"))
 
 
-def _let_go(trace: Trace) -> tuple[ReferenceLine, ...]:
+def _release_lines(trace: Trace) -> tuple[ReferenceLine, ...]:
     """Reference line at the end of the drag; convergence follows."""
     moment, last = trace.released_at, float(trace["seconds"][-1])
     return (ReferenceLine(moment, tr("released")),) if moment is not None and moment < last else ()

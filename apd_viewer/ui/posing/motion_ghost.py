@@ -98,7 +98,7 @@ class MotionGhost(MouseTool):
         ink, halo = ("#ffffff", "#14161a") if self._viewport.is_dark else ("#14161a", "#ffffff")
         for color, trace in self.traces:
             corners = np.vstack([trace.path, trace.axis])
-            if not len(trace.path) or not self._in_front(corners):
+            if not len(trace.path) or not self._is_in_front(corners):
                 continue
             if len(trace.axis):
                 _draw_sector(painter, self._project(np.vstack([trace.axis.mean(axis=0), trace.path])), color)
@@ -108,7 +108,7 @@ class MotionGhost(MouseTool):
     def _project(self, points: np.ndarray) -> np.ndarray:
         return self._viewport.camera_controller.camera.project(points)
 
-    def _in_front(self, points: np.ndarray) -> bool:
+    def _is_in_front(self, points: np.ndarray) -> bool:
         eye = self._viewport.camera_controller.camera
         return bool((eye.depth(points) > 1e-6 * eye.distance).all())
 

@@ -27,7 +27,7 @@ class PoseController:
         self._section, self._session, self._give_up = section, session, cancel_drag
         poses = session.poses
         section.keep_requested.connect(self.keep_pose)
-        section.list.chosen.connect(self._go)
+        section.list.chosen.connect(self._go_to)
         section.list.renamed.connect(poses.rename)
         section.list.update_requested.connect(poses.update)
         section.list.removed.connect(poses.remove)
@@ -50,7 +50,7 @@ class PoseController:
             at = (k for k, pose in enumerate(document.poses) if is_in_pose(document, pose))
             self._section.show_poses([pose.name for pose in document.poses], next(at, None))
 
-    def _go(self, k: int) -> None:
+    def _go_to(self, k: int) -> None:
         if self._may_begin():
             self._session.poses.go_to(k)
 

@@ -53,7 +53,7 @@ class Preferences:
         value: Any = self._settings.value(key, list(default))
         return [value] if isinstance(value, str) else [str(line) for line in value or []]
 
-    def _named(self, key: str) -> dict[str, str]:
+    def _dictionary(self, key: str) -> dict[str, str]:
         """Stored lines as a dictionary of name to text."""
         return {name: text for name, _, text in (line.partition(" ") for line in self._lines(key))}
 
@@ -164,7 +164,7 @@ class Preferences:
     @property
     def shortcuts(self) -> dict[str, str]:
         """User-defined shortcuts by action name."""
-        return self._named("shortcuts")
+        return self._dictionary("shortcuts")
 
     @shortcuts.setter
     def shortcuts(self, shortcuts: dict[str, str]) -> None:
@@ -173,20 +173,20 @@ class Preferences:
     @property
     def display_options(self) -> dict[str, str]:
         """Display options by name."""
-        return self._named("looks")
+        return self._dictionary("looks")
 
     @display_options.setter
     def display_options(self, looks: dict[str, str]) -> None:
         self._keep_named("looks", looks)
 
     @property
-    def has_toured(self) -> bool:
+    def has_seen_tour(self) -> bool:
         """True from the second run on: the tour then starts only on request."""
         return bool(self._settings.value("tour", False, bool))
 
-    @has_toured.setter
-    def has_toured(self, toured: bool) -> None:
-        self._settings.setValue("tour", toured)
+    @has_seen_tour.setter
+    def has_seen_tour(self, seen: bool) -> None:
+        self._settings.setValue("tour", seen)
 
     def save_layout(self, window: QMainWindow) -> None:
         """Store the size, position and panels of ``window``."""

@@ -108,7 +108,7 @@ class Units:
     def unit_of(self, mesh: Mesh) -> Unit:
         """Chosen unit of a mesh, or the default or guessed one."""
         if mesh not in self._chosen:
-            self._chosen[mesh] = self._unchosen(mesh, user_file(mesh))
+            self._chosen[mesh] = self._default_unit(mesh, user_file(mesh))
         return self._chosen[mesh]
 
     def choose(self, mesh: Mesh, unit: Unit) -> None:
@@ -118,7 +118,7 @@ class Units:
         if path is not None and not unit.is_guess:
             self._memory.remember_unit(path, unit)
 
-    def _unchosen(self, mesh: Mesh, path: Path | None) -> Unit:
+    def _default_unit(self, mesh: Mesh, path: Path | None) -> Unit:
         units = self._memory.units
         if path is not None and resolved_path(path) in units:
             return units[resolved_path(path)]

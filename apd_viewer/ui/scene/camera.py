@@ -228,18 +228,18 @@ def unobstructed_camera(
     every = 1 + len(points) // _SAMPLES
     points, normals = points[::every], normals[::every]
     here = -camera.axes[2]
-    now = _seen(points, normals, here, size, rays)
+    now = _visible_fraction(points, normals, here, size, rays)
     if now >= _ENOUGH:
         return camera  # enough even if the best view shows all points
-    stands = _around(camera.up_axis.frame @ here) @ camera.up_axis.frame
-    seen = np.array([_seen(points, normals, stand, size, rays) for stand in stands])
+    stands = _candidate_directions(camera.up_axis.frame @ here) @ camera.up_axis.frame
+    seen = np.array([_visible_fraction(points, normals, stand, size, rays) for stand in stands])
     if now >= _ENOUGH * seen.max():
         return camera
     stand = stands[np.flatnonzero(seen >= _BEST * seen.max())[0]]
     return camera.seen_from(stand)
 
 
-def _around(here: np.ndarray) -> np.ndarray:
+def _candidate_directions(here: np.ndarray) -> np.ndarray:
     """Candidate directions (k, 3) with +Y up: level and near ones first."""
     turn, height = np.meshgrid(np.arange(_WAYS) * 2.0 * np.pi / _WAYS, _HEIGHTS)
     level = np.cos(height)
@@ -247,7 +247,7 @@ def _around(here: np.ndarray) -> np.ndarray:
     return stands[np.argsort(np.abs(stands[:, 1]) - stands @ here, kind="stable")]
 
 
-def _seen(
+def _visible_fraction(
     points: np.ndarray, normals: np.ndarray, stand: np.ndarray, size: float, rays: RayDistances
 ) -> float:
     """Fraction of the surface at the points visible from direction ``stand``."""

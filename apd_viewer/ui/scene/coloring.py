@@ -43,7 +43,7 @@ class Coloring:
         """Set a new mesh; return its colours (n, 4) uint8, without preview or marks."""
         self._document, self.previewed_ids = document, None
         self._marks.show(None)
-        return colors_of(document, unpainted_colors=self._own)
+        return colors_of(document, unpainted_colors=self._file_colors)
 
     def show_file_colors(self, on: bool) -> None:
         """Show or hide the file's vertex colours under the paint."""
@@ -57,7 +57,7 @@ class Coloring:
             self._repaint()
 
     @property
-    def _own(self) -> np.ndarray | None:
+    def _file_colors(self) -> np.ndarray | None:
         if self._document is None or not self._of_file or self._covered:
             return None
         return self._document.mesh.colors
@@ -69,13 +69,13 @@ class Coloring:
     def follow(self, document: Document) -> None:
         """Update the colours to a new document of the mesh."""
         before, self._document = self._document, document
-        if before is not None and not _looks_like(before, document):
+        if before is not None and not _have_same_colors(before, document):
             self._restore(differing_vertices(before, document))
 
     def _restore(self, ids: np.ndarray) -> None:
         """Restore the colours of the vertices ``ids`` without preview."""
         if self._document is not None:
-            self._surface.set_colors(colors_of(self._document, ids, self._own), ids)
+            self._surface.set_colors(colors_of(self._document, ids, self._file_colors), ids)
         if self._marks.ids is not None:
             self._surface.set_colors(self._marks.colors(), self._marks.ids)
 
@@ -88,7 +88,7 @@ class Coloring:
         if before is not None:
             self._restore(before)
         if self.previewed_ids is not None:
-            colors = colors_of(document, self.previewed_ids, self._own)
+            colors = colors_of(document, self.previewed_ids, self._file_colors)
             self._surface.set_colors(tinted_colors(colors, color), self.previewed_ids)
 
     def mark(self, vertices: np.ndarray | None) -> None:
@@ -142,7 +142,7 @@ def drawn_labels(document: Document, ids: np.ndarray | slice) -> tuple[np.ndarra
     return labels, member
 
 
-def _looks_like(old: Document, new: Document) -> bool:
+def _have_same_colors(old: Document, new: Document) -> bool:
     return (
         have_same_paint(old, new) and old.soft_constraints is new.soft_constraints and old.flags == new.flags
     )
@@ -188,7 +188,7 @@ class VertexMarks(MouseTool):
     def show(self, ids: np.ndarray | None, dotted: np.ndarray = _NONE) -> None:
         """Mark the vertices ``ids``, with dots at ``dotted`` if useful."""
         self.ids = ids
-        self._dotted = dotted[:: 1 + len(dotted) // _MOST_DOTS] if self._bare(dotted) else _NONE
+        self._dotted = dotted[:: 1 + len(dotted) // _MOST_DOTS] if self._needs_dots(dotted) else _NONE
         self._viewport.tool_layer.update()
 
     def colors(self) -> np.ndarray:
@@ -207,7 +207,7 @@ class VertexMarks(MouseTool):
             painter.setPen(QPen(color, width, c=Qt.PenCapStyle.RoundCap))
             painter.drawPoints(dots)
 
-    def _bare(self, ids: np.ndarray) -> bool:
+    def _needs_dots(self, ids: np.ndarray) -> bool:
         """True if dots are needed: few vertices, or none with a face."""
         if len(ids) <= _MOST_DOTS or self._surface.surface_index is None:
             return True

@@ -51,17 +51,17 @@ class RestActor(ABC):
             self._show()
 
     @property
-    def _shown(self) -> Mesh | None:
+    def _shown_mesh(self) -> Mesh | None:
         return self._mesh if self._on else None
 
     def _show(self) -> None:
-        mesh, self._box = self._shown, ()
+        mesh, self._box = self._shown_mesh, ()
         self._actor.SetVisibility(mesh is not None)
-        self._mapper.SetInputData(None if mesh is None else self._drawn(mesh))
+        self._mapper.SetInputData(None if mesh is None else self._prepared_data(mesh))
         self._viewport.update()
 
     @abstractmethod
-    def _drawn(self, mesh: Mesh) -> pv.PolyData:
+    def _prepared_data(self, mesh: Mesh) -> pv.PolyData:
         """Position the actor, store its bounds, and return the data to draw."""
 
     @abstractmethod
@@ -85,7 +85,7 @@ class Ghost(RestActor):
         self._actor.GetProperty().SetBackfaceCulling(True)
         self._actor.GetShaderProperty().AddFragmentShaderReplacement("//VTK::Light::Impl", True, glass, False)
 
-    def _drawn(self, mesh: Mesh) -> pv.PolyData:
+    def _prepared_data(self, mesh: Mesh) -> pv.PolyData:
         V, F = mesh.V, mesh.joined_F
         middle = V.mean(axis=0)  # single precision is too coarse far from the origin
         glass = pv.PolyData.from_regular_faces((V - middle).astype(np.float32), F)

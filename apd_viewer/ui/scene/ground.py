@@ -55,7 +55,7 @@ class Ground(MouseTool, RestActor):
         self._unit = unit
         self._viewport.tool_layer.update()
 
-    def _drawn(self, mesh: Mesh) -> pv.PolyData:
+    def _prepared_data(self, mesh: Mesh) -> pv.PolyData:
         used = mesh.V[mesh.F.ravel()]
         low, high = used.min(axis=0), used.max(axis=0)
         size, up = float((high - low).max()), self._up_axis
@@ -87,12 +87,12 @@ class Ground(MouseTool, RestActor):
 
     def _match_background(self, dark: bool) -> None:
         self._actor.GetProperty().SetColor(*(_ON_DARK if dark else _ON_LIGHT))
-        if self._shown is not None and self._lies_for is not self._up_axis:
-            self._mapper.SetInputData(self._drawn(self._shown))
+        if self._shown_mesh is not None and self._lies_for is not self._up_axis:
+            self._mapper.SetInputData(self._prepared_data(self._shown_mesh))
 
     def paint(self, painter: QPainter) -> None:
         """Draw the grid labels and the axes."""
-        if self._shown is None:
+        if self._shown_mesh is None:
             return
         ink = QColor(166, 173, 186) if self._viewport.is_dark else QColor(90, 98, 112)
         painter.save()

@@ -54,17 +54,17 @@ def scene_picture(
     with viewport.offscreen_window() as window:
         if window is None:
             raise InputError(tr("Nothing can be drawn: OpenGL is not available; update the graphics driver."))
-        finer = _finer(window, size)
+        finer = _supersampling(window, size)
         seen = viewport.size() if renderer is None else size
         with (
-            _only(window, scene),
-            _framed(scene, seen, size),
-            _on_nothing(window, scene, transparent),
-            _thicker(scene, finer * picture_scale(seen, size)),
+            _draw_only(window, scene),
+            _widened_view(scene, seen, size),
+            _transparent_background(window, scene, transparent),
+            _thicker_lines(scene, finer * picture_scale(seen, size)),
         ):
             # FXAA would blend the outline of a transparent picture with the omitted background.
             scene.SetUseFXAA(finer == 1 and not transparent and window.GetMultiSamples() == 0)
-            image = _drawn(window, size * finer, transparent)
+            image = _rendered_image(window, size * finer, transparent)
             scene.SetUseFXAA(False)
     if finer > 1:
         smooth = Qt.TransformationMode.SmoothTransformation
@@ -80,7 +80,7 @@ def small_picture(viewport: Viewport, side: int) -> bytes:
     keep, smooth = Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation
     try:
         size = viewport.size().scaled(2 * side, 2 * side, keep).expandedTo(QSize(1, 1))
-        image = _cropped(scene_picture(viewport, size, transparent=True))
+        image = _cropped_image(scene_picture(viewport, size, transparent=True))
         if max(image.width(), image.height()) > side:
             image = image.scaled(side, side, keep, smooth)
         return encode_png(image)
@@ -88,7 +88,7 @@ def small_picture(viewport: Viewport, side: int) -> bytes:
         return b""
 
 
-def _cropped(image: QImage) -> QImage:
+def _cropped_image(image: QImage) -> QImage:
     """Image without transparent margins; a fully transparent one is unchanged."""
     alpha = image.convertToFormat(QImage.Format.Format_Alpha8)
     lines = np.frombuffer(alpha.constBits(), dtype=np.uint8).reshape(alpha.height(), -1)
@@ -114,7 +114,7 @@ def check_picture_size(viewport: Viewport, size: QSize) -> None:
     """Raise InputError if a picture of this size cannot be drawn."""
     with viewport.offscreen_window() as window:
         if window is not None:
-            _finer(window, size)
+            _supersampling(window, size)
 
 
 def picture_scale(view_size: QSize, size: QSize) -> float:
@@ -122,7 +122,7 @@ def picture_scale(view_size: QSize, size: QSize) -> float:
     return min(size.width() / max(view_size.width(), 1), size.height() / max(view_size.height(), 1))
 
 
-def _finer(window: vtkRenderWindow, size: QSize) -> int:
+def _supersampling(window: vtkRenderWindow, size: QSize) -> int:
     """Supersampling factor: 2 if affordable and without multisampling, else 1."""
     most, longest = int(vtkTextureObject.GetMaximumTextureSize(window)), max(size.width(), size.height())
     if longest > most:
@@ -136,7 +136,7 @@ def _finer(window: vtkRenderWindow, size: QSize) -> int:
     return 2 if rough and 2 * longest <= most and 4 * pixels <= _MOST_DRAWN else 1
 
 
-def _drawn(window: vtkRenderWindow, size: QSize, transparent: bool) -> QImage:
+def _rendered_image(window: vtkRenderWindow, size: QSize, transparent: bool) -> QImage:
     width, height = size.width(), size.height()
     window.GetInteractor().UpdateSize(width, height)
     window.Render()
@@ -151,7 +151,7 @@ def _drawn(window: vtkRenderWindow, size: QSize, transparent: bool) -> QImage:
 
 
 @contextmanager
-def _only(window: vtkRenderWindow, scene: vtkRenderer) -> Iterator[None]:
+def _draw_only(window: vtkRenderWindow, scene: vtkRenderer) -> Iterator[None]:
     """Draw only one renderer of the window within the context."""
     others = [other for other in window.GetRenderers() if other is not scene and other.GetDraw()]
     guest = not window.HasRenderer(scene)
@@ -169,7 +169,7 @@ def _only(window: vtkRenderWindow, scene: vtkRenderer) -> Iterator[None]:
 
 
 @contextmanager
-def _framed(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None]:
+def _widened_view(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None]:
     """Widen the camera angle for a narrower picture within the context."""
     camera = scene.GetActiveCamera()
     angle = camera.GetViewAngle()
@@ -183,7 +183,7 @@ def _framed(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None]:
 
 
 @contextmanager
-def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) -> Iterator[None]:
+def _transparent_background(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) -> Iterator[None]:
     """Make the background transparent within the context, if requested."""
     if not transparent:
         yield
@@ -204,16 +204,16 @@ def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) 
 
 
 @contextmanager
-def _thicker(scene: vtkRenderer, factor: float) -> Iterator[None]:
+def _thicker_lines(scene: vtkRenderer, factor: float) -> Iterator[None]:
     """Scale line widths by ``factor`` within the context."""
-    _thicken(scene, factor)
+    _scale_line_widths(scene, factor)
     try:
         yield
     finally:
-        _thicken(scene, 1.0 / factor)
+        _scale_line_widths(scene, 1.0 / factor)
 
 
-def _thicken(scene: vtkRenderer, factor: float) -> None:
+def _scale_line_widths(scene: vtkRenderer, factor: float) -> None:
     for actor in scene.GetActors():
         look = actor.GetProperty()
         look.SetLineWidth(factor * look.GetLineWidth())
@@ -280,17 +280,17 @@ class OffscreenScene:
     def painted_picture(self, U: np.ndarray) -> QImage:
         """Picture of the shape ``U`` (n, 3) with its paint."""
         self._surface.set_color_map(None)
-        return self._taken(U)
+        return self._take_picture(U)
 
-    def measured_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
+    def colored_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
         """Picture of ``U`` coloured by scalars on a ``scale``."""
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
         self._surface.set_color_map(scale.measure.colors, neutral)
         self._surface.shades[:] = shades
         self._surface.update_shades()
-        return self._taken(U)
+        return self._take_picture(U)
 
-    def _taken(self, U: np.ndarray) -> QImage:
+    def _take_picture(self, U: np.ndarray) -> QImage:
         self._surface.set_points(U)
         if self._set.box is not None:
             self._set.renderer.ResetCameraClippingRange(list(self._set.box()))

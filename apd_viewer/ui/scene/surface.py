@@ -275,7 +275,7 @@ class Surface:
         if skin is None:
             return None
         origin, direction = self._viewport.camera_controller.camera.ray(position.x(), position.y())
-        near, far = _uncut(self._cut, origin, direction)
+        near, far = _uncut_interval(self._cut, origin, direction)
         origin = origin + near * direction
         face, distance, b1, b2 = skin.ray_hit(origin, direction, self.U, self.boxes)
         if face < 0 or distance > far - near:
@@ -325,7 +325,7 @@ class Surface:
         return None if hit is None else hit.point
 
 
-def _uncut(
+def _uncut_interval(
     plane: tuple[np.ndarray, np.ndarray] | None, origin: np.ndarray, direction: np.ndarray
 ) -> tuple[float, float]:
     """Interval of ray parameters in front of a cutting plane."""

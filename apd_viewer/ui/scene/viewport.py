@@ -329,7 +329,7 @@ class MouseDispatcher:
         if self._holder is not None:
             return
         self._button = event.button()
-        takers = (tool for tool in self._everyone() if tool.press(event))
+        takers = (tool for tool in self._all_tools() if tool.press(event))
         self._holder = next(takers, None)
 
     def move(self, event: QMouseEvent) -> None:
@@ -351,7 +351,7 @@ class MouseDispatcher:
 
     def wheel(self, event: QWheelEvent) -> None:
         """Offer a wheel event to the tools, then to the navigation."""
-        any(tool.wheel(event) for tool in self._everyone())
+        any(tool.wheel(event) for tool in self._all_tools())
 
     def leave(self) -> None:
         """Notify the tools of the cursor leaving, except during a drag."""
@@ -370,7 +370,7 @@ class MouseDispatcher:
         """Finish an outline of several clicks; True if there was one."""
         return any(tool.finish() for tool in self._tools)
 
-    def _everyone(self) -> tuple[MouseTool, ...]:
+    def _all_tools(self) -> tuple[MouseTool, ...]:
         return (*self._tools, self._navigation)
 
     def _hover(self, event: QMouseEvent) -> None:

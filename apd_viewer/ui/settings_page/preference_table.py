@@ -83,7 +83,7 @@ UP_AXIS: Preference[UpAxis] = Preference(
 SELECTION_MODE: Preference[SelectionMode] = Preference(
     "selection_mode",
     FIRST_MODE,
-    OneOf(tuple(Option(way.name.lower(), way, way.words.title) for way in SelectionMode)),
+    OneOf(tuple(Option(way.name.lower(), way, way.traits.title) for way in SelectionMode)),
     tr("Selection mode"),
     tr("Selection mode when the program starts"),
 )

@@ -104,7 +104,7 @@ class PictureDialog(QDialog):
         for field in (self.width_, self.height_):
             field.setRange(_LEAST, _MOST)
             field.setSuffix(tr(" px"))
-        self._put(wish.size)
+        self._show_size(wish.size)
         tip = tr("Save only the mesh, to place on any background")
         self.transparent = CheckBox(tr("Transparent background"), toolTip=tip, checked=wish.transparent)
         self.legend = CheckBox(tr("Overlay legend"), checked=wish.legend and self._pictures.has_legend)
@@ -166,13 +166,13 @@ class PictureDialog(QDialog):
 
     def _take_times(self) -> None:
         if times := self.times.currentData():
-            self._put(self._pictures.view_size * times)
+            self._show_size(self._pictures.view_size * times)
         else:
             self.width_.setFocus(Qt.FocusReason.OtherFocusReason)
             self.width_.selectAll()
         self._soon.start()
 
-    def _put(self, size: QSize) -> None:
+    def _show_size(self, size: QSize) -> None:
         self.width_.show_value(size.width())
         self.height_.show_value(size.height())
 
@@ -195,12 +195,12 @@ class PictureDialog(QDialog):
                 PictureSettings(small, wish.transparent, wish.legend, wish.gizmo)
             )
             self._pictures.check_size(wish.size)
-            self._say("")
+            self._show_problem("")
         except InputError as error:
-            self._say(str(error))
+            self._show_problem(str(error))
         self.preview.update()
 
-    def _say(self, problem: str) -> None:
+    def _show_problem(self, problem: str) -> None:
         self.problem.setText(problem)
         self.problem.setVisible(bool(problem))
         for button in (self.save, self.copy):

@@ -54,7 +54,7 @@ _LONGEST = 24_000_000  # largest embedded session in bytes; base64 adds a third
 
 
 @dataclass(frozen=True, eq=False)
-class _Measured:
+class _ReportMeasurements:
     """Slow measurements of a report, and the area change at the vertices."""
 
     subject: ReportSubject
@@ -120,7 +120,7 @@ class ReportController:
         """Ask for a file and write a report to it."""
         if (state := self._session.store.state) is None:
             return
-        path = file_dialogs.ask_where_to_put_report(
+        path = file_dialogs.ask_where_to_save_report(
             self._window, self._memory.last_folder, state.document.mesh
         )
         if path is not None:
@@ -134,7 +134,7 @@ class ReportController:
         dialog = PictureDialog(self._window, pictures, self._wish or PictureSettings(pictures.view_size * 2))
         if dialog.exec():
             self._wish = wish = dialog.settings
-            path = file_dialogs.ask_where_to_put_picture(
+            path = file_dialogs.ask_where_to_save_picture(
                 self._window, self._memory.last_folder, state.document.mesh
             )
             if path is not None:
@@ -155,11 +155,11 @@ class ReportController:
         )
         scale = self._scale(state)
 
-        def work() -> _Measured:
-            found, at_rest = _checked(state, *checks)
+        def work() -> _ReportMeasurements:
+            found, at_rest = _completed_checks(state, *checks)
             all_made = complete_readings(made, state)
             subject = ReportSubject(state, unit, view.wall, found, at_rest, moment, all_made)
-            return _measured(subject, view, scale)
+            return _measure(subject, view, scale)
 
         title = tr("Measuring for {name}").format(name=path.name)
         session.jobs.run(title, work, lambda measured: self._finish(path, measured, scale))
@@ -170,7 +170,7 @@ class ReportController:
         size = diagonal(V[F.ravel()]) or 1.0
         return self._looks.overlay.scales.get(Measure.AREA) or default_scale(Measure.AREA, size)
 
-    def _finish(self, path: Path, measured: _Measured, scale: Scale) -> None:
+    def _finish(self, path: Path, measured: _ReportMeasurements, scale: Scale) -> None:
         """Render the pictures on this thread, and write the page in the background."""
         session, subject = self._session, measured.subject
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
@@ -186,24 +186,24 @@ class ReportController:
 
         def work() -> str:
             html_page.write_page(
-                path, report_page(subject, measured.evidence, _encoded(images, legend), histogram)
+                path, report_page(subject, measured.evidence, _picture_row(images, legend), histogram)
             )
             return tr("Saved {name}.").format(name=path.name)
 
         title = tr("Writing {name}").format(name=path.name)
         session.jobs.run(title, work, self._notice.show_message, can_be_cancelled=False)
 
-    def _images(self, state: State, measured: _Measured, scale: Scale) -> list[QImage]:
+    def _images(self, state: State, measured: _ReportMeasurements, scale: Scale) -> list[QImage]:
         surface = self._canvas.surface
         studio = OffscreenScene(self._canvas.viewport, state, surface.shows_edges, surface.shading)
         V, U = state.document.mesh.V, state.frame.U
         return [
             studio.painted_picture(V),
             studio.painted_picture(U),
-            studio.measured_picture(U, measured.shades, scale),
+            studio.colored_picture(U, measured.shades, scale),
         ]
 
-    def _legend(self, subject: ReportSubject, measured: _Measured, scale: Scale) -> str:
+    def _legend(self, subject: ReportSubject, measured: _ReportMeasurements, scale: Scale) -> str:
         values = measured.values[np.isfinite(measured.values)]
         span = (float(values.min()), float(values.max())) if len(values) else None
         return legend_svg(scale, subject.unit, span)
@@ -225,7 +225,7 @@ class ReportController:
         return html_page.PageDrawing(drawn(LIGHT), drawn(DARK), caption)
 
 
-def _checked(
+def _completed_checks(
     state: State, found: ShapeCheck | None, at_rest: ShapeCheck | None
 ) -> tuple[ShapeCheck, ShapeCheck]:
     """Checks of the current and the rest shape, computed if missing."""
@@ -236,7 +236,7 @@ def _checked(
     return found or check_shape_in_process(ShapeQuery(state.frame.U, F)), at_rest
 
 
-def _measured(subject: ReportSubject, view: View, scale: Scale) -> _Measured:
+def _measure(subject: ReportSubject, view: View, scale: Scale) -> _ReportMeasurements:
     """Compute the slow measurements of a report."""
     state = subject.state
     mesh, skin, U, target = (
@@ -254,7 +254,7 @@ def _measured(subject: ReportSubject, view: View, scale: Scale) -> _Measured:
         _session_of(state, view),
         None if target is None else target_distance_fields(target, mesh, U),
     )
-    return _Measured(subject, evidence, values, shades)
+    return _ReportMeasurements(subject, evidence, values, shades)
 
 
 def _session_of(state: State, view: View) -> bytes:
@@ -272,7 +272,7 @@ def _session_of(state: State, view: View) -> bytes:
         return path.read_bytes() if path.stat().st_size <= _LONGEST else b""
 
 
-def _encoded(images: list[QImage], legend: str) -> html_page.PagePictureRow:
+def _picture_row(images: list[QImage], legend: str) -> html_page.PagePictureRow:
     captions = tr("Rest shape"), tr("Current shape"), tr("Local area change")
     pictures = [
         html_page.PagePicture(encode_png(image), caption)

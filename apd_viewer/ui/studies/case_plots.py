@@ -77,9 +77,9 @@ class ColumnChoice(ComboBox):
     def _choose(self) -> None:
         self._own = True
         self.chosen.emit()
-        self._tell()
+        self._show_full_title()
 
-    def _tell(self) -> None:
+    def _show_full_title(self) -> None:
         """Show the full title in the tooltip, as the box may elide it."""
         self.setToolTip(f"{self.accessibleName()}: {self.currentText()}")
         self.updateGeometry()
@@ -106,7 +106,7 @@ class ColumnChoice(ComboBox):
         self.setCurrentIndex(max(0, self.findData(wanted)))
         widest = self.view().sizeHintForColumn(0) if self.count() else 0
         self.view().setMinimumWidth(widest + 24)
-        self._tell()
+        self._show_full_title()
 
     def sizeHint(self) -> QSize:
         """Size for the current title instead of the longest one."""
@@ -220,7 +220,7 @@ class ScatterPlot(QWidget):
         self.upright = ColumnChoice(tr("Upright axis"))
         self.across = ColumnChoice(tr("Axis across"))
         self.color = ColumnChoice(tr("Colour"), may_be_none=True)
-        self.view = ScatterView(self._chart, self._about)
+        self.view = ScatterView(self._chart, self._row_tooltip)
         for choice in (self.across, self.upright, self.color):
             choice.chosen.connect(self.redraw)
         self._lay_out()
@@ -265,10 +265,10 @@ class ScatterPlot(QWidget):
 
     def _chart(self) -> Chart:
         if self._drawn is None:
-            self._drawn = self._made()
+            self._drawn = self._new_chart()
         return self._drawn
 
-    def _made(self) -> Chart:
+    def _new_chart(self) -> Chart:
         columns = {column.name: column for column in self._model.columns}
         x, y = columns.get(self.across.name), columns.get(self.upright.name)
         if x is None or y is None or not (x.is_numeric and y.is_numeric):
@@ -289,7 +289,7 @@ class ScatterPlot(QWidget):
         )
         return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
 
-    def _about(self, row: int) -> str:
+    def _row_tooltip(self, row: int) -> str:
         """Tooltip text of a row: its line number and the values of the chosen columns."""
         named = {self.upright.name, self.across.name, self.color.name}
         shown: list[ResultColumn] = [self._model.columns[0]]
@@ -333,9 +333,9 @@ def color_bar_colors() -> tuple[str, ...]:
 
 def dot_colors(axis: Axis, places: np.ndarray) -> tuple[str, ...]:
     """Colours for positions (n,) on an axis; grey for NaN."""
-    share = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
+    fraction = np.clip((places - axis.low) / (axis.high - axis.low), 0.0, 1.0)
     shades = [*map(_hex, SEQUENTIAL.colors(np.linspace(0.0, 1.0, _SHADES)).tolist()), _NOTHING]
-    chosen = np.where(np.isfinite(share), np.rint((_SHADES - 1) * np.nan_to_num(share)), _SHADES)
+    chosen = np.where(np.isfinite(fraction), np.rint((_SHADES - 1) * np.nan_to_num(fraction)), _SHADES)
     return tuple(shades[k] for k in chosen.astype(int).tolist())
 
 

@@ -85,8 +85,8 @@ class CaseStudyController(QObject):
         self.run.reported.connect(self._report)
         self.run.ended.connect(self._end)
         self.panel.case_requested.connect(self._open_case)
-        self.panel.continue_requested.connect(self._go_on)
-        self.panel.retry_requested.connect(partial(self._go_on, retry_failed=True))
+        self.panel.continue_requested.connect(self._continue_study)
+        self.panel.retry_requested.connect(partial(self._continue_study, retry_failed=True))
         self.panel.stop_requested.connect(self._stop)
         self.panel.open_requested.connect(self.ask_for_folder)
 
@@ -152,11 +152,11 @@ class CaseStudyController(QObject):
             return
         self.open_study(folder)
 
-    def _go_on(self, retry_failed: bool = False) -> None:
-        if self.panel.folder is not None and self._trusts(stored_options(self.panel.folder)):
+    def _continue_study(self, retry_failed: bool = False) -> None:
+        if self.panel.folder is not None and self._confirm_scheduler(stored_options(self.panel.folder)):
             self._begin(self.panel.folder, None, retry_failed)
 
-    def _trusts(self, options: list[str]) -> bool:
+    def _confirm_scheduler(self, options: list[str]) -> bool:
         """Ask before connecting to a scheduler named in a folder of unknown origin."""
         address = scheduler_option(options)
         if not address:
@@ -180,9 +180,9 @@ class CaseStudyController(QObject):
 
     # Progress and end of a run
 
-    def _report(self, said: object) -> None:
-        if self.run.folder == self.panel.folder and isinstance(said, dict):
-            self.panel.show_progress(said)
+    def _report(self, progress: object) -> None:
+        if self.run.folder == self.panel.folder and isinstance(progress, dict):
+            self.panel.show_progress(progress)
 
     def _end(self, folder: object, sentence: str) -> None:
         if self.panel.folder is not None and folder == self.panel.folder:
@@ -206,9 +206,11 @@ class CaseStudyController(QObject):
 
         def go() -> None:
             before = self._opened()
-            self._session.files.open_result(name, lambda: _seen_as(before, *case_session(folder, found.key)))
+            self._session.files.open_result(
+                name, lambda: _with_kept_view(before, *case_session(folder, found.key))
+            )
 
-        self._filing.run_unless_unsaved(go)
+        self._filing.run_after_save_prompt(go)
 
     # Window events
 
@@ -239,7 +241,7 @@ class CaseStudyController(QObject):
         self.folder_watch.close()
 
 
-def _seen_as(before: tuple[State, int, View] | None, state: State, view: View) -> tuple[State, View]:
+def _with_kept_view(before: tuple[State, int, View] | None, state: State, view: View) -> tuple[State, View]:
     """State of a case with its view; the previous view is kept for an equal mesh.
 
     So shapes can be compared.

@@ -68,7 +68,7 @@ class CommandProcess(QObject):
         self._process = process = QProcess(self)
         process.readyReadStandardOutput.connect(partial(self._read, process))
         process.finished.connect(partial(self._finish, process))
-        process.errorOccurred.connect(partial(self._stumble, process))
+        process.errorOccurred.connect(partial(self._report_failed_start, process))
         if scratch is not None:
             process.setProcessEnvironment(_with_temporary_files_in(scratch))
         process.start(sys.executable, ["-c", _START, str(len(sys.path)), *sys.path, *arguments])
@@ -110,7 +110,7 @@ class CommandProcess(QObject):
         sentences = [line.removeprefix(_ERROR) for line in errors if line.startswith(_ERROR)]
         self.failed.emit(sentences[-1] if sentences else tr("The work ended unexpectedly; try again."))
 
-    def _stumble(self, process: QProcess, error: QProcess.ProcessError) -> None:
+    def _report_failed_start(self, process: QProcess, error: QProcess.ProcessError) -> None:
         if error is QProcess.ProcessError.FailedToStart and process is self._process:
             self._process = None
             process.deleteLater()

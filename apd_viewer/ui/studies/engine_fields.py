@@ -177,7 +177,11 @@ def host_and_port(address: str) -> tuple[str, int]:
         If it is no address, or there is no such file.
     """
     try:
-        said = _in_file(path_from_text(address)) if address.endswith(SCHEDULER_FILE_SUFFIX) else address
+        said = (
+            _scheduler_address(path_from_text(address))
+            if address.endswith(SCHEDULER_FILE_SUFFIX)
+            else address
+        )
         parts = urlsplit(said if "://" in said else f"tcp://{said}")
         if parts.scheme not in _BY_TCP or not parts.hostname or not parts.port:
             raise ValueError
@@ -192,7 +196,7 @@ def host_and_port(address: str) -> tuple[str, int]:
         ) from None
 
 
-def _in_file(path: Path) -> str:
+def _scheduler_address(path: Path) -> str:
     """Address in the file of a scheduler.
 
     Raises

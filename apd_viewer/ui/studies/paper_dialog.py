@@ -21,7 +21,7 @@ from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 
-def _about() -> str:
+def _introduction() -> str:
     return tr(
         "Reproduces Tables 1 and 2 of Li and Hui on the sample bottle and duck, with ARAP and "
         "with the paper's method (APD), and plots the area loss of ARAP by angle and the handle"
@@ -67,7 +67,7 @@ class PaperDialog(RunDialog):
         self.table: QGridLayout | None = None
         self.figures: list[FigureView] = []
         self._area: QScrollArea | None = None
-        self._column.addWidget(QLabel(_about(), objectName="quiet", wordWrap=True))
+        self._column.addWidget(QLabel(_introduction(), objectName="quiet", wordWrap=True))
         self._column.addWidget(self.run)
         resize_on_screen(self, QSize(640, self._column.totalHeightForWidth(640)))
 
@@ -124,7 +124,7 @@ def _table(lines: list[dict[str, str]]) -> QGridLayout:
         tr("within 0.1 %"),
     )
     for column, title in enumerate(titles):
-        _put(grid, 1, column, QLabel(title, objectName="quiet"))
+        _add_cell(grid, 1, column, QLabel(title, objectName="quiet"))
     by_case: dict[str, dict[str, dict[str, str]]] = {}
     for line in lines:
         by_case.setdefault(line["case"], {})[line["method"]] = line
@@ -141,11 +141,11 @@ def _table(lines: list[dict[str, str]]) -> QGridLayout:
             tr("pass") if passes else tr("fail"),
         )
         for column, cell in enumerate(cells):
-            _put(grid, row, column, QLabel(cell))
+            _add_cell(grid, row, column, QLabel(cell))
     return grid
 
 
-def _put(grid: QGridLayout, row: int, column: int, label: QLabel) -> None:
+def _add_cell(grid: QGridLayout, row: int, column: int, label: QLabel) -> None:
     side = Qt.AlignmentFlag.AlignLeft if column == 0 else Qt.AlignmentFlag.AlignRight
     grid.addWidget(label, row, column, side)
 

@@ -94,7 +94,7 @@ class PlanDialog(QDialog):
         self.setWindowTitle(tr("Study – {name}").format(name=window_title_text(mesh.name)))
         self.varied = VariedFields(self._state, Unit(view.unit))
         self.varied.changed.connect(self._count)
-        self.varied.end_focused.connect(self._look)
+        self.varied.end_focused.connect(self._preview_end)
         self.varied.focus_lost.connect(self._preview.hide)
         self.methods = MethodFields(self._state.document)
         self.methods.changed.connect(self._count)
@@ -120,7 +120,7 @@ class PlanDialog(QDialog):
             "measurements in a table. While you edit an end of a range, the view shows it."
         )
         column.addWidget(QLabel(about, objectName="quiet", wordWrap=True))
-        column.addWidget(QLabel(self._named, objectName="heading"))
+        column.addWidget(QLabel(self._vary_heading, objectName="heading"))
         column.addWidget(self.varied)
         column.addWidget(QFrame(objectName="rule", frameShape=QFrame.Shape.HLine))
         column.addLayout(self._make_rows(folder))
@@ -130,7 +130,7 @@ class PlanDialog(QDialog):
         resize_on_screen(self, QSize(_WIDTH, column.totalHeightForWidth(_WIDTH)))
 
     @property
-    def _named(self) -> str:
+    def _vary_heading(self) -> str:
         handles = self._state.document.handles
         if len(handles) == 1:
             return tr("Vary")
@@ -180,14 +180,14 @@ class PlanDialog(QDialog):
         return row
 
     def _make_foot(self) -> QHBoxLayout:
-        self.words = QLabel(objectName="quiet", wordWrap=True)
+        self.message = QLabel(objectName="quiet", wordWrap=True)
         self.cancel = QPushButton(tr("Cancel"), clicked=self.reject, autoDefault=False)
         self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)
         self.start.setDefault(True)
         self.help = HelpButton()
         row = QHBoxLayout(spacing=8)
         row.addWidget(self.help)
-        row.addWidget(self.words, 1)
+        row.addWidget(self.message, 1)
         row.addWidget(self.cancel)
         row.addWidget(self.start)
         return row
@@ -209,18 +209,18 @@ class PlanDialog(QDialog):
         total = self.methods.chosen_count * math.pow(self.samples.value(), varying) if grid else 0.0
         self.count.setText(tr("= {n:,.0f} cases,").format(n=total) if grid else "")
         self.count.setVisible(grid)
-        self.words.setText("")
+        self.message.setText("")
 
-    def _look(self, name: str, upper: bool) -> None:
+    def _preview_end(self, name: str, upper: bool) -> None:
         """Preview one end of a range on the mesh."""
         try:
             said = self.varied.values_at_end(name, upper)
             document = document_with_values(self._state, Unit(self._view.unit), self._handle, said)
         except InputError as error:
-            self.words.setText(str(error))
+            self.message.setText(str(error))
             self._preview.hide()
         else:
-            self.words.setText("")
+            self.message.setText("")
             self._preview.show(document)
 
     def _browse(self) -> None:
@@ -236,20 +236,20 @@ class PlanDialog(QDialog):
         """Start the study as soon as its engine is available."""
         self._preview.hide()
         try:
-            self._asked = self._designed()
-            self.words.setText("")
+            self._asked = self._designed_study()
+            self.message.setText("")
             self.engine.check_engine()
         except InputError as error:
-            self.words.setText(str(error))
+            self.message.setText(str(error))
         if self.engine.check.is_waiting:
             self.start.setEnabled(False)
-            self.words.setText(tr("Connecting to the scheduler …"))
+            self.message.setText(tr("Connecting to the scheduler …"))
 
     def _say_unreached(self, sentence: str) -> None:
         self.start.setEnabled(True)
-        self.words.setText(sentence)
+        self.message.setText(sentence)
 
-    def _designed(self) -> tuple[Path, PlanRows, list[str]]:
+    def _designed_study(self) -> tuple[Path, PlanRows, list[str]]:
         """Folder, plan rows and command options as entered; raises InputError."""
         folder = path_from_text(self.folder.text())
         options = self.engine.options()
@@ -272,7 +272,7 @@ class PlanDialog(QDialog):
         try:
             write_study(folder, rows, self._state, self._view)
         except InputError as error:
-            self.words.setText(str(error))
+            self.message.setText(str(error))
             return
         self.study_designed.emit(folder, options)
         self.accept()

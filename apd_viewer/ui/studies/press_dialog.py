@@ -83,7 +83,7 @@ class PressDialog(RunDialog):
     def _make_direction(self) -> QHBoxLayout:
         self.direction = ComboBox(accessibleName=tr("Direction to press in"))
         for axis, extent in zip(_AXES, self._extents, strict=True):
-            self.direction.addItem(f"{axis.upper()} ({self._written(extent)})", axis)
+            self.direction.addItem(f"{axis.upper()} ({self._length_text(extent)})", axis)
         self.direction.currentIndexChanged.connect(self._show_distance)
         return widget_row(self.direction)
 
@@ -162,12 +162,12 @@ class PressDialog(RunDialog):
         """Final distance of the plates, mesh units."""
         return float(self.to.value() / 100.0 * self._extents[self.direction.currentIndex()])
 
-    def _written(self, distance: float) -> str:
+    def _length_text(self, distance: float) -> str:
         return self._unit.format_length(number_format.format_length(distance, float(self._extents.max())))
 
     def _show_distance(self) -> None:
         words = tr("of the extent, with the plates {distance} apart")
-        self.distance.setText(words.format(distance=self._written(self._distance)))
+        self.distance.setText(words.format(distance=self._length_text(self._distance)))
 
     def begin(self) -> None:
         """Start the press with the options chosen."""

@@ -161,9 +161,9 @@ class ReadResults(NamedTuple):
 def shown_columns(table: ResultTable) -> list[ResultColumn]:
     """Columns of the results table, with sort keys and longest texts precomputed."""
     line, *found = result_columns(table)
-    asked = [column for column in found if column.is_from_plan]
+    plan_columns = [column for column in found if column.is_from_plan]
     readings = [column for column in found if not column.is_from_plan]
-    shown = [line, *asked, _statuses(table), *readings, _sentences(table)]
+    shown = [line, *plan_columns, _statuses(table), *readings, _sentences(table)]
     for column in shown:
         _ = column.sort_keys, column.longest_texts
     return shown
@@ -171,30 +171,38 @@ def shown_columns(table: ResultTable) -> list[ResultColumn]:
 
 def result_columns(table: ResultTable) -> list[ResultColumn]:
     """Line number, varying columns of the plan, and all readings with numbers."""
-    found = [_plain(LINE_COLUMN, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows])]
+    found = [
+        _whole_number_column(
+            LINE_COLUMN, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows]
+        )
+    ]
     for k in sorted(range(len(table.columns)), key=lambda k: table.columns[k] != MOTION_COLUMN):
         cells = [row.cells[k] for row in table.rows]
-        found += _motions(cells) if table.columns[k] == MOTION_COLUMN else [_asked(table.columns[k], cells)]
-    readings = [_reading(table, name) for name in sorted(READINGS, key=_place)]
-    asked = [each for each in _told_once(found[1:]) if each.varies]
-    return [found[0], *asked, *(each for each in readings if each.is_numeric)]
+        found += (
+            _motions(cells) if table.columns[k] == MOTION_COLUMN else [_plan_column(table.columns[k], cells)]
+        )
+    readings = [_reading(table, name) for name in sorted(READINGS, key=_reading_position)]
+    plan_columns = [each for each in _without_repeated_notes(found[1:]) if each.varies]
+    return [found[0], *plan_columns, *(each for each in readings if each.is_numeric)]
 
 
-def _told_once(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
+def _without_repeated_notes(columns: Sequence[ResultColumn]) -> list[ResultColumn]:
     """Columns without the notes whose numbers repeat another column."""
     notes = [each for each in columns if each.name.startswith(_NOTE)]
     others = [each for each in columns if each not in notes]
-    repeated = [note for note in notes if any(_agree(note.values, each.values) for each in others)]
+    repeated = [
+        note for note in notes if any(_have_equal_numbers(note.values, each.values) for each in others)
+    ]
     return [each for each in columns if each not in repeated]
 
 
-def _agree(one: np.ndarray, other: np.ndarray) -> bool:
+def _have_equal_numbers(one: np.ndarray, other: np.ndarray) -> bool:
     """True if both columns have equal numbers, except for gaps."""
     both = np.isfinite(one) & np.isfinite(other)
     return bool(both.any() and (one[both] == other[both]).all())
 
 
-def _place(name: str) -> int:
+def _reading_position(name: str) -> int:
     """Position of a reading among the columns; unknown readings come last."""
     return list(READING_TEXTS).index(name) if name in READING_TEXTS else len(READING_TEXTS)
 
@@ -204,11 +212,11 @@ def reading_texts(name: str) -> ReadingTexts:
     return READING_TEXTS.get(name, ReadingTexts(name, ""))
 
 
-def _plain(name: str, title: str, tip: str, values: Sequence[float]) -> ResultColumn:
+def _whole_number_column(name: str, title: str, tip: str, values: Sequence[float]) -> ResultColumn:
     return ResultColumn(name, title, tip, np.array(values), tuple(f"{value:.0f}" for value in values))
 
 
-def _asked(name: str, cells: Sequence[str]) -> ResultColumn:
+def _plan_column(name: str, cells: Sequence[str]) -> ResultColumn:
     """Column of a plan, with numbers if all share one unit, or texts."""
     title = PLAN_TITLES.get(name, name.lstrip(NOTE_PREFIX).replace("_", " ").strip().capitalize())
     tip = tr("Column “{name}” of the plan").format(name=name)
@@ -292,14 +300,14 @@ def _writer(words: ReadingTexts) -> Callable[[float], str]:
 def _statuses(table: ResultTable) -> ResultColumn:
     ranks = np.array([_ORDER.index(row.status) for row in table.rows], dtype=float)
     texts = tuple(status_text(row.status) for row in table.rows)
-    return ResultColumn(STATUS_COLUMN, tr("State"), tr("Of the case"), _no_numbers(texts), texts, ranks=ranks)
+    return ResultColumn(STATUS_COLUMN, tr("State"), tr("Of the case"), _gaps(texts), texts, ranks=ranks)
 
 
 def _sentences(table: ResultTable) -> ResultColumn:
     texts = tuple(row.sentence for row in table.rows)
     tip = tr("Why it failed, or what to know of it")
-    return ResultColumn(REMARK_COLUMN, tr("Remark"), tip, _no_numbers(texts), texts)
+    return ResultColumn(REMARK_COLUMN, tr("Remark"), tip, _gaps(texts), texts)
 
 
-def _no_numbers(texts: Sequence[str]) -> np.ndarray:
+def _gaps(texts: Sequence[str]) -> np.ndarray:
     return np.full(len(texts), np.nan)

@@ -125,10 +125,10 @@ class ResultModel(QAbstractTableModel):
         if role == _ROLES.ToolTipRole:
             return self.rows[k].sentence or None
         if role == _ROLES.ForegroundRole:
-            return self._ink(self.rows[k].status, column.name)
+            return self._text_color(self.rows[k].status, column.name)
         return None
 
-    def _ink(self, status: str, column: str) -> QBrush | None:
+    def _text_color(self, status: str, column: str) -> QBrush | None:
         if status in (FAILED, WRONG) and column in (STATUS_COLUMN, REMARK_COLUMN):
             return QBrush(QColor(self.theme.warm))
         return QBrush(QColor(self.theme.quiet)) if status in (WAITING, DUPLICATE) else None
@@ -140,9 +140,11 @@ class ResultModel(QAbstractTableModel):
         column = self.columns[section]
         if role == _ROLES.TextAlignmentRole:
             return _RIGHT if column.is_numeric else _LEFT
-        return {_ROLES.DisplayRole: self._titled(column), _ROLES.ToolTipRole: column.tip}.get(_ROLES(role))
+        return {_ROLES.DisplayRole: self._header_text(column), _ROLES.ToolTipRole: column.tip}.get(
+            _ROLES(role)
+        )
 
-    def _titled(self, column: ResultColumn) -> str:
+    def _header_text(self, column: ResultColumn) -> str:
         """Title of a column, with an arrow for the sort order."""
         name, way = self._sorted_by
         mark = "▴" if way is Qt.SortOrder.AscendingOrder else "▾"
@@ -201,8 +203,8 @@ class ResultsView(QTableView):
         down.setDefaultSectionSize(_ROW)
         down.hide()
         model.modelReset.connect(self._fit)
-        model.rows_moving.connect(self._hold)
-        model.rows_moved.connect(self._hold_no_more)
+        model.rows_moving.connect(self._store_selection)
+        model.rows_moved.connect(self._restore_selection)
         self.clicked.connect(self._click)
 
     def _fit(self) -> None:
@@ -212,13 +214,13 @@ class ResultsView(QTableView):
             widest = max(map(metrics.horizontalAdvance, column.longest_texts), default=0) + _PAD
             self.setColumnWidth(k, min(max(widest, head.sectionSizeHint(k)) + 8, _WIDEST))
 
-    def _hold(self) -> None:
+    def _store_selection(self) -> None:
         """Store and clear the selection, as Qt would take seconds to move 5,000 rows."""
         self._held = self.chosen_rows
         with QSignalBlocker(self.selectionModel()):
             self.selectionModel().clearSelection()
 
-    def _hold_no_more(self) -> None:
+    def _restore_selection(self) -> None:
         """Restore the stored selection at the new row positions."""
         with QSignalBlocker(self.selectionModel()):
             self._select(self._held, _SELECTION.Select)

@@ -81,8 +81,8 @@ class ResultsPanel(QWidget):
     def _lay_out(self) -> None:
         self.bar = ThinBar()
         self.name = ElidedLabel(objectName="heading", margin=8, minimumWidth=_NARROWEST)
-        self.words = ElidedLabel(objectName="quiet")
-        self.words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.message = ElidedLabel(objectName="quiet")
+        self.message.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.go_on = QPushButton(tr("Continue"), toolTip=tr("Compute the cases that are missing"))
         self.retry = QPushButton(tr("Run failed again"), toolTip=tr("Run failed cases once more"))
         self.stop = QPushButton(tr("Stop"))
@@ -97,7 +97,7 @@ class ResultsPanel(QWidget):
         head.setContentsMargins(4, 4, 8, 4)
         head.addWidget(self.name)
         head.addWidget(self.panes.tabs)
-        head.addWidget(self.words, 1)
+        head.addWidget(self.message, 1)
         for button in (self.go_on, self.retry, self.stop, self.show_folder, self.open):
             head.addWidget(button)
         column = QVBoxLayout(self, spacing=0)
@@ -137,8 +137,8 @@ class ResultsPanel(QWidget):
 
     def _follow_status(self) -> None:
         status = self.status
-        self.words.setText(status.text)
-        self.bar.show_share(status.share)
+        self.message.setText(status.text)
+        self.bar.show_fraction(status.finished_fraction)
         self.bar.setVisible(status.is_unfinished)
         self.go_on.setVisible(status.may_continue)
         self.retry.setVisible(status.may_retry)
@@ -262,7 +262,7 @@ class StudyStatus:
         return self.is_running or (self._counts is not None and self._counts.finished < self._counts.cases)
 
     @property
-    def share(self) -> float | None:
+    def finished_fraction(self) -> float | None:
         """Finished fraction of the cases; None while unknown."""
         if self._counts is None:
             return None if self.is_running else 0.0
@@ -309,5 +309,5 @@ class StudyStatus:
             words.append(tr("{time} left").format(time=duration_text(now.seconds_left)))
         if self.is_stopping:
             words.append(tr("finishing the running cases"))
-        said = comma_separated(words)
-        return f"{said}. {self._sentence}" if self._sentence else said
+        summary = comma_separated(words)
+        return f"{summary}. {self._sentence}" if self._sentence else summary

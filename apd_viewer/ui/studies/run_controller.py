@@ -98,7 +98,7 @@ class RunController(QObject):
     def _press_dialog(self, state: State, view: View) -> PressDialog:
         dialog = PressDialog(self._window, state, view, self._memory)
         unit = Unit(view.unit)
-        leave_for, show = self._filing.run_unless_unsaved, self._show_pressed
+        leave_for, show = self._filing.run_after_save_prompt, self._show_pressed
         dialog.run.mesh_requested.connect(lambda path: leave_for(partial(show, path, unit)))
         return dialog
 

@@ -200,8 +200,8 @@ class RunBar(QWidget):
         self._show_busy(False)
 
     def _lay_out(self, start: str) -> None:
-        self.words = QLabel(objectName="quiet", wordWrap=True)
-        self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.message = QLabel(objectName="quiet", wordWrap=True)
+        self.message.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.bar = ThinBar()
         tip = tr("Closes the dialog and opens the saved mesh in the window; undo returns to the mesh before")
         self.open_mesh = QPushButton(tr("Open mesh"), toolTip=tip, clicked=self._ask_for_mesh)
@@ -216,7 +216,7 @@ class RunBar(QWidget):
         row = QHBoxLayout(spacing=8)
         self.help = HelpButton()
         row.addWidget(self.help)
-        row.addWidget(self.words, 1)
+        row.addWidget(self.message, 1)
         for button in (self.open_mesh, self.open, self.save, self.cancel, self.start):
             row.addWidget(button)
         column.addLayout(row)
@@ -257,14 +257,14 @@ class RunBar(QWidget):
 
         start = partial(self.command.start, scratch=scratch)
         self._job = Job(tr("Preparing"), work, start, self._delivered.emit)
-        self.words.setText(tr("preparing"))
-        self.bar.show_share(None)
+        self.message.setText(tr("preparing"))
+        self.bar.show_fraction(None)
         self._show_busy(True)
 
     def stop(self) -> None:
         """End the command in progress and delete its results."""
         self.discard_run()
-        self.words.setText(tr("Cancelled; nothing was written."))
+        self.message.setText(tr("Cancelled; nothing was written."))
         self._show_busy(False)
 
     def discard_run(self) -> None:
@@ -282,7 +282,7 @@ class RunBar(QWidget):
 
     def show_failure(self, sentence: str) -> None:
         """Show the reason for a missing result."""
-        self.words.setText(sentence)
+        self.message.setText(sentence)
         self._show_busy(False)
 
     def _receive(self, outcome: JobOutcome) -> None:
@@ -295,11 +295,11 @@ class RunBar(QWidget):
             outcome.job.on_done(outcome.value)
 
     def _show_progress(self, progress: dict[str, Any]) -> None:
-        self.bar.show_share(progress["done"])
-        self.words.setText(f"{100 * progress['done']:.0f} %  {progress['doing']}")
+        self.bar.show_fraction(progress["done"])
+        self.message.setText(f"{100 * progress['done']:.0f} %  {progress['doing']}")
 
     def _end(self, said: str) -> None:
-        self.words.setText("")
+        self.message.setText("")
         self._show_busy(False)
         self.ended.emit(self.results_folder, said)
 
@@ -332,13 +332,13 @@ class RunBar(QWidget):
                 shutil.copytree(results, scratch, dirs_exist_ok=True)
             return target
 
-        self._job = Job(tr("Saving"), work, self._saved_as, self._delivered.emit)
+        self._job = Job(tr("Saving"), work, self._show_saved, self._delivered.emit)
         self.save.setEnabled(False)
 
-    def _saved_as(self, folder: Path) -> None:
+    def _show_saved(self, folder: Path) -> None:
         self._saved = folder
         self.save.setEnabled(True)
-        self.words.setText(tr("Saved as {folder}.").format(folder=folder))
+        self.message.setText(tr("Saved as {folder}.").format(folder=folder))
         self._show_busy(False)
 
     def _ask_for_mesh(self) -> None:

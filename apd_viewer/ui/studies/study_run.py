@@ -84,11 +84,11 @@ class StudyDesign(NamedTuple):
         vary += [DesignVariable("method", self.methods)] if len(self.methods) > 1 else []
         if not vary:
             raise InputError(tr("Nothing varies; give both ends of a range, or tick several methods."))
-        columns, rows = design_table(self._given(default_method), vary, self.method, self.samples, 0)
+        columns, rows = design_table(self._common_cells(default_method), vary, self.method, self.samples, 0)
         # Designs with only categorical variables yield fewer distinct cases than samples.
         return columns, [list(row) for row in dict.fromkeys(map(tuple, rows))]
 
-    def _given(self, usual: str) -> dict[str, str]:
+    def _common_cells(self, usual: str) -> dict[str, str]:
         """Cells common to all rows, by column."""
         fixed = {s.quantity.name: s.low for s in self.spans if s.high is None and not s.quantity.is_motion}
         fixed |= {"method": self.methods[0]} if len(self.methods) == 1 and self.methods[0] != usual else {}
@@ -238,17 +238,17 @@ class StudyRun(QObject):
         """Stop at once; running cases are computed again on continuation."""
         if self.running:
             self.command.cancel()
-            self._end(_stopped())
+            self._end(_stopped_sentence())
 
     def _fail(self, sentence: str) -> None:
-        self._end(_stopped() if self.stopping else sentence)
+        self._end(_stopped_sentence() if self.stopping else sentence)
 
     def _end(self, sentence: str) -> None:
         folder, self.folder, self.stopping = self.folder, None, False
         self.ended.emit(folder, sentence)
 
 
-def _stopped() -> str:
+def _stopped_sentence() -> str:
     return tr("Stopped; the finished cases are kept.")
 
 

@@ -72,7 +72,7 @@ class SweepDialog(RunDialog):
         name = document.handles[self._handle].name
         self.motion = ComboBox()
         self.motion.setAccessibleName(tr("Motion to sweep"))
-        pushed = self._pushed
+        pushed = self._is_pushed
         if document.relative_to_rest.is_posed or pushed:
             words = tr("current motion of the handles and obstacles")
             self.motion.addItem(words if pushed else tr("current motion of the handles"), _POSED)
@@ -86,7 +86,7 @@ class SweepDialog(RunDialog):
         return widget_row(self.motion, self.twist, spacing=8)
 
     @property
-    def _pushed(self) -> bool:
+    def _is_pushed(self) -> bool:
         """True if moved obstacles push the mesh by contact."""
         return self._state.is_contact_active and any(
             each.shift.any() for each in self._state.document.obstacles
@@ -108,7 +108,7 @@ class SweepDialog(RunDialog):
         self.methods = {name: CheckBox(METHODS[name].short_title) for name in COMPARED_METHODS}
         for name, check in self.methods.items():
             slow = METHODS[name].is_slow
-            may = METHODS[name].may_use_contact or not self._pushed
+            may = METHODS[name].may_use_contact or not self._is_pushed
             check.setEnabled(may)
             check.setChecked(may and (not slow or own == name))
             check.setToolTip(tr("Takes several times as long as the others") if slow else "")
@@ -174,7 +174,7 @@ class AnimationDialog(RunDialog):
         self._path: Path | None = None
         self._before: tuple[int, int] | None = None
         run.start_requested.connect(self.begin)
-        run.ended.connect(self._tell)
+        run.ended.connect(self._report_export)
         about = tr("Solves the motion in steps, and writes the shapes for other programs.")
         rows = (
             (tr("Motion"), self._make_motion(motions)),
@@ -203,29 +203,29 @@ class AnimationDialog(RunDialog):
         document, steps = self.motion.currentData(), round(self.steps.value())
         try:
             case_of(document, steps)
-            path = self._ask()
+            path = self._ask_path()
         except InputError as error:
             self.run.show_failure(str(error))
             return
         if path is None:
             return
-        self._path, self._before = path, _stamp(path)
+        self._path, self._before = path, _file_identity(path)
         words = ["--steps", str(steps), "--methods", document.settings.method]
         state = self._state.updated(document)
         self.run.begin(partial(_sweep_arguments, state, self._view, words, path), other_folder=path.parent)
 
-    def _ask(self) -> Path | None:
-        """Path chosen for the animation; None if cancelled; raises InputError."""
+    def _ask_path(self) -> Path | None:
+        """Ask for the path of the animation; None if cancelled; raises InputError."""
         name = f"{self._state.document.mesh.stem}-animation{self.format.currentData()}"
         path = ask_where_to_save(self, tr("Export animation"), self._memory.last_folder / name)
         if path is not None:
             check_animation(path)
         return path
 
-    def _tell(self) -> None:
+    def _report_export(self) -> None:
         # A failed export leaves an existing file unchanged; the summary gives the reason.
-        if self._path is not None and _stamp(self._path) != self._before:
-            self.run.words.setText(tr("Exported {name}.").format(name=self._path.name))
+        if self._path is not None and _file_identity(self._path) != self._before:
+            self.run.message.setText(tr("Exported {name}.").format(name=self._path.name))
 
 
 def _sweep_arguments(
@@ -238,7 +238,7 @@ def _sweep_arguments(
     return ["sweep", str(session), *words, *animated, "-o", str(results)]
 
 
-def _stamp(path: Path) -> tuple[int, int] | None:
+def _file_identity(path: Path) -> tuple[int, int] | None:
     """Modification time and inode of a file, to detect a replacement; None if missing."""
     try:
         found = path.stat()

@@ -167,18 +167,18 @@ def quantity_range(quantity: VariedQuantity, low: str, high: str, state: State, 
 def _plan_text(quantity: VariedQuantity, text: str, state: State, unit: Unit) -> str:
     """Number with unit in the notation of a plan; raises InputError."""
     if quantity.unit == DEGREES:
-        return _written(math.degrees(parse_angle(text, {}))) + DEGREES
+        return _rounded_text(math.degrees(parse_angle(text, {}))) + DEGREES
     if quantity.unit == NO_UNIT:
-        return _written(parse_number(text, {}))
+        return _rounded_text(parse_number(text, {}))
     share = text.strip()
     if not (share.endswith(PERCENT) or quantity.is_motion):
         SETTING_COLUMNS[quantity.name].parse(share)  # raises InputError on a bare number that may be a factor
     if share.endswith(PERCENT) or not quantity.is_motion:
-        return _written(parse_number(share.removesuffix(PERCENT), {})) + PERCENT
-    return _written(parse_length(text, unit, state.document.mesh.named_lengths))
+        return _rounded_text(parse_number(share.removesuffix(PERCENT), {})) + PERCENT
+    return _rounded_text(parse_length(text, unit, state.document.mesh.named_lengths))
 
 
-def _written(value: float) -> str:
+def _rounded_text(value: float) -> str:
     return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}"
 
 
@@ -188,8 +188,8 @@ class VariedRow:
     def __init__(self, quantity: VariedQuantity) -> None:
         self.quantity = quantity
         self.check = CheckBox(quantity.title, toolTip=quantity.tip)
-        self.low = _end(tr("{name} from").format(name=quantity.title), quantity.low, quantity.tip)
-        self.high = _end(tr("{name} to").format(name=quantity.title), quantity.high, quantity.tip)
+        self.low = _end_field(tr("{name} from").format(name=quantity.title), quantity.low, quantity.tip)
+        self.high = _end_field(tr("{name} to").format(name=quantity.title), quantity.high, quantity.tip)
         self.high.setPlaceholderText(tr("fixed"))
         self.note = QLabel(quantity.note, objectName="quiet", wordWrap=True)
 
@@ -319,7 +319,7 @@ class VariedFields(QWidget):
             return None
 
 
-def _end(name: str, text: str, tip: str) -> TextField:
+def _end_field(name: str, text: str, tip: str) -> TextField:
     field = TextField(toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
     field.setAccessibleName(name)
     field.setText(text)

@@ -59,7 +59,7 @@ class WallFields(QObject):
         self.source = QLabel(_OWN, objectName="quiet", wordWrap=True)
         self.material.currentIndexChanged.connect(self._fill)
         for field in (self.thickness, self.radius, self.young, self.poisson, self.density):
-            field.textEdited.connect(self._own)
+            field.textEdited.connect(self._choose_own_material)
 
     @property
     def rows(self) -> tuple[tuple[str, QHBoxLayout], ...]:
@@ -132,7 +132,7 @@ class WallFields(QObject):
         self.poisson.setText("" if material.poisson is None else format_editable(material.poisson))
         self.density.setText("" if material.density is None else f"{format_editable(material.density)} g/cm³")
 
-    def _own(self) -> None:
+    def _choose_own_material(self) -> None:
         self.material.setCurrentIndex(0)
 
 

@@ -17,12 +17,12 @@ from apd_viewer.ui.target.target_section import TargetSection
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 
-class _Compared(NamedTuple):
+class _TargetComparison(NamedTuple):
     """A shape and its distance from a target shape, None if cancelled."""
 
     target: TargetShape
     U: np.ndarray
-    found: TargetDistance | None
+    distance: TargetDistance | None
 
 
 class TargetController(QObject):
@@ -74,9 +74,9 @@ class TargetController(QObject):
         target = None if state is None else state.document.target_shape
         rests = session.gestures.state_before is None and session.store.activity is not Activity.REFINING
         wanted = (target, state.frame.U) if state and target and rests else None
-        self._want(wanted)
+        self._request_distance(wanted)
 
-    def _want(self, wanted: tuple[TargetShape, np.ndarray] | None) -> None:
+    def _request_distance(self, wanted: tuple[TargetShape, np.ndarray] | None) -> None:
         before, self._wanted = self._wanted, wanted
         if wanted is None:
             self._task.cancel()
@@ -85,12 +85,14 @@ class TargetController(QObject):
             self._section.show_distance(None)
             target, U = wanted
             mesh = self._session.store.required_state().document.mesh
-            self._task.begin(lambda enough: _Compared(target, U, target.target_distance(mesh, U, enough)))
+            self._task.begin(
+                lambda enough: _TargetComparison(target, U, target.target_distance(mesh, U, enough))
+            )
 
     def _take(self, result: object) -> None:
         """Show the thread's result; None if memory ran out."""
-        if isinstance(result, _Compared):
-            self._section.show_distance(result.found)
+        if isinstance(result, _TargetComparison):
+            self._section.show_distance(result.distance)
 
     def close(self) -> None:
         """Cancel the measurement in progress and wait for its thread."""

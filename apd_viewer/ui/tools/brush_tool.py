@@ -43,7 +43,7 @@ class BrushTool(SelectionTool):
         """Begin a stroke if the cursor is on the surface."""
         if not may_begin_stroke(event):
             return False
-        self._look(event)
+        self._update_hit(event)
         if self._hit is None:
             return False
         self._covered = np.zeros(len(self._surface.U), dtype=bool)
@@ -54,14 +54,14 @@ class BrushTool(SelectionTool):
     def move(self, event: QMouseEvent) -> bool:
         """Continue the stroke, or show the brush ring."""
         if self._covered is None:
-            self._look(event)
+            self._update_hit(event)
             if self._hit is not None:
                 self._viewport.setCursor(Qt.CursorShape.CrossCursor)
             return self._hit is not None
         last, hit, self._cursor = self._cursor, self._hit, event.position()
         steps = list(self._steps(last or self._cursor, hit, self._cursor))
         self._hit = steps[-1][1]
-        self._seen = self._sight
+        self._seen = self._view_key
         self._cover(steps)
         self._viewport.tool_layer.update()
         return True
@@ -98,7 +98,7 @@ class BrushTool(SelectionTool):
 
     def paint(self, painter: QPainter) -> None:
         """Draw the ring of the brush on the surface."""
-        if self._cursor is not None and self._seen != self._sight:
+        if self._cursor is not None and self._seen != self._view_key:
             self._pick()  # the mesh or the camera has moved under a resting cursor
         if self._hit is None:
             return
@@ -111,7 +111,7 @@ class BrushTool(SelectionTool):
         painter.setPen(QPen(self._color, 2.0, self._pen_style))
         painter.drawPolyline(ring)
 
-    def _look(self, event: QMouseEvent) -> None:
+    def _update_hit(self, event: QMouseEvent) -> None:
         """Update the hit under the cursor; redraw the ring if needed."""
         before = self._hit, self.effect
         self._cursor = event.position() if self._enabled else None
@@ -122,7 +122,7 @@ class BrushTool(SelectionTool):
 
     def _pick(self) -> None:
         self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
-        self._seen = self._sight
+        self._seen = self._view_key
 
     def _steps(
         self, start: QPointF, last: Hit | None, end: QPointF
@@ -137,11 +137,11 @@ class BrushTool(SelectionTool):
         spacing = np.hypot(way.x(), way.y()) / count
         for i in range(1, count + 1):
             hit = self._surface.hit(start + way * (i / count))
-            joined = last is not None and hit is not None and self._near(last, hit, spacing)
+            joined = last is not None and hit is not None and self._are_near(last, hit, spacing)
             yield (last if joined else None), hit
             last = hit
 
-    def _near(self, a: Hit, b: Hit, spacing: float) -> bool:
+    def _are_near(self, a: Hit, b: Hit, spacing: float) -> bool:
         reach = (
             STEEPEST_STEP
             * max(spacing, 1.0)
@@ -156,14 +156,14 @@ class BrushTool(SelectionTool):
         fresh = []
         for last, hit in steps:
             if hit is not None:
-                ids = self._under(hit if last is None else last, hit)
+                ids = self._vertices_under(hit if last is None else last, hit)
                 fresh.append(ids[~self._covered[ids]])
                 self._covered[ids] = True
         covered = np.concatenate(fresh) if fresh else np.empty(0, dtype=np.int32)
         if len(covered):
             self.vertices_painted.emit(covered)
 
-    def _under(self, last: Hit, hit: Hit) -> np.ndarray:
+    def _vertices_under(self, last: Hit, hit: Hit) -> np.ndarray:
         skin = self._surface.picking_index
         assert skin is not None
         return skin.under_brush(
@@ -203,7 +203,7 @@ class BrushSize(QObject):
         super().__init__(viewport)
         self._viewport = viewport
         self._radius = DEFAULT_RADIUS
-        self._length: float | None = None
+        self._mesh_radius: float | None = None
 
     @property
     def radius(self) -> float:
@@ -213,46 +213,46 @@ class BrushSize(QObject):
     @radius.setter
     def radius(self, radius: float) -> None:
         radius = float(np.clip(radius, SMALLEST_RADIUS, LARGEST_RADIUS))
-        if radius != self._radius or self._length is not None:
-            self._radius, self._length = radius, None
-            self._say()
+        if radius != self._radius or self._mesh_radius is not None:
+            self._radius, self._mesh_radius = radius, None
+            self._announce_change()
 
     def set_radius(self, radius: float) -> None:
         """Set the radius in pixels."""
         self.radius = radius
 
     @property
-    def length(self) -> float | None:
+    def mesh_radius(self) -> float | None:
         """Radius in mesh units, independent of the zoom; None if set in pixels."""
-        return self._length
+        return self._mesh_radius
 
-    @length.setter
-    def length(self, length: float | None) -> None:
-        if length != self._length:
-            self._length = length
-            self._say()
+    @mesh_radius.setter
+    def mesh_radius(self, radius: float | None) -> None:
+        if radius != self._mesh_radius:
+            self._mesh_radius = radius
+            self._announce_change()
 
     def scale(self, factor: float) -> None:
         """Scale the radius by a factor."""
-        if self._length is None:
+        if self._mesh_radius is None:
             self.radius = self._radius * factor
         else:
-            self.length = self._length * factor
+            self.mesh_radius = self._mesh_radius * factor
 
     def radius_on_mesh(self, hit: Hit) -> float:
         """Radius in mesh units at a hit."""
-        if self._length is not None:
-            return self._length
+        if self._mesh_radius is not None:
+            return self._mesh_radius
         return self._radius * self._viewport.camera_controller.camera.world_per_pixel(hit.point)
 
     def dab_spacing(self, hit: Hit | None) -> float:
         """Largest spacing of dabs without a gap, in pixels."""
-        if self._length is None or hit is None:
+        if self._mesh_radius is None or hit is None:
             return max(self._radius / 2, SMALLEST_RADIUS)
         return max(
-            self._length / (2 * self._viewport.camera_controller.camera.world_per_pixel(hit.point)), 1.0
+            self._mesh_radius / (2 * self._viewport.camera_controller.camera.world_per_pixel(hit.point)), 1.0
         )
 
-    def _say(self) -> None:
+    def _announce_change(self) -> None:
         self._viewport.tool_layer.update()
         self.changed.emit()

@@ -84,7 +84,7 @@ class Canvas(QObject):
         self.brush = BrushTool(self.viewport, self.surface)
         self.selectors = self._make_selectors()
         self.gizmo = Gizmo(self.viewport)
-        self.gizmo.may_grab = self._grabs
+        self.gizmo.may_grab = self._may_grab
         self.inactive_handles = InactiveHandles(self.viewport, self.gizmo, self._handle_at)
         self.marks = VertexMarks(self.viewport, self.surface)
         self.coloring = Coloring(self.surface, self.marks)
@@ -149,7 +149,7 @@ class Canvas(QObject):
     def _put_into_hand(self) -> None:
         self._prepare_strokes()
         for way, selector in self.selectors.items():
-            selector.enabled = self.tool.words.is_brush and way is self.selection_mode
+            selector.enabled = self.tool.traits.is_brush and way is self.selection_mode
         self._show_tool()
 
     def _prepare_strokes(self) -> None:
@@ -209,7 +209,7 @@ class Canvas(QObject):
         self.surface.set_mesh(state.surface_index, state.frame.U, self.coloring.begin_mesh(state.document))
 
     def _show_whole(self, document: Document) -> None:
-        self.brush.size.length = self.bend_line = None  # both refer to the previous mesh
+        self.brush.size.mesh_radius = self.bend_line = None  # both refer to the previous mesh
         self.picker.marked_points = np.empty((0, 3))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):
@@ -227,7 +227,7 @@ class Canvas(QObject):
 
     def nudged_pose(self, step: tuple[int, int, int]) -> np.ndarray | None:
         """Pose of the active handle after a small step right, up or to the viewer."""
-        active, eye = _active(self._pivots, self._handle), self.viewport.camera_controller.camera
+        active, eye = _movable_pivot(self._pivots, self._handle), self.viewport.camera_controller.camera
         if active is None:
             return None
         length = nice_step(_NUDGE * eye.world_per_pixel(active.centre))
@@ -235,7 +235,7 @@ class Canvas(QObject):
 
     def frame_mesh(self) -> None:
         """Frame the whole mesh and the gizmo."""
-        active = _active(self._pivots, self._handle)
+        active = _movable_pivot(self._pivots, self._handle)
         self.view.frame_mesh(None if active is None else active.centre)
 
     def look_along(self, axis: str) -> None:
@@ -257,7 +257,7 @@ class Canvas(QObject):
     def _show_tool(self) -> None:
         # Only the Move tool shows pivots; while painting, every event would move the handle centres.
         pivots = self._pivots if self.tool is Tool.MOVE else ()
-        active = None if self._rests else _active(pivots, self._handle)
+        active = None if self._rests else _movable_pivot(pivots, self._handle)
         if active is not None:
             self.gizmo.place(active.pose, active.unposed_position)
         if (active is not None) != self.gizmo.visible:
@@ -273,7 +273,7 @@ class Canvas(QObject):
             for selector in self.selectors.values():
                 selector.color = QColor(*colors[self.tool])
 
-    def _grabs(self, position: QPointF) -> bool:
+    def _may_grab(self, position: QPointF) -> bool:
         return self._handle_at(position) == self._handle
 
     def _handle_at(self, position: QPointF) -> int | None:
@@ -290,7 +290,7 @@ class Canvas(QObject):
         return label - HANDLE if label >= HANDLE else None
 
 
-def _active(pivots: tuple[HandlePivot, ...], handle: int) -> HandlePivot | None:
+def _movable_pivot(pivots: tuple[HandlePivot, ...], handle: int) -> HandlePivot | None:
     """Pivot of the given handle, or None if it cannot be moved."""
     return next((pivot for pivot in pivots if pivot.number == handle), None)
 

@@ -60,7 +60,7 @@ class ClickTool(SelectionTool):
         """Begin a click if the cursor is on the mesh."""
         if not self._enabled or not may_begin_stroke(event):
             return False
-        self._look(event)
+        self._update_hit(event)
         self._pressed = self._hit is not None
         return self._pressed
 
@@ -68,7 +68,7 @@ class ClickTool(SelectionTool):
         """Preview the selection at the cursor."""
         if not self._enabled:
             return False
-        self._look(event)
+        self._update_hit(event)
         if self._hit is not None:
             self._viewport.setCursor(Qt.CursorShape.CrossCursor)
         return self._hit is not None
@@ -78,8 +78,8 @@ class ClickTool(SelectionTool):
         if not self._pressed:
             return  # the press was cancelled
         self._pressed = False
-        self._look(event)
-        vertices = self._under()
+        self._update_hit(event)
+        vertices = self._connected_vertices()
         if len(vertices):
             self._apply(self.effect, vertices)
         elif self._hit is not None:
@@ -115,32 +115,32 @@ class ClickTool(SelectionTool):
 
     def paint(self, _painter: QPainter) -> None:
         """Update the preview if mesh or camera moved under a resting cursor."""
-        if self._cursor is not None and self._seen != self._sight:
+        if self._cursor is not None and self._seen != self._view_key:
             self._pick()
 
-    def _look(self, event: QMouseEvent) -> None:
+    def _update_hit(self, event: QMouseEvent) -> None:
         self._cursor, self.effect = event.position(), stroke_effect(event)
         self._pick()
 
     def _pick(self) -> None:
         self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
-        self._seen = self._sight
+        self._seen = self._view_key
         self._show()
 
     def _show(self) -> None:
-        self.previewed.emit(self._under() if self._hit is not None else None)
+        self.previewed.emit(self._connected_vertices() if self._hit is not None else None)
 
-    def _under(self) -> np.ndarray:
+    def _connected_vertices(self) -> np.ndarray:
         """Vertices connected to the surface point under the cursor."""
         skin = self._surface.picking_index
         if skin is None or self._hit is None:
             return _NONE
         key = self._hit.face, self.crease_angle, self._surface.revision
         if self._known[0] != key:
-            self._known = key, self._found(skin, self._hit.face)
+            self._known = key, self._vertices_connected_to(skin, self._hit.face)
         return self._known[1]
 
-    def _found(self, skin: SurfaceIndex, face: int) -> np.ndarray:
+    def _vertices_connected_to(self, skin: SurfaceIndex, face: int) -> np.ndarray:
         if self._reach is ClickExtent.CREASE:
             return skin.vertices_up_to_creases(self._surface.U, face, np.deg2rad(self.crease_angle))
         return skin.component(face) if self._reach is ClickExtent.COMPONENT else skin.border_loop(face)

@@ -283,7 +283,7 @@ class InactiveHandles(MouseTool, QObject):
     def press(self, event: QMouseEvent) -> bool:
         """Take the handle under the cursor."""
         pans = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
-        number = self._taken_at(event.position())
+        number = self._number_at(event.position())
         if number is None or pans or event.button() != Qt.MouseButton.LeftButton:
             return False
         self.chosen.emit(number)
@@ -298,7 +298,7 @@ class InactiveHandles(MouseTool, QObject):
         """Drag the activated handle, or show the name of the one under the cursor."""
         if self._gizmo.is_dragged:
             return self._gizmo.move(event)
-        number = self._taken_at(event.position())
+        number = self._number_at(event.position())
         self._show(number)
         if number is not None:
             self._viewport.setCursor(Qt.CursorShape.PointingHandCursor)
@@ -311,7 +311,7 @@ class InactiveHandles(MouseTool, QObject):
     def paint(self, painter: QPainter) -> None:
         """Draw the dots, and the name of the handle under the cursor."""
         for pivot in self.pivots:
-            at = self._on_screen(pivot)
+            at = self._screen_position(pivot)
             if at is not None:
                 self._draw(painter, pivot, QPointF(*at))
 
@@ -339,7 +339,7 @@ class InactiveHandles(MouseTool, QObject):
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, pivot.name)
         painter.setOpacity(1.0)
 
-    def _on_screen(self, pivot: HandlePivot) -> np.ndarray | None:
+    def _screen_position(self, pivot: HandlePivot) -> np.ndarray | None:
         eye = self._viewport.camera_controller.camera
         if float(eye.depth(pivot.centre)) <= 1e-6 * eye.distance:
             return None
@@ -349,12 +349,12 @@ class InactiveHandles(MouseTool, QObject):
     def _dot_at(self, position: QPointF) -> int | None:
         cursor = np.array([position.x(), position.y()])
         for pivot in self.pivots:
-            at = self._on_screen(pivot)
+            at = self._screen_position(pivot)
             if at is not None and np.linalg.norm(at - cursor) <= PICK_RADIUS:
                 return pivot.number
         return None
 
-    def _taken_at(self, position: QPointF) -> int | None:
+    def _number_at(self, position: QPointF) -> int | None:
         """Number of the inactive handle whose dot or paint is at a position, or None."""
         dot = self._dot_at(position)
         if dot is not None or not self.pivots:

@@ -66,12 +66,12 @@ class GizmoDrag:
         """Drag with the cursor moved to a pixel position."""
         frame = replace(self.frame, camera=camera)
         if self.handle in RINGS:
-            return self._turned(frame, x, y, snap)
+            return self._with_rotation(frame, x, y, snap)
         if self.handle == "scale":
-            return self._scaled(frame, x, y, snap)
-        return self._shifted(frame, x, y, snap)
+            return self._with_scaling(frame, x, y, snap)
+        return self._with_translation(frame, x, y, snap)
 
-    def _turned(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
+    def _with_rotation(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         i = axis_index(self.handle)
         angle = self.angle + cursor_rotation(frame, i, self.last, (x, y))
         shown = snapped(angle, SNAP_ANGLE) if snap else angle
@@ -79,14 +79,14 @@ class GizmoDrag:
         text = f"{format_signed(np.rad2deg(shown), 1)}°"
         return replace(self, last=(x, y), pose=pose, angle=angle, snapped_angle=shown, text=text)
 
-    def _scaled(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
+    def _with_scaling(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         far, before = (float(np.linalg.norm(np.array(p) - frame.screen_centre)) for p in ((x, y), self.start))
         factor = far / before
         factor = max(SNAP_SCALE, snapped(factor, SNAP_SCALE) if snap else factor)
         pose = scaling_about(frame.centre, factor) @ self.start_pose
         return replace(self, last=(x, y), pose=pose, text=f"× {format_grouped(factor, 2)}")
 
-    def _shifted(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
+    def _with_translation(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         directions, names = self._directions(frame)
         here, there = (self._offset(frame, *p) for p in ((x, y), self.start))
         if here is None or there is None:
@@ -142,17 +142,17 @@ def position_along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float 
     """
     axis = frame.axes[i]
     sight = unit(frame.centre - frame.camera.position)
-    point = _on_plane(frame, sight - (sight @ axis) * axis, x, y)
+    point = _plane_point(frame, sight - (sight @ axis) * axis, x, y)
     return None if point is None else float((point - frame.centre) @ axis)
 
 
 def offset_in_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
     """Offset (3,) from the centre to the cursor in a plane through the centre."""
-    point = _on_plane(frame, normal, x, y)
+    point = _plane_point(frame, normal, x, y)
     return None if point is None else point - frame.centre
 
 
-def _on_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
+def _plane_point(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
     origin, direction = frame.camera.ray(x, y)
     slope = float(direction @ normal)
     if abs(slope) < 1e-3 * float(np.linalg.norm(normal)):

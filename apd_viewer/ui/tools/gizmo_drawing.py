@@ -62,15 +62,15 @@ class GizmoAppearance:
         """Line width of a gizmo handle, in pixels."""
         return 4.0 if handle in (self.hovered_handle, self.drag and self.drag.handle) else 2.4
 
-    def colour(self, handle: str) -> QColor:
+    def color(self, handle: str) -> QColor:
         """Colour of a gizmo handle, brighter under the cursor."""
         name = (
             CENTRE[self.dark]
             if handle in ("centre", "scale")
             else AXIS_COLOURS[self.dark][axis_index(handle)]
         )
-        colour = QColor(name)
-        return colour.lighter(112) if handle == self.hovered_handle else colour
+        color = QColor(name)
+        return color.lighter(112) if handle == self.hovered_handle else color
 
 
 def draw_gizmo(painter: QPainter, frame: GizmoFrame, appearance: GizmoAppearance) -> None:
@@ -117,10 +117,10 @@ def _draw_ring(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: i
     points, near = frame.ring(i)
     painter.setOpacity(look.opacity(name) * BACK)
     for part in chosen_runs(points, ~near):
-        draw_polyline(painter, part, look.colour(name), look.width(name) - 0.8)
+        draw_polyline(painter, part, look.color(name), look.width(name) - 0.8)
     painter.setOpacity(look.opacity(name))
     for part in chosen_runs(points, near):
-        draw_polyline(painter, part, look.colour(name), look.width(name), INK[look.dark])
+        draw_polyline(painter, part, look.color(name), look.width(name), INK[look.dark])
 
 
 def _draw_square(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: int, name: str) -> None:
@@ -128,10 +128,10 @@ def _draw_square(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i:
         return
     visible = min(1.0, (abs(frame.facing[i]) - EDGE_ON) / 0.1)
     painter.setOpacity(look.opacity(name) * visible)
-    colour = look.colour(name)
-    fill = QColor(colour)
+    color = look.color(name)
+    fill = QColor(color)
     fill.setAlphaF(0.75 if name in (look.hovered_handle, look.drag and look.drag.handle) else 0.38)
-    painter.setPen(QPen(colour, 1.4))
+    painter.setPen(QPen(color, 1.4))
     painter.setBrush(fill)
     painter.drawPolygon(to_polygon(frame.square(i)))
 
@@ -142,16 +142,16 @@ def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: 
     start, end, _, letter = frame.arrow(i)
     visible = min(1.0, (ALONG_VIEW - abs(frame.facing[i])) / 0.06)
     painter.setOpacity(look.opacity(name) * visible)
-    colour = look.colour(name)
-    draw_polyline(painter, np.array([start, end]), colour, look.width(name), INK[look.dark])
+    color = look.color(name)
+    draw_polyline(painter, np.array([start, end]), color, look.width(name), INK[look.dark])
     painter.setPen(QPen(QColor(INK[look.dark]), 1.2))
-    painter.setBrush(colour)
+    painter.setBrush(color)
     painter.drawPolygon(to_polygon(convex_hull(frame.tip(i))))
     if len(frame.offered_handles) > 1:  # a single arrow needs no name
-        _draw_letter(painter, name.upper(), letter, colour, INK[look.dark])
+        _draw_letter(painter, name.upper(), letter, color, INK[look.dark])
 
 
-def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, colour: QColor, halo: str) -> None:
+def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, color: QColor, halo: str) -> None:
     font = QFont(painter.font())
     font.setPixelSize(13)
     font.setWeight(QFont.Weight.Bold)
@@ -159,7 +159,7 @@ def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, colour: QColor,
     path.addText(0, 0, font, letter)
     path.translate(QPointF(*at) - path.boundingRect().center())
     painter.strokePath(path, QPen(with_opacity(halo), 3.0, j=Qt.PenJoinStyle.RoundJoin))
-    painter.fillPath(path, colour)
+    painter.fillPath(path, color)
 
 
 def _draw_scale(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> None:
@@ -171,9 +171,9 @@ def _draw_scale(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> 
     half = 5.5 if hot else 4.5
     way = (corner - frame.screen_centre) / np.linalg.norm(corner - frame.screen_centre)
     ends = np.array([frame.screen_centre + (RING_RADIUS + 6.0) * way, corner - 8.0 * way])
-    draw_polyline(painter, ends, look.colour("scale"), 1.4, INK[look.dark])
+    draw_polyline(painter, ends, look.color("scale"), 1.4, INK[look.dark])
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
-    painter.setBrush(look.colour("scale"))
+    painter.setBrush(look.color("scale"))
     painter.drawRoundedRect(QRectF(corner[0] - half, corner[1] - half, 2 * half, 2 * half), 1.5, 1.5)
 
 
@@ -183,7 +183,7 @@ def _draw_centre(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
     hot = "centre" in (look.hovered_handle, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("centre"))
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
-    painter.setBrush(look.colour("centre"))
+    painter.setBrush(look.color("centre"))
     radius = DOT_RADIUS + 1.5 if hot else DOT_RADIUS
     painter.drawEllipse(QPointF(*frame.to_screen(np.zeros((1, 3)))[0]), radius, radius)
 
@@ -193,24 +193,24 @@ def _draw_motion(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
     drag = look.drag
     if drag is None:
         return
-    colour = look.colour(drag.handle)
+    color = look.color(drag.handle)
     if drag.handle in RINGS:
-        _draw_slice(painter, frame, drag, colour)
+        _draw_slice(painter, frame, drag, color)
         return
     if drag.handle in ARROWS:
         reach = min(2000 * frame.pixel_length, 0.8 * float(frame.camera.depth(frame.centre)))
         line = frame.camera.project(frame.centre + np.outer([-reach, reach], drag.axis))
-        painter.setPen(QPen(with_opacity(colour, 0.35), 1.2))
+        painter.setPen(QPen(with_opacity(color, 0.35), 1.2))
         painter.drawPolyline(to_polygon(line))
     ends = frame.camera.project(np.array([drag.frame.centre, frame.centre]))
-    painter.setPen(QPen(colour, 1.6, Qt.PenStyle.DotLine))
+    painter.setPen(QPen(color, 1.6, Qt.PenStyle.DotLine))
     painter.drawPolyline(to_polygon(ends))
-    painter.setPen(QPen(colour, 1.6))
+    painter.setPen(QPen(color, 1.6))
     painter.setBrush(with_opacity(INK[look.dark]))
     painter.drawEllipse(QPointF(*ends[0]), 4, 4)
 
 
-def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: GizmoDrag, colour: QColor) -> None:
+def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: GizmoDrag, color: QColor) -> None:
     spoke = offset_in_plane(drag.frame, drag.axis, *drag.start)
     if spoke is None or abs(drag.frame.facing[axis_index(drag.handle)]) < EDGE_ON:
         towards = frame.camera.position - frame.centre
@@ -219,6 +219,6 @@ def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: GizmoDrag, colour: Q
     angles = np.linspace(0.0, np.clip(drag.snapped_angle, -2 * np.pi, 2 * np.pi), 65)
     rim = np.array([rotation(drag.axis, a) @ spoke for a in angles])
     points = frame.camera.project(frame.centre + np.vstack([np.zeros((1, 3)), rim]))
-    painter.setPen(QPen(colour, 1.4))
-    painter.setBrush(with_opacity(colour, 0.34))
+    painter.setPen(QPen(color, 1.4))
+    painter.setBrush(with_opacity(color, 0.34))
     painter.drawPolygon(to_polygon(points))

@@ -16,7 +16,7 @@ from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
 from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.picking.bounding_hierarchy import BoundingHierarchy
+    from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarchy
     from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 _SMALLEST = 3.0  # px: smallest extent of an outline; a smaller one is a click
@@ -52,10 +52,10 @@ class OutlineTool(SelectionTool):
         self._through = False
         self._corners: list[QPointF] = []
         self._cursor = QPointF()
-        self._seen: tuple[object, np.ndarray, BoundingHierarchy] | None = None
+        self._seen: tuple[object, np.ndarray, BoundingVolumeHierarchy] | None = None
         self._foreseen: tuple[object, ...] = ()  # inputs of the latest preview
         self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE)
-        self.preview_timer.timeout.connect(self._foresee)
+        self.preview_timer.timeout.connect(self._preview)
 
     @property
     def selects_hidden(self) -> bool:
@@ -74,7 +74,7 @@ class OutlineTool(SelectionTool):
         self._cursor = event.position()
         if self._kind is OutlineKind.POLYGON and self._corners:
             again = event.type() == QEvent.Type.MouseButtonDblClick
-            if again or _far(self._cursor, self._corners[0]) <= _CLOSES:
+            if again or _distance(self._cursor, self._corners[0]) <= _CLOSES:
                 self._cursor = self._corners[0]  # the closing click adds no corner
                 self._finish()
                 return True
@@ -92,7 +92,7 @@ class OutlineTool(SelectionTool):
         self._viewport.setCursor(Qt.CursorShape.CrossCursor)
         if not self._corners:
             return True
-        if self._kind is OutlineKind.LASSO and _far(self._cursor, self._corners[-1]) >= _NEXT:
+        if self._kind is OutlineKind.LASSO and _distance(self._cursor, self._corners[-1]) >= _NEXT:
             self._corners.append(self._cursor)
         self._show()
         return True
@@ -142,22 +142,22 @@ class OutlineTool(SelectionTool):
         if not self.preview_timer.isActive():
             self.preview_timer.start()
 
-    def _foresee(self) -> None:
+    def _preview(self) -> None:
         self._foreseen = self._state()
-        self.previewed.emit(self._within())
+        self.previewed.emit(self._vertices_inside())
 
     def _state(self) -> tuple[object, ...]:
-        return self._through, *self._sight
+        return self._through, *self._view_key
 
     def _shape(self) -> list[QPointF]:
         a, b = self._corners[0], self._cursor
         if self._kind is OutlineKind.BOX:
             return [a, QPointF(b.x(), a.y()), b, QPointF(a.x(), b.y())]
-        closes = self._kind is OutlineKind.POLYGON and len(self._corners) > 1 and _far(a, b) <= _CLOSES
+        closes = self._kind is OutlineKind.POLYGON and len(self._corners) > 1 and _distance(a, b) <= _CLOSES
         return self._corners.copy() if closes or b == self._corners[-1] else [*self._corners, b]
 
     def _finish(self) -> None:
-        act, vertices, shape = self.effect, self._within(), self._shape()
+        act, vertices, shape = self.effect, self._vertices_inside(), self._shape()
         box = QPolygonF(shape).boundingRect()
         self._end()
         if len(shape) > 2 and max(box.width(), box.height()) >= _SMALLEST:
@@ -169,7 +169,7 @@ class OutlineTool(SelectionTool):
         self._viewport.tool_layer.update()
         self.previewed.emit(None)
 
-    def _within(self) -> np.ndarray:
+    def _vertices_inside(self) -> np.ndarray:
         """Selectable vertices within the outline."""
         skin, U, eye = self._surface.picking_index, self._surface.U, self._viewport.camera_controller.camera
         if skin is None or not self._corners:
@@ -181,7 +181,7 @@ class OutlineTool(SelectionTool):
 
     def _visible(self, skin: SurfaceIndex, vertices: np.ndarray) -> np.ndarray:
         """Visibility mask (k,) of ``vertices``, cached per view and shape."""
-        key = self._sight
+        key = self._view_key
         if self._seen is None or self._seen[0] != key:
             U = self._surface.U
             self._seen = key, np.full(len(U), -1, dtype=np.int8), skin.visibility_tree(U)
@@ -195,7 +195,7 @@ class OutlineTool(SelectionTool):
         return known[vertices] == 1
 
 
-def _far(a: QPointF, b: QPointF) -> float:
+def _distance(a: QPointF, b: QPointF) -> float:
     return float(np.hypot(a.x() - b.x(), a.y() - b.y()))
 
 
@@ -228,13 +228,13 @@ class SlabTool(SelectionTool):
         self._pressed = QPointF()
         self._dragged = False
         self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE)
-        self.preview_timer.timeout.connect(lambda: self.previewed.emit(self._between()))
+        self.preview_timer.timeout.connect(lambda: self.previewed.emit(self._vertices_between()))
 
     def press(self, event: QMouseEvent) -> bool:
         """Set the first plane."""
         if not self._enabled or not may_begin_stroke(event):
             return False
-        self._look(event)
+        self._update_hit(event)
         if self._here is None:
             return False
         self.effect, self._start = stroke_effect(event), self._here
@@ -248,7 +248,7 @@ class SlabTool(SelectionTool):
         if not self._enabled:
             return False
         if self._start is None:
-            self._look(event)
+            self._update_hit(event)
             self._viewport.tool_layer.update()
             return self._here is not None
         frame = GizmoFrame(self._viewport.camera_controller.camera, self._start, np.eye(3))
@@ -262,7 +262,7 @@ class SlabTool(SelectionTool):
     def release(self, _event: QMouseEvent) -> None:
         """Select the vertices between the planes."""
         if self._start is not None:
-            act, vertices = self.effect, self._between()
+            act, vertices = self.effect, self._vertices_between()
             self._finish()
             if self._dragged:
                 self._apply(act, vertices)
@@ -310,7 +310,7 @@ class SlabTool(SelectionTool):
                 self._pen_style,
             )
 
-    def _look(self, event: QMouseEvent) -> None:
+    def _update_hit(self, event: QMouseEvent) -> None:
         hit = self._surface.hit(event.position())
         self._here = None if hit is None else hit.point
         if hit is not None:
@@ -330,7 +330,7 @@ class SlabTool(SelectionTool):
         self._viewport.tool_layer.update()
         self.previewed.emit(None)
 
-    def _between(self) -> np.ndarray:
+    def _vertices_between(self) -> np.ndarray:
         skin = self._surface.picking_index
         if self._start is None or skin is None:
             return np.empty(0, dtype=np.int64)

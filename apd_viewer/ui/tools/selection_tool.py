@@ -108,7 +108,7 @@ class SelectionTool(MouseTool, QObject):
         return Qt.PenStyle.DashLine if self.effect is StrokeEffect.REMOVE else Qt.PenStyle.SolidLine
 
     @property
-    def _sight(self) -> tuple[object, ...]:
+    def _view_key(self) -> tuple[object, ...]:
         """Key of shape and camera, to detect outdated hit tests."""
         return self._surface.revision, self._viewport.camera_controller.camera.key
 
@@ -210,4 +210,4 @@ class SelectionStrokes(QObject):
 
     def _end(self) -> None:
         erased = self._act is StrokeEffect.REMOVE
-        self.ended.emit((Tool.ERASE if erased else self._tool).words.title)
+        self.ended.emit((Tool.ERASE if erased else self._tool).traits.title)

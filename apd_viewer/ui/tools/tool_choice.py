@@ -34,7 +34,7 @@ class ToolChoice(QObject):
     def choose_mode(self, mode: SelectionMode) -> None:
         """Set the selection mode, and activate a painting tool if none is active."""
         self.set_mode(mode)
-        if not self._canvas.tool.words.is_brush:
+        if not self._canvas.tool.traits.is_brush:
             self.choose_tool(Tool.HANDLE)
 
     def set_mode(self, mode: SelectionMode) -> None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from apd_viewer.language import tr, trc
 
 
-class _ToolWords(NamedTuple):
+class _ToolTraits(NamedTuple):
     title: str
     key: str
     icon: str
@@ -24,33 +24,33 @@ _CAMERA = tr("drag orbits, middle button or Shift+drag pans, wheel zooms to the 
 class Tool(Enum):
     """Mouse tool; its value holds its texts."""
 
-    ORBIT = _ToolWords(tr("Orbit"), "O", "orbit", tr("Look around"), _CAMERA)
-    BASE = _ToolWords(
+    ORBIT = _ToolTraits(tr("Orbit"), "O", "orbit", tr("Look around"), _CAMERA)
+    BASE = _ToolTraits(
         tr("Paint base"), "B", "paint-base", tr("Paint the part that stays in place"), is_brush=True
     )
-    HANDLE = _ToolWords(tr("Paint handle"), "H", "paint-handle", tr("Paint a part to move"), is_brush=True)
-    REGION = _ToolWords(
+    HANDLE = _ToolTraits(tr("Paint handle"), "H", "paint-handle", tr("Paint a part to move"), is_brush=True)
+    REGION = _ToolTraits(
         tr("Paint region"),
         "R",
         "paint-region",
         tr("Paint a part to measure its area or keep it"),
         is_brush=True,
     )
-    ERASE = _ToolWords(
+    ERASE = _ToolTraits(
         tr("Erase"),
         "E",
         "erase",
         tr("Erase base and handle so that the part can deform; where there is neither, erase the region"),
         is_brush=True,
     )
-    MOVE = _ToolWords(
+    MOVE = _ToolTraits(
         tr("Move handle"),
         "M",
         "move",
         tr("Move and rotate a handle, or move an obstacle, with arrows, squares and rings"),
         tr("drag an arrow, a square or a ring; Ctrl snaps, Esc cancels, a click selects another"),
     )
-    MEASURE = _ToolWords(
+    MEASURE = _ToolTraits(
         tr("Measure"),
         "Q",
         "measure",
@@ -59,17 +59,17 @@ class Tool(Enum):
     )
 
     @property
-    def words(self) -> _ToolWords:
+    def traits(self) -> _ToolTraits:
         """Title, shortcut, icon, tooltip and hint, and whether the tool paints."""
-        words: _ToolWords = self.value
-        return words
+        traits: _ToolTraits = self.value
+        return traits
 
     def hint(self, mode: SelectionMode) -> str:
         """Status hint of the tool, with the modifier keys of the selection mode."""
-        if not self.words.is_brush:
-            return tr("{tool}: {deed}").format(tool=self.words.title, deed=self.words.hint)
+        if not self.traits.is_brush:
+            return tr("{tool}: {deed}").format(tool=self.traits.title, deed=self.traits.hint)
         return tr("{tool}: {deed}; {modifiers}").format(
-            tool=self.words.title, deed=mode.words.hint, modifiers=self.modifiers
+            tool=self.traits.title, deed=mode.traits.hint, modifiers=self.modifiers
         )
 
     @property
@@ -81,56 +81,56 @@ class Tool(Enum):
 class SelectionMode(Enum):
     """Selection mode of the painting tools; its value holds its texts."""
 
-    BRUSH = _ToolWords(
+    BRUSH = _ToolTraits(
         tr("Brush"),
         "D",
         "way-brush",
         tr("Paint the surface under a round brush"),
         tr("drag on the mesh, wheel changes the size, Ctrl+wheel zooms"),
     )
-    BOX = _ToolWords(
+    BOX = _ToolTraits(
         trc("selection", "Box"),
         "X",
         "way-box",
         tr("Select inside a box on the screen"),
         tr("drag a box"),
     )
-    LASSO = _ToolWords(
+    LASSO = _ToolTraits(
         tr("Lasso"),
         "Z",
         "way-lasso",
         tr("Select inside a freehand outline"),
         tr("draw an outline"),
     )
-    POLYGON = _ToolWords(
+    POLYGON = _ToolTraits(
         tr("Polygon"),
         "P",
         "way-polygon",
         tr("Select inside a polygon on the screen"),
         tr("click its corners; click the first again or press Enter to close it"),
     )
-    FILL = _ToolWords(
+    FILL = _ToolTraits(
         tr("Fill to sharp edges"),
         "G",
         "way-fill",
         tr("Select the surface around a point, up to sharp edges"),
         tr("click a point, wheel sets the edge angle, Ctrl+wheel zooms"),
     )
-    PIECE = _ToolWords(
+    PIECE = _ToolTraits(
         tr("Connected part"),
         "J",
         "way-piece",
         tr("Select everything connected to a point"),
         tr("click a part"),
     )
-    LOOP = _ToolWords(
+    LOOP = _ToolTraits(
         tr("Boundary loop"),
         "U",
         "way-loop",
         tr("Select the open boundary nearest to a point"),
         tr("click near an open boundary"),
     )
-    SLAB = _ToolWords(
+    SLAB = _ToolTraits(
         tr("Between planes"),
         "Y",
         "way-slab",
@@ -139,10 +139,10 @@ class SelectionMode(Enum):
     )
 
     @property
-    def words(self) -> _ToolWords:
+    def traits(self) -> _ToolTraits:
         """Title, shortcut, icon, tooltip and hint."""
-        words: _ToolWords = self.value
-        return words
+        traits: _ToolTraits = self.value
+        return traits
 
 
 FIRST_TOOL, FIRST_MODE = Tool.MOVE, SelectionMode.BRUSH

@@ -20,12 +20,12 @@ def distinct_names(paths: Sequence[Path]) -> list[str]:
     for path in paths:
         others = [other for other in paths if other.name == path.name and other != path]
         parts = path.parent.parts
-        least = max((_common(parts, other.parent.parts) for other in others), default=-1) + 1
+        least = max((_common_folder_count(parts, other.parent.parts) for other in others), default=-1) + 1
         named.append(f"{path.name} – {Path(*parts[-least:])}" if least else path.name)
     return named
 
 
-def _common(parts: Sequence[str], others: Sequence[str]) -> int:
+def _common_folder_count(parts: Sequence[str], others: Sequence[str]) -> int:
     """Number of equal folders at the ends of two paths."""
     pairs = zip(reversed(parts), reversed(others), strict=False)
     return next((k for k, (part, other) in enumerate(pairs) if part != other), min(len(parts), len(others)))

@@ -172,9 +172,9 @@ class NumberField(QDoubleSpinBox):
         return self.value() if self._problem(text) else float(self._digits(text))
 
     def _digits(self, text: str) -> str:
-        return self._bare(text).replace(",", ".")
+        return self._number_text(text).replace(",", ".")
 
-    def _bare(self, text: str) -> str:
+    def _number_text(self, text: str) -> str:
         # The suffix remains after the typed text, which may repeat it.
         number = text.removesuffix(self.suffix()).strip().removesuffix(self.suffix().strip())
         return number.strip(" %")
@@ -197,7 +197,7 @@ class NumberField(QDoubleSpinBox):
     def _doubt(self, text: str, value: float) -> str:
         """Question about an ambiguous number; empty if it is clear."""
         try:
-            check_unambiguous(unambiguous_text(self._bare(text)), ",")
+            check_unambiguous(unambiguous_text(self._number_text(text)), ",")
             if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(PERCENT_SIGN):
                 check_no_factor(value)
         except InputError as error:
@@ -353,7 +353,7 @@ class ErrorBubble(QLabel):
         self.setAccessibleName(sentence)
         self.setFixedWidth(_WIDTH)
         self.setFixedHeight(self.heightForWidth(_WIDTH))
-        self.move(self._beneath(ground))
+        self.move(self._bubble_position(ground))
         self.show()
         self.raise_()
         QAccessible.updateAccessibility(QAccessibleEvent(self, QAccessible.Event.Alert))
@@ -362,7 +362,7 @@ class ErrorBubble(QLabel):
         """Hide the message after 6 s."""
         self._leaving.start()
 
-    def _beneath(self, ground: QWidget) -> QPoint:
+    def _bubble_position(self, ground: QWidget) -> QPoint:
         """Position below the field, or above it, inside ``ground``."""
         field = self._field
         corner = field.mapTo(ground, QPoint(field.width() - self.width(), field.height() + _GAP))

@@ -206,7 +206,7 @@ class NamedList(QWidget, Generic[Row]):
 
     def _put_in_tab_order(self, row: Row) -> None:
         """Insert a row into the tab order after the rows above it."""
-        before = self._before
+        before = self._previous_widget
         for other in self.rows:
             widgets: list[QWidget] = [other, *other.findChildren(QWidget)]
             for widget in filter(_takes_keys, widgets):
@@ -215,7 +215,7 @@ class NamedList(QWidget, Generic[Row]):
                 before = widget
 
     @property
-    def _before(self) -> QWidget:
+    def _previous_widget(self) -> QWidget:
         """Last widget before the list in the tab order."""
         before: QWidget | None = self.previousInFocusChain()
         while before is not None and before is not self and not _takes_keys(before):

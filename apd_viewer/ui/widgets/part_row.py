@@ -170,9 +170,9 @@ class PartList(NamedList[PartRow]):
         colors: Sequence[tuple[int, int, int]],
         make: Callable[[int, str, tuple[int, int, int]], PartRow],
     ) -> None:
-        super().__init__(lambda k, name: self._connected(k, make(k, name, colors[k % len(colors)])))
+        super().__init__(lambda k, name: self._connect_buttons(k, make(k, name, colors[k % len(colors)])))
 
-    def _connected(self, k: int, row: PartRow) -> PartRow:
+    def _connect_buttons(self, k: int, row: PartRow) -> PartRow:
         row.buttons.hide_requested.connect(lambda on: self.hidden.emit(k, on))
         row.buttons.lock_requested.connect(lambda on: self.locked.emit(k, on))
         row.buttons.clear_requested.connect(lambda: self.cleared.emit(k))

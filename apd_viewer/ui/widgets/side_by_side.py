@@ -11,11 +11,11 @@ _WIDE = 1000  # px; smallest width for all panes in a row
 
 
 class Pane(NamedTuple):
-    """Widget with the title of its tab and its fraction of the width."""
+    """Widget with the title of its tab and its stretch factor."""
 
     title: str
     widget: QWidget
-    share: int
+    stretch: int
 
 
 class SideBySide(QSplitter):
@@ -41,16 +41,16 @@ class SideBySide(QSplitter):
         self.buttons = [QToolButton(text=part.title, checkable=True, objectName="choice") for part in panes]
         for k, (part, button) in enumerate(zip(panes, self.buttons, strict=True)):
             self.addWidget(part.widget)
-            self.setStretchFactor(k, part.share)
+            self.setStretchFactor(k, part.stretch)
             button.setAutoExclusive(True)
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
             button.clicked.connect(partial(self.choose, k))
             row.addWidget(button)
         self.buttons[0].setChecked(True)
-        self._share()
+        self._share_width()
 
-    def _share(self) -> None:
-        self.setSizes([_WIDE * part.share for part in self._parts])
+    def _share_width(self) -> None:
+        self.setSizes([_WIDE * part.stretch for part in self._parts])
 
     def choose(self, number: int) -> None:
         """Select the pane shown while only one fits."""
@@ -66,7 +66,7 @@ class SideBySide(QSplitter):
             self._one = one
             self.setOrientation(way)
             self._follow()
-            self._share()
+            self._share_width()
 
     def _follow(self) -> None:
         self.tabs.setVisible(self._one)

@@ -57,7 +57,7 @@ class SliderField(QWidget):
         self.slider = Slider(
             scale, accessibleName=tr("{name}, slider").format(name=name), toolTip=field.toolTip()
         )
-        neutral = f"{field.textFromValue(self._neutral)}{field.suffix()}"
+        neutral = f"{field.textFromValue(self._neutral_value)}{field.suffix()}"
         self.reset_button = small_button(
             tr("{name}: reset to {neutral}").format(name=name, neutral=neutral),
             tr("Reset to {neutral}").format(neutral=neutral),
@@ -78,8 +78,8 @@ class SliderField(QWidget):
         column.addLayout(row)
         column.addWidget(self.slider)
         if ends is not None:
-            column.addLayout(_between(*ends))
-        self.show_value(self._neutral)
+            column.addLayout(_end_labels(*ends))
+        self.show_value(self._neutral_value)
         self._connect()
 
     def _connect(self) -> None:
@@ -92,7 +92,7 @@ class SliderField(QWidget):
         self.reset_button.clicked.connect(self._go_back)
 
     @property
-    def _neutral(self) -> float:
+    def _neutral_value(self) -> float:
         return self._scale.value_at(self._scale.neutral)
 
     @property
@@ -109,7 +109,7 @@ class SliderField(QWidget):
             self.slider.blockSignals(True)
             self.slider.setValue(step)
             self.slider.blockSignals(False)
-        self.reset_button.setVisible(value != self._neutral)
+        self.reset_button.setVisible(value != self._neutral_value)
 
     def set_active(self, on: bool) -> None:
         """Enable or disable field and slider, keeping the value."""
@@ -125,11 +125,11 @@ class SliderField(QWidget):
         self.chosen.emit(value)
 
     def _go_back(self) -> None:
-        if self.value != self._neutral:
-            self._choose(self._neutral)
+        if self.value != self._neutral_value:
+            self._choose(self._neutral_value)
 
 
-def _between(left: str, right: str) -> QHBoxLayout:
+def _end_labels(left: str, right: str) -> QHBoxLayout:
     row = QHBoxLayout()
     row.addWidget(QLabel(left, objectName="quiet"))
     row.addStretch(1)

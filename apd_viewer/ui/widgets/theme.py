@@ -161,10 +161,10 @@ class _LineIcon(QIconEngine):
     def pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
         key = *size.toTuple(), mode, state
         if key not in self._pictures:
-            self._pictures[key] = self._drawn(size, mode, state)
+            self._pictures[key] = self._rendered_pixmap(size, mode, state)
         return self._pictures[key]
 
-    def _drawn(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
+    def _rendered_pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
         pixmap = QPixmap(size)
         if pixmap.isNull():  # null before the button is laid out
             return pixmap
@@ -180,11 +180,11 @@ class _LineIcon(QIconEngine):
 
 def icon(name: str, theme: Theme) -> QIcon:
     """Icon ``name`` of ``resources/icons`` in the colours of ``theme``."""
-    return QIcon(_LineIcon(_drawing(name), theme))
+    return QIcon(_LineIcon(_svg_source(name), theme))
 
 
 @cache
-def _drawing(name: str) -> str:
+def _svg_source(name: str) -> str:
     return resource_path(f"icons/{name}.svg").read_text(encoding="utf-8")
 
 

@@ -42,10 +42,10 @@ class ThinBar(QProgressBar):
         super().__init__(maximum=_SCALE, textVisible=False, objectName="thin")
         self._drawn = 0.0
 
-    def show_share(self, share: float | None) -> None:
+    def show_fraction(self, fraction: float | None) -> None:
         """Show the completed fraction of the work; None if unknown."""
-        self.setMaximum(0 if share is None else _SCALE)
-        self.setValue(round(_SCALE * (share or 0.0)))
+        self.setMaximum(0 if fraction is None else _SCALE)
+        self.setValue(round(_SCALE * (fraction or 0.0)))
 
     def event(self, event: QEvent) -> bool:
         """Stop the busy animation once progress is known; slow it if cursors do not blink."""

@@ -1,10 +1,10 @@
-"""Events of the mouse that widgets leave to others, or keep from them."""
+"""Mouse events that a widget passes on to its parent, or keeps from it."""
 
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QWidget
 
 
-class _Past(QObject):
+class _WheelIgnorer(QObject):
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
         """Ignore the wheel, so that Qt passes it to the parent."""
         if event.type() is not QEvent.Type.Wheel:
@@ -20,7 +20,7 @@ def ignore_wheel(control: QWidget) -> None:
     """
     if control.focusPolicy() is Qt.FocusPolicy.WheelFocus:
         control.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    control.installEventFilter(_Past(control))
+    control.installEventFilter(_WheelIgnorer(control))
 
 
 _KEPT = {
@@ -31,7 +31,7 @@ _KEPT = {
 }
 
 
-class _Shield(QObject):
+class _MouseEventBlocker(QObject):
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
         """Consume events unused by the widget and its children."""
         return event.type() in _KEPT
@@ -39,4 +39,4 @@ class _Shield(QObject):
 
 def block_mouse_events(widget: QWidget) -> None:
     """Keep unhandled mouse events on ``widget`` from reaching its parent."""
-    widget.installEventFilter(_Shield(widget))
+    widget.installEventFilter(_MouseEventBlocker(widget))

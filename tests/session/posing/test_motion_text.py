@@ -104,7 +104,7 @@ def test_document_along_makes_no_way_shorter_for_turns_of_opposite_signs(state):
     np.testing.assert_allclose(posed.pose, paths(state, motion)[0].pose_at(1.0), atol=1e-12)
 
 
-def test_typed_step_writes_its_words_in_one_way():
+def test_parse_motion_reads_steps_that_write_their_words_in_one_way():
     first, second = (
         parse_motion(text) for text in ("Twist  120deg ;; push 30%", "handle 1: twist 120deg; push 30%")
     )

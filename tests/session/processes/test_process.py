@@ -254,7 +254,7 @@ def children_of(processes: list[ChildProcess]) -> list[int]:
 
 
 @linux
-def test_far_factor_is_ended_when_it_has_become_useless(factoring, processes):
+def test_remote_factor_is_ended_when_it_has_become_useless(factoring, processes):
     (useless,) = children_of(processes)
     factoring.show_now(bar())
     factoring.paint_ends()
@@ -268,7 +268,7 @@ def test_far_factor_is_ended_when_it_has_become_useless(factoring, processes):
 
 
 @linux
-def test_far_factor_that_is_needed_goes_on_whatever_the_pose(factoring, processes):
+def test_remote_factor_that_is_needed_goes_on_whatever_the_pose(factoring, processes):
     before = children_of(processes)
     factoring.drag(pose(0.1), pose(0.2))
     factoring.listen(0.3)
@@ -312,7 +312,7 @@ def test_session_close_ends_a_factorization_at_once(factoring, processes):
 
 
 @linux
-def test_far_factor_goes_along_with_a_killed_process(factoring, processes):
+def test_remote_factor_goes_along_with_a_killed_process(factoring, processes):
     (before,) = children_of(processes)
     kill(processes, factoring)
     factoring.until(lambda: gone(before), 5.0)  # it may not have loaded yet what lets it notice
@@ -320,7 +320,7 @@ def test_far_factor_goes_along_with_a_killed_process(factoring, processes):
 
 
 @linux
-def test_far_factor_that_dies_is_begun_again(factoring, processes):
+def test_remote_factor_that_dies_is_begun_again(factoring, processes):
     factoring.drag(pose(0.1))
     (before,) = children_of(processes)
     os.kill(before, SIGKILL)

@@ -82,21 +82,21 @@ def test_actions_share_no_shortcut(scene):
 def test_select_actions_take_a_way_and_a_tool_that_paints_by_a_key(scene, keyboard, tool):
     for way in reversed(SelectionMode):
         scene.take(tool, SelectionMode.BRUSH)
-        keyboard(getattr(Qt.Key, f"Key_{way.words.key}"))
+        keyboard(getattr(Qt.Key, f"Key_{way.traits.key}"))
         assert scene.canvas.selection_mode is way
-        assert scene.canvas.tool is (tool if tool.words.is_brush else Tool.HANDLE)
+        assert scene.canvas.tool is (tool if tool.traits.is_brush else Tool.HANDLE)
         ways = scene.window.actions_.select.modes
         assert [other for other in SelectionMode if ways[other].isChecked()] == [way]
         assert scene.window.actions_.tools[scene.canvas.tool].isChecked()
         assert [other for other in SelectionMode if scene.canvas.selectors[other].enabled] == [way]
-        assert way.words.hint in scene.window.status.words.text()
+        assert way.traits.hint in scene.window.status.hint.text()
 
 
 def test_selection_mode_bar_is_there_for_the_tools_that_paint_and_its_buttons_work(qtbot, scene):
     bar = scene.window.mode_bar
     for tool in Tool:
         scene.take(tool, SelectionMode.BRUSH)
-        assert bar.isVisible() == tool.words.is_brush
+        assert bar.isVisible() == tool.traits.is_brush
     scene.take(Tool.BASE, SelectionMode.BRUSH)
     for way, action in scene.window.actions_.select.modes.items():
         qtbot.mouseClick(bar.widgetForAction(action), Qt.MouseButton.LeftButton)

@@ -7,7 +7,7 @@ from mesh_contents import CUBE, QUADS, vtp
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.ui.filing.file_dialogs import ask_where_to_put_mesh
+from apd_viewer.ui.filing.file_dialogs import ask_where_to_save_mesh
 from apd_viewer.ui.plots.plots import ask_where_to_save_plots
 
 CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -37,12 +37,12 @@ def ask(qtbot, mesh, tmp_path, monkeypatch):
 
         monkeypatch.setattr(QFileDialog, "getSaveFileName", dialog)
         monkeypatch.setattr(QMessageBox, "question", lambda *words: asked.append(words[2]) or answer)
-        return ask_where_to_put_mesh(parent, tmp_path, mesh), asked, offered[0]
+        return ask_where_to_save_mesh(parent, tmp_path, mesh), asked, offered[0]
 
     return choose
 
 
-def test_ask_where_to_put_mesh_loses_nothing_and_asks_nothing_in_the_own_format(ask, tmp_path):
+def test_ask_where_to_save_mesh_loses_nothing_and_asks_nothing_in_the_own_format(ask, tmp_path):
     target, asked, offered = ask("out.obj", NO)
     assert (target, asked) == (tmp_path / "out.obj", [])
     assert Path(offered[2]).name == "part-deformed.obj", "its own format comes first"
@@ -52,7 +52,7 @@ def test_ask_where_to_put_mesh_loses_nothing_and_asks_nothing_in_the_own_format(
 
 @pytest.mark.parametrize(("answer", "written"), [(YES, True), (NO, False)])
 @pytest.mark.parametrize("name", ["out.stl", "out"])
-def test_ask_where_to_put_mesh_says_before_what_a_format_cannot_hold(ask, tmp_path, name, answer, written):
+def test_ask_where_to_save_mesh_says_before_what_a_format_cannot_hold(ask, tmp_path, name, answer, written):
     target, asked, _ = ask(name, answer, "STL (*.stl)")
     assert target == (tmp_path / "out.stl" if written else None)
     assert len(asked) == 1
@@ -60,7 +60,7 @@ def test_ask_where_to_put_mesh_says_before_what_a_format_cannot_hold(ask, tmp_pa
     assert "Exporting as OBJ loses nothing." in asked[0]
 
 
-def test_ask_where_to_put_mesh_gives_and_asks_nothing_when_one_thinks_better_of_it(ask):
+def test_ask_where_to_save_mesh_gives_and_asks_nothing_when_one_thinks_better_of_it(ask):
     target, asked, _ = ask("", YES)
     assert (target, asked) == (None, [])
 
@@ -81,7 +81,7 @@ def test_ask_where_to_save_plots_replaces_no_file_without_being_asked(qtbot, tmp
 
 
 @pytest.mark.parametrize(("chosen", "loses"), [("VTP (*.vtp)", False), ("OBJ (*.obj)", True)])
-def test_ask_where_to_put_mesh_proposes_vtk_for_a_surface_of_vtk_and_tells_the_loss_elsewhere(
+def test_ask_where_to_save_mesh_proposes_vtk_for_a_surface_of_vtk_and_tells_the_loss_elsewhere(
     chosen, loses, qtbot, tmp_path, monkeypatch
 ):
     (tmp_path / "part.vtp").write_bytes(vtp(CUBE, QUADS))
@@ -96,5 +96,5 @@ def test_ask_where_to_put_mesh_proposes_vtk_for_a_surface_of_vtk_and_tells_the_l
 
     monkeypatch.setattr(QFileDialog, "getSaveFileName", dialog)
     monkeypatch.setattr(QMessageBox, "question", lambda *words: asked.append(words[2]) or YES)
-    assert ask_where_to_put_mesh(parent, tmp_path, mesh) == tmp_path / f"out.{'obj' if loses else 'vtp'}"
+    assert ask_where_to_save_mesh(parent, tmp_path, mesh) == tmp_path / f"out.{'obj' if loses else 'vtp'}"
     assert ["point data (heat) and cell data (layer)" in said for said in asked] == [True] * loses

@@ -21,7 +21,7 @@ from apd_viewer.ui.workbench import Workbench
 def chosen(monkeypatch):
     """What the next file dialogs answer."""
     answers = {}
-    names = "ask_where_to_put_session", "ask_for_selection", "ask_where_to_put_selection", "ask_for_mesh"
+    names = "ask_where_to_save_session", "ask_for_selection", "ask_where_to_save_selection", "ask_for_mesh"
     for name in names:
         monkeypatch.setattr(file_dialogs, name, lambda *_, name=name: answers[name])
     return answers
@@ -35,7 +35,7 @@ def test_open_path_shows_the_same_picture_of_a_saved_session_again(qtbot, bottle
         60, 20
     )
     idle(qtbot, bottle)
-    chosen["ask_where_to_put_session"] = path, False
+    chosen["ask_where_to_save_session"] = path, False
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     assert path.name in bottle.notice.text
@@ -59,11 +59,11 @@ def test_open_path_shows_the_same_picture_of_a_saved_session_again(qtbot, bottle
 
 def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
-    chosen["ask_where_to_put_session"] = path, True
+    chosen["ask_where_to_save_session"] = path, True
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     size = path.stat().st_size
-    chosen["ask_where_to_put_session"] = None
+    chosen["ask_where_to_save_session"] = None
     bottle.session.handles.move_by(MOTIONS["TWIST"], "5", 0)
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
@@ -79,7 +79,7 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
 
 def test_file_requests_open_a_session_at_the_start_of_a_window(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
-    chosen["ask_where_to_put_session"] = path, False
+    chosen["ask_where_to_save_session"] = path, False
     bottle.session.handles.move_by(MOTIONS["TWIST"], "30", 0)
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
@@ -97,7 +97,7 @@ def test_file_requests_open_a_session_at_the_start_of_a_window(qtbot, bottle, tm
 
 def test_load_selection_brings_a_saved_selection_back_as_one_step(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "paint.json"
-    chosen["ask_where_to_put_selection"] = chosen["ask_for_selection"] = path
+    chosen["ask_where_to_save_selection"] = chosen["ask_for_selection"] = path
     before = bottle.session.store.state.document.labels
     bottle.actions_.select.files[1].trigger()
     idle(qtbot, bottle)

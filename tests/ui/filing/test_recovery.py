@@ -104,7 +104,9 @@ def test_restore_gives_unsaved_work_that_is_saved_only_where_one_says(
     save_session(tmp_path / "earlier.apd", duck, View())
     earlier = (tmp_path / "earlier.apd").read_bytes()
     asked, answers = [], []
-    monkeypatch.setattr(file_dialogs, "ask_where_to_put_session", lambda *_: asked.append(1) or answers.pop())
+    monkeypatch.setattr(
+        file_dialogs, "ask_where_to_save_session", lambda *_: asked.append(1) or answers.pop()
+    )
     window = started()
     assert window.recovery.text == "Unsaved work: my duck.obj, 3 minutes ago"
     window.files.open_path(tmp_path / "earlier.apd")

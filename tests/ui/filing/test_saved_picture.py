@@ -15,7 +15,7 @@ from apd_viewer.ui.scene.scene_picture import scene_picture, small_picture
 def saved(qtbot, bottle, tmp_path, monkeypatch):
     """Saves the session of the window, and returns its file."""
     path = tmp_path / "s.apd"
-    monkeypatch.setattr(file_dialogs, "ask_where_to_put_session", lambda *_: (path, True))
+    monkeypatch.setattr(file_dialogs, "ask_where_to_save_session", lambda *_: (path, True))
 
     def save():
         bottle.actions_.file.save.trigger()

@@ -24,7 +24,7 @@ def base_of(window):
     return window.session.store.state.document.labels == BASE
 
 
-def test_typed_card_previews_what_is_typed_and_adds_it_by_return(qtbot, bottle, card):
+def test_text_entry_card_previews_what_is_typed_and_adds_it_by_return(qtbot, bottle, card):
     before = base_of(bottle)
     y = bottle.session.store.state.document.mesh.V[:, 1]
     QTest.keyClicks(card.text, "y < 5")
@@ -37,7 +37,7 @@ def test_typed_card_previews_what_is_typed_and_adds_it_by_return(qtbot, bottle, 
     np.testing.assert_array_equal(base_of(bottle), before)
 
 
-def test_typed_card_removes_with_alt_and_replaces_with_ctrl(qtbot, bottle, card):
+def test_text_entry_card_removes_with_alt_and_replaces_with_ctrl(qtbot, bottle, card):
     before = base_of(bottle)
     card.text.setText("0-99")
     qtbot.keyClick(card.text, Qt.Key.Key_Return, CONTROL)
@@ -50,7 +50,7 @@ def test_typed_card_removes_with_alt_and_replaces_with_ctrl(qtbot, bottle, card)
     np.testing.assert_array_equal(base_of(bottle), before)
 
 
-def test_typed_card_says_what_cannot_be_read_and_leaves_no_trace_on_escape(qtbot, bottle, card):
+def test_text_entry_card_says_what_cannot_be_read_and_leaves_no_trace_on_escape(qtbot, bottle, card):
     state = bottle.session.store.state
     QTest.keyClicks(card.text, "y > 5 furlong")
     assert "furlong" in card.message_label.text()

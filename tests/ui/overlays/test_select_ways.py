@@ -44,7 +44,7 @@ def test_selection_tool_paints_what_it_previews_as_one_step_of_undo(qtbot, theat
         gesture = gesture or Gesture(scene.window, way)
         assert gesture.chosen.any() or (name, way) == ("cup", SelectionMode.LOOP)
         assert way is SelectionMode.PIECE or not gesture.chosen.all()
-        steps, said = scene.steps, f"{tool.words.title} with {modifiers}"
+        steps, said = scene.steps, f"{tool.traits.title} with {modifiers}"
         mouse = gesture.begin(scene.view, modifiers)
         if way is not SelectionMode.BRUSH:
             np.testing.assert_array_equal(scene.previewed, gesture.chosen, said)

@@ -26,27 +26,27 @@ def test_text_entries_takes_the_size_of_a_brush_in_pixels_or_as_a_length(qtbot, 
     bottle.actions_.select.sizes[2].trigger()
     assert bottle.canvas.tool is Tool.HANDLE
     entered(qtbot, typed, "31 px")
-    assert (brush.radius, brush.length, typed.isHidden()) == (31.0, None, True)
+    assert (brush.radius, brush.mesh_radius, typed.isHidden()) == (31.0, None, True)
     bottle.actions_.select.sizes[2].trigger()
     assert typed.text.text() == typed.text.selectedText() == "31px", "the present size, to be typed over"
     entered(qtbot, typed, "0.05L")
-    assert brush.length == pytest.approx(0.05 * max(bottle.session.store.state.inspection.size))
+    assert brush.mesh_radius == pytest.approx(0.05 * max(bottle.session.store.state.inspection.size))
     assert "Brush" in bottle.status.currentMessage()
     bottle.choose_unit(Unit.MILLIMETRE)
     bottle.actions_.select.sizes[2].trigger()
-    assert typed.text.text() == f"{brush.length:.4g}mm"
+    assert typed.text.text() == f"{brush.mesh_radius:.4g}mm"
     qtbot.keyClick(typed.text, Qt.Key.Key_Escape)
     bottle.actions_.select.sizes[0].trigger()
-    assert brush.length == pytest.approx(1.25 * 0.05 * max(bottle.session.store.state.inspection.size))
+    assert brush.mesh_radius == pytest.approx(1.25 * 0.05 * max(bottle.session.store.state.inspection.size))
 
 
 @pytest.mark.parametrize("text", ["0", "-3px", "large px", "3 apples", "60deg"])
 def test_text_entries_refuses_a_brush_of_no_size_in_a_sentence(qtbot, bottle, text):
     brush, typed = bottle.canvas.brush.size, bottle.edits.text_entries.brush
-    before = brush.radius, brush.length
+    before = brush.radius, brush.mesh_radius
     bottle.actions_.select.sizes[2].trigger()
     entered(qtbot, typed, text)
-    assert (brush.radius, brush.length) == before
+    assert (brush.radius, brush.mesh_radius) == before
     assert not typed.isHidden()
     assert typed.message_label.text().endswith(".")
     assert typed.message_label.text() != typed.help

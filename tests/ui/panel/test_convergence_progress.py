@@ -46,13 +46,13 @@ def test_convergence_progress_comes_after_a_while_and_goes_at_the_end(solving):
     assert not progress.isVisible()
     solving.go_on(30, first=9)
     assert progress.isVisible()
-    assert "about" in progress.words.text()
+    assert "about" in progress.time_left.text()
     done = progress.bar.value()
     solving.go_on(30, first=39)
     assert progress.bar.value() > done > 0
     solving.now += 30.0
     progress.follow(replace(solving.frame, iteration=100, gap=0.0), solving=True)
-    assert progress.words.text() == "looking for a lower energy…"
+    assert progress.time_left.text() == "looking for a lower energy…"
     progress.follow(solving.frame, solving=False)
     assert not progress.isVisible()
 
@@ -80,7 +80,7 @@ def test_convergence_progress_has_no_number_while_it_is_not_known(solving):
     solving.go_on(20, gap=1e6)
     solving.now += 50.0
     solving.progress.follow(replace(solving.frame, iteration=21, gap=None), solving=True)
-    assert solving.progress.words.text().endswith("…")
+    assert solving.progress.time_left.text().endswith("…")
 
 
 def test_convergence_progress_is_not_shown_for_a_quick_motion(qtbot, bottle):

@@ -153,10 +153,10 @@ def test_set_contact_ends_a_twist_without_a_crossing(qtbot, coarse):
         found.append(len(crossings(state.frame.U, state.document.mesh.joined_F)))
         assert state.frame.share_reached == 1.0
         assert coarse.panel.volume.pairs.isVisible() is on
-        assert not on or coarse.panel.volume.share.text() == "100 %"
+        assert not on or coarse.panel.volume.path_fraction.text() == "100 %"
         coarse.session.gestures.undo()
         idle(qtbot, coarse)
-        assert not on or coarse.panel.volume.share.text() == NO_VALUE, "nothing has moved"
+        assert not on or coarse.panel.volume.path_fraction.text() == NO_VALUE, "nothing has moved"
     assert found[0] > 0
     assert found[1] == 0
 
@@ -181,7 +181,7 @@ def test_size_section_counts_a_thickness_with_a_unit_once_that_of_the_mesh_is_kn
 def test_volume_section_reads_contact_too(qtbot, bottle):
     volume = bottle.panel.volume
     bottle.session.settings.set_contact(True, 0.03)
-    said = [label.text() for label in (volume.pairs, volume.least_gap, volume.share)]
+    said = [label.text() for label in (volume.pairs, volume.least_gap, volume.path_fraction)]
     assert said == ["none", "–", "–"], "nothing has moved"
     bottle.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
     idle(qtbot, bottle)

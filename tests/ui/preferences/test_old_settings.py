@@ -36,7 +36,7 @@ def test_preferences_read_all_that_version_0_1_0_kept(memory):
     }
     assert memory.shortcuts == {"undo": "Ctrl+U", "paint": "Shift+P, Q", "open": ""}
     assert memory.display_options == {"overlay": "bending", "ghost": "on", "edges": "off", "area": "40 0"}
-    assert memory.has_toured
+    assert memory.has_seen_tour
     assert memory.values[COLOR_SCHEME] is Qt.ColorScheme.Dark
 
 

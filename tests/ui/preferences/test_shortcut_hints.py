@@ -73,7 +73,7 @@ def test_next_step_hint_follows_the_keys_of_the_tool_that_it_names(ball, painted
         paint(ball, label, np.argsort(document(ball).mesh.V[:-1, 1])[slice(-9, None) if label else slice(9)])
     ball.tools.choose_tool(Tool.ORBIT)
     action = ball.actions_.tools[tool]
-    assert ball.invitation.text().endswith(f" ({tool.words.key})")
+    assert ball.invitation.text().endswith(f" ({tool.traits.key})")
     entry = next(entry for entry in ball.help.shortcuts.entries if entry.action is action)
     ball.help.shortcuts.assign_keys(entry, "Ctrl+J")
     assert ball.invitation.text().endswith(" (Ctrl+J)")

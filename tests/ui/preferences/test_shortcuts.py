@@ -118,9 +118,9 @@ def test_shortcut_sheet_has_every_action_of_the_menus(active, sheet):
 def test_shortcut_sheet_explains_the_mouse_in_the_words_of_the_tools(sheet):
     said = " ".join(label.text() for label in sheet.findChildren(QLabel)).casefold()
     for way in SelectionMode:
-        assert way.words.hint.casefold() in said
+        assert way.traits.hint.casefold() in said
     for tool in (Tool.ORBIT, Tool.MOVE):
-        assert tool.words.hint.casefold() in said
+        assert tool.traits.hint.casefold() in said
     assert Tool.HANDLE.modifiers.casefold() in said
 
 

@@ -51,7 +51,7 @@ def test_coloring_shows_colors_of_the_file_under_the_paint_when_asked(qtbot, col
     np.testing.assert_array_equal(shown(colored), paint)
 
 
-def test_look_actions_offer_no_file_colors_without_colors(bottle):
+def test_display_actions_offer_no_file_colors_without_colors(bottle):
     assert not bottle.actions_.display.switches["file_colors"].isEnabled()
 
 

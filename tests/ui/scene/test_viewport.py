@@ -194,7 +194,7 @@ def test_set_mesh_replaces_the_first_mesh_by_another(view, surface):
     view.screenshot()
 
 
-def test_look_frames_the_points_in_an_axis_view(view, surface):
+def test_camera_controller_frames_the_points_in_an_axis_view(view, surface):
     view.camera_controller.look_along("top")
     view.camera_controller.frame(surface.U)
     np.testing.assert_allclose(view.camera_controller.camera.axes[2], [0, -1, 0], atol=1e-12)
@@ -203,7 +203,9 @@ def test_look_frames_the_points_in_an_axis_view(view, surface):
     assert (xy < [view.width(), view.height()]).all()
 
 
-def test_look_keeps_in_a_resized_view_what_was_in_frame_until_the_camera_moves(qtbot, view, surface):
+def test_camera_controller_keeps_in_a_resized_view_what_was_in_frame_until_the_camera_moves(
+    qtbot, view, surface
+):
     def reach():
         half = np.array([view.width(), view.height()]) / 2
         return np.abs(view.camera_controller.camera.project(surface.U) / half - 1).max()

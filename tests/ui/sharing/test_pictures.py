@@ -296,7 +296,7 @@ def test_picture_dialog_says_what_size_cannot_be_had(qtbot, dialog):
 
 def test_ask_for_picture_leads_from_the_menu_to_the_file(qtbot, still, tmp_path, monkeypatch):
     path, seen = tmp_path / "picture.png", []
-    monkeypatch.setattr(file_dialogs, "ask_where_to_put_picture", lambda *_: path)
+    monkeypatch.setattr(file_dialogs, "ask_where_to_save_picture", lambda *_: path)
 
     def answer():
         dialog = QApplication.activeModalWidget()

@@ -244,7 +244,7 @@ def test_report_controller_leaves_what_is_on_screen_as_it_is(qtbot, bottle, tmp_
 def test_report_controller_leaves_nothing_of_a_report_it_cannot_write(qtbot, bottle, tmp_path, monkeypatch):
     path = tmp_path / "file" / "report.html"
     path.parent.write_text("no folder")
-    monkeypatch.setattr(file_dialogs, "ask_where_to_put_report", lambda *_: path)
+    monkeypatch.setattr(file_dialogs, "ask_where_to_save_report", lambda *_: path)
     bottle.actions_.file.report.trigger()
     qtbot.waitUntil(lambda: "cannot be written" in bottle.notice.text, timeout=30_000)
     assert [one.name for one in tmp_path.iterdir() if one.suffix != ".ini"] == ["file"]

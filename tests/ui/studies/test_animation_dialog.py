@@ -59,7 +59,7 @@ def check_export(qtbot, bar, dialog, path, motion, way):
     click(dialog.run.start)
     assert dialog.run.cancel.isVisible()
     finish(qtbot, dialog)
-    assert dialog.run.words.text() == "Exported a.pc2."
+    assert dialog.run.message.text() == "Exported a.pc2."
     places = handle_of(bar, read_pc2(path))
     np.testing.assert_allclose(places - places[0], np.outer([0, 0.5, 1], way), atol=1e-6)
     end = state.frame.U[state.document.labels == 2].mean(axis=0)
@@ -102,7 +102,7 @@ def test_animation_dialog_writes_nothing_when_cancelled(qtbot, dialog, answer, t
     click(dialog.run.cancel)
     assert not dialog.run.running
     assert sorted(tmp_path.iterdir()) == before
-    assert "nothing was written" in dialog.run.words.text()
+    assert "nothing was written" in dialog.run.message.text()
 
 
 @pytest.mark.night
@@ -128,7 +128,7 @@ def test_animation_dialog_says_at_once_what_cannot_be_written(dialog, answer, tm
     (tmp_path / "a").write_text("mine")
     answer(tmp_path / "a.pvd")
     click(dialog.run.start)
-    assert "which is a file" in dialog.run.words.text()
+    assert "which is a file" in dialog.run.message.text()
     assert not dialog.run.running
 
 
@@ -143,7 +143,7 @@ def test_animation_dialog_does_not_call_a_film_exported_that_is_not_drawn(
     click(dialog.run.start)
     dialog.run.ended.emit(tmp_path, f"results\n{no_pictures_reason()}")
     assert "were not drawn" in dialog.summary.text()
-    assert dialog.run.words.text() == ""
+    assert dialog.run.message.text() == ""
 
 
 def test_open_animation_has_nothing_to_export_without_a_motion(qtbot, window):

@@ -101,7 +101,7 @@ def test_plan_dialog_refuses_an_impossible_range_in_a_sentence(dialog, home, nam
     row.low.setText(low)
     row.high.setText(high)
     click(dialog.start)
-    assert words in dialog.words.text()
+    assert words in dialog.message.text()
     assert dialog.isVisible()
     assert sorted(home.iterdir()) == before
 
@@ -112,7 +112,7 @@ def test_plan_dialog_leaves_a_folder_in_use_alone(dialog, home):
     (taken / "session.apd").write_bytes(b"of somebody")
     dialog.folder.setText(str(taken))
     click(dialog.start)
-    assert "in use" in dialog.words.text()
+    assert "in use" in dialog.message.text()
     assert dialog.isVisible()
     assert [path.read_bytes() for path in taken.iterdir()] == [b"of somebody"]
 
@@ -134,11 +134,11 @@ def test_case_study_controller_runs_a_study(qtbot, bar, dialog, home):
     panel = cases.panel
     assert cases.dialog is None
     assert bar.docks["study"].isVisible()
-    qtbot.waitUntil(lambda: (panel.status.share or 0.0) > 0.0, timeout=180_000)
+    qtbot.waitUntil(lambda: (panel.status.finished_fraction or 0.0) > 0.0, timeout=180_000)
     assert panel.bar.isVisible()
     assert listening([os.getpid(), *tree_of(cases.run.command.process_id)]) == []
     qtbot.waitUntil(lambda: finished(bar, CASES), timeout=180_000)
-    assert f"{CASES} of {CASES} done" in panel.words.text()
+    assert f"{CASES} of {CASES} done" in panel.message.text()
     assert not panel.bar.isVisible()
     with (studied / PLAN_FILE).open(encoding="utf-8") as stream:
         assert [line["to"] for line in csv.DictReader(stream)][:: CASES - 1] == ["10%", "100%"]
@@ -159,7 +159,7 @@ def test_case_study_controller_stops_at_the_next_case_and_goes_on(qtbot, bar, di
     assert interrupted == [1]
     ended.append(1)
     command.failed.emit("Interrupted.")
-    assert "the finished cases are kept" in panel.words.text()
+    assert "the finished cases are kept" in panel.message.text()
     qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
     assert not panel.stop.isVisible()
     click(panel.go_on)
@@ -174,11 +174,11 @@ def test_case_study_controller_runs_stops_and_continues_a_study(qtbot, bar, dial
     begin(dialog, folder, MANY)
     cases = bar.case_studies
     panel = cases.panel
-    qtbot.waitUntil(lambda: (panel.status.share or 0.0) > 0.0, timeout=180_000)
+    qtbot.waitUntil(lambda: (panel.status.finished_fraction or 0.0) > 0.0, timeout=180_000)
     click(panel.stop)
     assert panel.stop.text() == "Stop now"
     qtbot.waitUntil(lambda: not cases.run.running, timeout=180_000)
-    assert "the finished cases are kept" in panel.words.text()
+    assert "the finished cases are kept" in panel.message.text()
     qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
     assert not panel.stop.isVisible()
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.case")}
@@ -186,7 +186,7 @@ def test_case_study_controller_runs_stops_and_continues_a_study(qtbot, bar, dial
     click(panel.go_on)
     qtbot.waitUntil(lambda: finished(bar, MANY), timeout=180_000)
     assert {path: path.stat().st_mtime_ns for path in before} == before
-    assert f"{MANY} of {MANY} done" in panel.words.text()
+    assert f"{MANY} of {MANY} done" in panel.message.text()
     assert not panel.bar.isVisible()
 
 
@@ -312,11 +312,11 @@ def test_folder_watch_follows_a_study_that_runs_elsewhere_and_never_locks_it(qtb
             row = base.execute("select * from cases limit 1").fetchone()
             base.execute("delete from cases where key = ?", row[:1])
             base.commit()
-            qtbot.waitUntil(lambda: f"{CASES - 1} of {CASES} done" in results.words.text(), timeout=10_000)
+            qtbot.waitUntil(lambda: f"{CASES - 1} of {CASES} done" in results.message.text(), timeout=10_000)
             failed = (*row[:2], "failed", "It diverged in step 2.", None, "{}")
             base.execute(f"insert into cases values ({','.join('?' * len(row))})", failed)
             base.commit()
-            qtbot.waitUntil(lambda: "1 failed" in results.words.text(), timeout=10_000)
+            qtbot.waitUntil(lambda: "1 failed" in results.message.text(), timeout=10_000)
             [place] = [k for k, each in enumerate(results.model.rows) if each.status == "failed"]
             assert results.model.columns[-1].texts[place] == "It diverged in step 2."
             assert len(results.scatter.view.chart().dots.crosses) == 1
@@ -324,7 +324,7 @@ def test_folder_watch_follows_a_study_that_runs_elsewhere_and_never_locks_it(qtb
             base.commit()
     finally:
         store.close()
-    qtbot.waitUntil(lambda: "failed" not in results.words.text(), timeout=10_000)
+    qtbot.waitUntil(lambda: "failed" not in results.message.text(), timeout=10_000)
 
 
 def test_case_study_controller_says_why_a_case_failed_in_place_of_a_shape(qtbot, bar, results):
@@ -375,7 +375,7 @@ def test_case_study_controller_asks_for_failed_cases_again(bar, results, failed,
 def test_case_study_controller_runs_failed_cases_again_by_a_click(qtbot, results, failed, studied):
     before = {path: path.stat().st_mtime_ns for path in studied.rglob("*.case")}
     click(results.retry)
-    qtbot.waitUntil(lambda: "failed" not in results.words.text(), timeout=180_000)
+    qtbot.waitUntil(lambda: "failed" not in results.message.text(), timeout=180_000)
     qtbot.waitUntil(lambda: [row.status for row in results.model.rows] == ["done"] * CASES, timeout=180_000)
     changed = [path.stem for path, when in before.items() if path.stat().st_mtime_ns != when]
     assert changed == [failed]

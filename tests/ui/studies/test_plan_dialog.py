@@ -89,7 +89,7 @@ def test_plan_dialog_takes_another_method_for_all(dialog, begun, tmp_path):
 def test_plan_dialog_needs_some_method(dialog):
     tick(dialog.methods.checks["exact"])
     click(dialog.start)
-    assert "No method is ticked" in dialog.words.text()
+    assert "No method is ticked" in dialog.message.text()
     assert dialog.isVisible()
 
 
@@ -99,7 +99,7 @@ def test_engine_fields_hand_a_limit_to_the_command(dialog, begun, tmp_path):
     for text, words in (("soon", "soon"), ("0", "greater than 0"), ("-3", "greater than 0")):
         dialog.engine.limit.setText(text)
         click(dialog.start)
-        assert words in dialog.words.text()
+        assert words in dialog.message.text()
         assert not begun
     dialog.engine.limit.setText("2.5")
     click(dialog.start)
@@ -111,7 +111,7 @@ def test_engine_fields_hand_the_options_of_a_scheduler_to_the_command(
 ):
     dialog.folder.setText(str(tmp_path / "cluster"))
     ask_scheduler(dialog, "")
-    assert "tcp://host:8786" in dialog.words.text()
+    assert "tcp://host:8786" in dialog.message.text()
     ask_scheduler(dialog, listener)
     qtbot.waitUntil(lambda: bool(begun), timeout=5_000)
     assert begun == [(tmp_path / "cluster", ["--scheduler", listener])]
@@ -149,7 +149,7 @@ def test_plan_dialog_knows_no_folder_of_a_user_who_is_not_there(dialog, begun, t
     monkeypatch.chdir(tmp_path)
     dialog.folder.setText("~nobody of this name/study")
     ask_scheduler(dialog, "~nobody of this name/lab.json")
-    assert "There is no file" in dialog.words.text()
+    assert "There is no file" in dialog.message.text()
     dialog.engine.where.setCurrentIndex(0)
     click(dialog.start)
     assert begun[0][0] == tmp_path / "~nobody of this name" / "study"
@@ -161,9 +161,9 @@ def test_plan_dialog_says_within_seconds_that_nobody_is_at_an_address(
     dialog.folder.setText(str(tmp_path / "deserted"))
     started = time.monotonic()
     ask_scheduler(dialog, deserted)
-    qtbot.waitUntil(lambda: "Nobody answers" in dialog.words.text(), timeout=6_000)
+    qtbot.waitUntil(lambda: "Nobody answers" in dialog.message.text(), timeout=6_000)
     assert time.monotonic() - started < 6.0
-    assert deserted in dialog.words.text()
+    assert deserted in dialog.message.text()
     assert not (tmp_path / "deserted").exists()
     dialog.engine.where.setCurrentIndex(0)
     click(dialog.start)
@@ -246,7 +246,7 @@ def test_study_run_refuses_a_study_by_dask_where_that_is_missing(qtbot, bar, dia
     ask_scheduler(dialog, listener)
     with qtbot.waitSignal(bar.case_studies.run.ended, timeout=60_000):
         qtbot.waitUntil(lambda: bar.case_studies.run.running, timeout=6_000)
-    assert "install apd-viewer[cluster]" in bar.case_studies.panel.words.text()
+    assert "install apd-viewer[cluster]" in bar.case_studies.panel.message.text()
 
 
 @pytest.mark.extra
@@ -262,7 +262,7 @@ def test_study_run_runs_a_study_by_a_scheduler_of_dask(qtbot, bar, dialog, home,
         qtbot.waitUntil(lambda: bar.case_studies.run.running, timeout=6_000)
         qtbot.waitUntil(lambda: finished(bar, 3), timeout=150_000)
     panel = bar.case_studies.panel
-    assert "3 of 3 done" in panel.words.text()
+    assert "3 of 3 done" in panel.message.text()
     before = bar.session.store.state.document.mesh
     press_row(panel, 1)
     idle(qtbot, bar)

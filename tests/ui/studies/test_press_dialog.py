@@ -198,7 +198,7 @@ def test_press_dialog_offers_only_methods_that_keep_walls_apart(method, asked):
 def test_press_dialog_refuses_at_once_a_wall_that_cannot_be(typed, words, ball):
     ball.wall.thickness.setText(typed)
     click(ball.run.start)
-    assert words in ball.run.words.text()
+    assert words in ball.run.message.text()
     assert not ball.run.running
     assert ball.run.start.isVisible()
 
@@ -208,7 +208,7 @@ def test_press_dialog_does_not_press_a_flat_mesh_across(asked):
     dialog = asked[0](V * [1.0, 1.0, 0.0], F)
     dialog.direction.setCurrentIndex(2)
     click(dialog.run.start)
-    assert "greater than 0" in dialog.run.words.text()
+    assert "greater than 0" in dialog.run.message.text()
     assert not dialog.run.running
 
 
@@ -323,11 +323,11 @@ def test_press_dialog_leaves_nothing_after_cancel(qtbot, ball):
     click(ball.run.start)
     qtbot.waitUntil(lambda: ball.run.bar.value() > 0, timeout=60_000)
     scratch = ball.run.scratch_folder
-    assert "pressing" in ball.run.words.text()
+    assert "pressing" in ball.run.message.text()
     click(ball.run.cancel)
     assert not scratch.exists()
     assert not ball.run.running
-    assert "nothing was written" in ball.run.words.text()
+    assert "nothing was written" in ball.run.message.text()
     assert ball.figure is None
     assert ball.steps.isEnabled()
 
@@ -362,7 +362,7 @@ def test_press_dialog_refuses_at_once_a_yield_radius_that_cannot_be(typed, stiff
     ball.stiffness.setValue(stiffness)
     click(ball.run.start)
     assert not ball.run.running
-    assert words in ball.run.words.text()
+    assert words in ball.run.message.text()
 
 
 def chosen(dialog, name):
@@ -434,7 +434,7 @@ def test_press_dialog_refuses_at_once_a_material_that_cannot_be(typed, words, ba
         getattr(ball.wall, name).setText(text)
     click(ball.run.start)
     assert not ball.run.running
-    assert words in ball.run.words.text()
+    assert words in ball.run.message.text()
 
 
 def test_press_dialog_needs_newtons_for_air_inside(asked, ball):
@@ -442,7 +442,7 @@ def test_press_dialog_needs_newtons_for_air_inside(asked, ball):
     ball.wall.air.click()
     click(ball.run.start)
     assert not ball.run.running
-    assert "in newtons" in ball.run.words.text()
+    assert "in newtons" in ball.run.message.text()
     dialog = ask(*sphere(2), unit="cm")
     chosen(dialog, "pet-bottle")
     dialog.wall.radius.clear()

@@ -134,7 +134,7 @@ def test_sweep_dialog_leaves_nothing_after_cancel(qtbot, dialog):
     click(dialog.run.cancel)
     assert not scratch.exists()
     assert not dialog.run.running
-    assert "nothing was written" in dialog.run.words.text()
+    assert "nothing was written" in dialog.run.message.text()
     assert dialog.run.save.isHidden()
     assert dialog.run.start.isVisible()
     assert dialog.steps.isEnabled()
@@ -151,7 +151,7 @@ def test_sweep_dialog_leaves_nothing_after_cancel(qtbot, dialog):
 def test_sweep_dialog_says_at_once_what_cannot_be_swept(change, words, bar, dialog):
     change(dialog)
     click(dialog.run.start)
-    assert words in dialog.run.words.text()
+    assert words in dialog.run.message.text()
     assert not dialog.run.running
 
 
@@ -226,7 +226,7 @@ def test_paper_dialog_shows_the_papers_tables_beside_ours(qtbot, window, tmp_pat
     ]  # fmt: skip
     assert [figure.has_picture for figure in dialog.figures] == [True]
     assert dialog.run.save.isVisible()
-    said = [label.text() for label in dialog.findChildren(type(dialog.run.words), "verdict")]
+    said = [label.text() for label in dialog.findChildren(type(dialog.run.message), "verdict")]
     assert said == ["Pass: in all 1 moves APD keeps the area."]
 
 

@@ -235,7 +235,7 @@ def test_brush_tool_crosses_seams_in_a_stroke(view, surface, painter, mouse):
 
 
 def test_brush_size_length_is_as_large_on_the_mesh_however_near_it_is(view, surface, painter, mouse):
-    painter.size.length = 0.2
+    painter.size.mesh_radius = 0.2
     counts = []
     for _ in range(2):
         heard = Heard(painter)
@@ -249,7 +249,7 @@ def test_brush_size_length_is_as_large_on_the_mesh_however_near_it_is(view, surf
 
 
 def test_brush_tool_leaves_no_gap_in_a_stroke_with_a_small_length(view, surface, painter, heard, mouse):
-    painter.size.length = 0.05
+    painter.size.mesh_radius = 0.05
     start, end = centre(view) - QPointF(60, 0), centre(view) + QPointF(60, 0)
     mouse(view).drag(start, end)
     way = np.linspace(0, 1, 600).tolist()
@@ -259,8 +259,8 @@ def test_brush_tool_leaves_no_gap_in_a_stroke_with_a_small_length(view, surface,
 
 
 def test_brush_size_length_is_scaled_by_the_wheel_and_put_aside_by_pixels(view, painter, mouse):
-    painter.size.length = 0.2
+    painter.size.mesh_radius = 0.2
     mouse(view).wheel(centre(view), 1)
-    assert painter.size.length == pytest.approx(0.2 * 1.12)
+    assert painter.size.mesh_radius == pytest.approx(0.2 * 1.12)
     painter.size.radius = painter.size.radius
-    assert painter.size.length is None
+    assert painter.size.mesh_radius is None

@@ -36,27 +36,27 @@ def bar(qtbot):
 
 def test_thin_bar_shows_a_share_of_the_work(bar):
     for share in (0.0, 0.25, None, 0.75, 1.0):
-        bar.show_share(share)
+        bar.show_fraction(share)
         assert bar.maximum() == (0 if share is None else 1000)
         assert bar.value() == round(1000 * (share or 0.0))
 
 
 def test_thin_bar_moves_until_its_length_is_known(qtbot, bar):
     paints = Paints(bar)
-    bar.show_share(None)
+    bar.show_fraction(None)
     qtbot.waitUntil(lambda: paints.count > 3)
-    bar.show_share(0.0)
+    bar.show_fraction(0.0)
     qtbot.wait(100)
     known = paints.count
     qtbot.wait(200)
     assert paints.count == known
-    bar.show_share(None)
+    bar.show_fraction(None)
     qtbot.waitUntil(lambda: paints.count > known + 3)
 
 
 def test_thin_bar_moves_seldom_where_no_cursor_blinks(qtbot, bar):
     QApplication.setCursorFlashTime(0)
     paints = Paints(bar)
-    bar.show_share(None)
+    bar.show_fraction(None)
     qtbot.wait(500)
     assert 1 <= paints.count <= 4
