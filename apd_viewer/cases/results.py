@@ -15,6 +15,7 @@ from apd_viewer.cases.database import (
     readings_from_json,
     value_from_json,
 )
+from apd_viewer.cases.plan_columns import SEED_COLUMN
 from apd_viewer.cases.run_case import FINAL_READINGS
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.files.tables import Cell, write_table
@@ -27,6 +28,8 @@ PROMISED_READINGS = ("area_error", "volume", "volume_capped", "energy", "crossin
 READINGS = (*PROMISED_READINGS, *FINAL_READINGS)
 STATUS_COLUMNS = ("status", "sentence")
 KEY_COLUMNS = ("line", "key")
+# Relative difference of energies from which folds compete, and an energy that is none.
+_COMPETING, _NO_ENERGY = 0.01, 1e-300
 
 
 def status_text(status: str) -> str:
@@ -81,6 +84,28 @@ class ResultTable:
 
     columns: tuple[str, ...]
     rows: tuple[ResultRow, ...]
+
+    @property
+    def competing_folds(self) -> dict[tuple[int, ...], float]:
+        """Lines of cases that differ in the seed alone and end more than 1 % apart in energy.
+
+        By the largest energy, relative to the smallest, less 1.
+        """
+        if SEED_COLUMN not in self.columns:
+            return {}
+        place = self.columns.index(SEED_COLUMN)
+        alike: dict[tuple[str, ...], list[tuple[int, float]]] = {}
+        for row in self.rows:
+            energy = row.readings.get("energy")
+            if energy is not None:
+                others = row.cells[:place] + row.cells[place + 1 :]
+                alike.setdefault(others, []).append((row.line, energy))
+        spreads = {}
+        for cases in alike.values():
+            lines, energies = zip(*cases, strict=True)
+            if max(energies) > (1.0 + _COMPETING) * min(energies):
+                spreads[lines] = max(energies) / max(min(energies), _NO_ENERGY) - 1.0
+        return spreads
 
 
 def read_results(folder: Path) -> ResultTable:

@@ -208,7 +208,12 @@ def study_summary(table: ResultTable, folder: Path) -> str:
     )
     lines = [tr("{folder}: {words}").format(folder=folder / "results.csv", words=words)]
     failed = [_line_sentence(row.line, row.sentence) for row in table.rows if row.status == FAILED]
-    return "\n".join([*lines, *_first_lines(failed)])
+    text = tr("lines {lines}: folds compete, with energies up to {percent:.3g} % apart by seed")
+    folds = [
+        text.format(lines=comma_separated(map(str, numbers)), percent=100.0 * spread)
+        for numbers, spread in table.competing_folds.items()
+    ]
+    return "\n".join([*lines, *_first_lines(failed), *_first_lines(folds)])
 
 
 def damaged_results_line(count: int) -> str:

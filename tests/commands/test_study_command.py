@@ -18,6 +18,8 @@ from process_tree import tree_of
 from study_work import quick
 
 from apd_viewer.__main__ import main
+from apd_viewer.cases.results import ResultRow, ResultTable
+from apd_viewer.commands.study_command import study_summary
 
 
 @pytest.fixture
@@ -232,3 +234,27 @@ def test_study_command_has_processes_to_which_nobody_else_can_speak(bar, option)
     finally:
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+
+
+def test_study_summary_names_the_cases_whose_folds_compete(tmp_path):
+    """Those that differ in the seed alone, by more than 1 % of the energy."""
+    cells = [("a.off", "0"), ("a.off", "1"), ("a.off", "2"), ("b.off", "0"), ("b.off", "1"), ("c.off", "1")]
+    energies = [2.0, 2.1, 2.0, 1.0, 1.009, 7.0]
+    rows = [
+        ResultRow(k + 2, f"key{k}", each, "done", "", {"energy": energy})
+        for k, (each, energy) in enumerate(zip(cells, energies, strict=True))
+    ]
+    said = study_summary(ResultTable(("mesh", "seed"), tuple(rows)), tmp_path).splitlines()
+    assert said[1:] == ["lines 2, 3, 4: folds compete, with energies up to 5 % apart by seed"]
+    without = ResultTable(("mesh", "stiffness"), tuple(rows))
+    assert len(study_summary(without, tmp_path).splitlines()) == 1
+
+
+def test_study_command_varies_imperfection_and_seed(bar, capsys):
+    lines = ["mesh,selection,motion,steps,imperfection,seed", "bar.off,bar.sel,push 10%,1,1e-3,2"]
+    (bar / "plan.csv").write_text("\n".join([*lines, "bar.off,bar.sel,push 10%,1,1,0.5"]) + "\n")
+    assert main(["study", str(bar / "plan.csv"), "-o", str(bar / "out"), "--processes", "1"]) == 0
+    first, wrong = rows_of(bar / "out")
+    assert (first["status"], wrong["status"]) == ("done", "wrong")
+    assert float(first["saddle_escapes"]) >= 0.0
+    assert "1 is out of range; enter 0 to 0.1." in wrong["sentence"]
