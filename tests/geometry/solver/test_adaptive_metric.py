@@ -6,6 +6,7 @@ from meshes import rotation, tube
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver import adaptive_metric
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = tube(20, 30, height=4.0)
@@ -69,3 +70,21 @@ def test_adaptive_metric_ends_with_k_at_a_coarse_tolerance():
     solver = Deformation(V, F, FIXED, method="local", rest=REST)
     solver.solver.set_tolerance(1e-4)
     assert not to_the_end(solver, turned(0.6))[1].any()
+
+
+@pytest.mark.parametrize("tolerance", [1e-7, 1e-10])
+def test_adaptive_metric_lets_no_descent_converge_before_its_steps_gain_too_little(tolerance):
+    """Ten steps at most the tolerance together, or forty by a Hessian at most forty times that."""
+    solver = Deformation(
+        V, F, FIXED, method="local", rest=REST, convergence=Convergence(energy_tolerance=tolerance)
+    )
+    solver.aim(turned(1.2))
+    elastic, energies, by_hessian = solver.solver.elastic, [], []
+    while not solver.solver.progress.converged:
+        solver.iterate()
+        energies.append(solver.solver.energy)
+        if elastic.metric is not elastic.factor:
+            by_hessian.append(energies[-1])
+    assert len(by_hessian) > 41, "the case decides"
+    least = tolerance * energies[-1]
+    assert energies[-11] - energies[-1] <= least or by_hessian[-41] - by_hessian[-1] <= 40.0 * least

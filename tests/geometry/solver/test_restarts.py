@@ -84,3 +84,16 @@ def test_restarts_let_the_hand_move_on_from_the_shape_that_is_shown():
     solver, shown = shown_while_it_tries(2.0)
     solver.aim(turned(2.0))
     assert np.abs(solver.step().U - shown).max() <= 1e-2 * REST.diagonal
+
+
+def test_restarts_end_no_try_without_a_hessian_before_it_gains_too_little(monkeypatch):
+    """A try of "exact" goes on while ten steps gain a ten-thousandth, whatever the coarse one does."""
+    solver = Deformation(V, F, FIXED, rest=REST)
+    solver.aim(turned(2.0))
+    inner, asked = solver.solver.inner, set()
+    monkeypatch.setattr(inner, "has_stalled", lambda tolerance: asked.add(tolerance) or False)
+    while not solver.solver.progress.is_iterate_hidden:
+        solver.iterate()
+    for _ in range(30):
+        solver.iterate()
+    assert asked == {1e-4}
