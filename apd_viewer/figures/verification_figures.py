@@ -4,6 +4,7 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from apd_viewer.figures.style import BLUE, GREEN, INK, METHOD_STYLES, ORANGE, draw_figure
 from apd_viewer.language import tr
@@ -37,3 +38,4 @@ def draw_case(axes: Axes, run: CaseRun) -> None:
         look = METHOD_STYLES["arap"] | {"linestyle": "none", "markerfacecolor": "none"}
         axes.plot(*run.plain.points.T, label=tr("plain ARAP"), **look)
     axes.margins(0.04, 0.12)
+    axes.xaxis.set_major_locator(MaxNLocator(steps=[1, 2, 5, 10]))

@@ -73,13 +73,16 @@ _SLENDERNESS = float(np.sqrt(_WALL_TENSION / (12.0 * 2.0 * _STIFFNESS * 2.0 * np
 
 def _cylinder(n: int, _: bool) -> Measured:
     V, F = tube(n, _LENGTH)
-    found = press(V, F, _ALONG, 0.89 * _LENGTH, 18, stiffness=_STIFFNESS, thickness=0.002)
+    # By "exact" a wall that is shortened has to widen, and resists twice as much.
+    how = V, F, _ALONG, 0.82 * _LENGTH, 18
+    found = press(*how, method="arap", stiffness=_STIFFNESS, thickness=0.002)
     assert found.load_excess is not None
     rigidity = 2.0 * _STIFFNESS * area(V, F) * (1.0 + found.load_excess)
     classical = 4.0 * np.pi * np.sqrt(rigidity * _WALL_TENSION)
     shortening = classical / (2.0 * np.pi * _WALL_TENSION) * _LENGTH
     points = [(step.deflection / shortening, _load(step) / classical) for step in found.steps]
-    return Measured((AnswerPair(1.0, (found.curve.yield_load or np.nan) / classical),), np.array(points))
+    yields = float((found.curve.yield_load or np.nan) / classical)
+    return Measured((AnswerPair(1.0, yields),), np.array(points))
 
 
 # Plastic ring

@@ -174,7 +174,7 @@ def _helicoid(n: int, is_plain: bool) -> Measured:
     # Two rows, so that the slope is held, too: a free one relaxes in a layer, with an error of order h.
     free, base = ids[2:-2, 2:-2].ravel(), ids[:2].ravel()
     U = _shape(F, path, (base, np.setdiff1d(ids, np.concatenate([free, base]))), is_plain)
-    area = AnswerPair(2.0 * np.pi + np.pi * np.sinh(2.0), float(face_areas(U, F).sum()))
+    area = AnswerPair(float(2.0 * np.pi + np.pi * np.sinh(2.0)), float(face_areas(U, F).sum()))
     middle = U[ids[3 * n // 2]]
     profile = np.column_stack([middle[:, 2], np.linalg.norm(middle[:, :2], axis=1)])
     return Measured((_distance(U, path[-1], free, 2.0), area), profile)

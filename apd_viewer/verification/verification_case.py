@@ -16,7 +16,7 @@ class AnswerPair(NamedTuple):
     @property
     def error(self) -> float:
         """Relative error; the absolute one where the exact answer is 0."""
-        return self.ours / self.exact - 1.0 if self.exact else self.ours
+        return float(self.ours / self.exact - 1.0 if self.exact else self.ours)
 
 
 @dataclass(frozen=True)

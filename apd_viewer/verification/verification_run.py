@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from apd_viewer.verification.verification_case import AnswerPair, Measured, VerificationCase
+from apd_viewer.verification.verification_case import Measured, VerificationCase
 
 RECORD = Path(__file__).with_name("recorded.json")
 # Another processor changes errors by less than a tenth, and small ones by less than 2 % of their bar.
@@ -110,28 +110,37 @@ def case_rows(
     """Rows of a case; one without numbers if it was not measured."""
     if not measured:
         return (VerificationRow(case.letter, case.title, reason=case.reason),)
-    return tuple(
-        _row(case, k, [each.answers[k] for each in measured], plain and plain.answers[k].error, seconds)
-        for k in range(len(case.quantities))
-    )
+    found = []
+    for k in range(len(case.quantities)):
+        beside = {"plain": plain and plain.answers[k].error, "seconds": seconds}
+        found.append(_row(case, k, _numbers(case, k, measured) | beside))
+    return tuple(found)
 
 
-def _row(
-    case: VerificationCase, k: int, answers: Sequence[AnswerPair], plain: float | None, seconds: float
-) -> VerificationRow:
-    quantity, last = case.quantities[k], answers[-1]
+def recorded_case_rows(case: VerificationCase) -> tuple[VerificationRow, ...]:
+    """Rows of a case in the recorded state of the release."""
+    return tuple(_row(case, k, numbers) for k, numbers in enumerate(recorded_rows()[case.letter]))
+
+
+def _numbers(case: VerificationCase, k: int, measured: Sequence[Measured]) -> dict[str, float | None]:
+    answers = [each.answers[k] for each in measured]
     order = _order([answer.error for answer in answers[-2:]], case.resolutions[-2:])
-    rows = recorded_rows().get(case.letter, [])
-    passes = abs(last.error) <= quantity.bar
+    return {**answers[-1]._asdict(), "error": answers[-1].error, "order": order}
+
+
+def _row(case: VerificationCase, k: int, numbers: dict[str, Any]) -> VerificationRow:
+    quantity, error = case.quantities[k], numbers["error"]
+    passes = abs(error) <= quantity.bar
     if quantity.least_order is not None:
-        passes = passes and order is not None and order >= quantity.least_order
+        passes = passes and (numbers["order"] or 0.0) >= quantity.least_order
+    recorded = recorded_rows().get(case.letter, [])
     return VerificationRow(
-        case.letter,
-        case.title,
-        quantity.title,
-        *(last.exact, last.ours, last.error, plain, order, seconds, quantity.bar, quantity.least_order),
+        *(case.letter, case.title, quantity.title),
+        **numbers,
+        bar=quantity.bar,
+        least_order=quantity.least_order,
         passes=passes,
-        is_worse=k < len(rows) and is_worse(last.error, rows[k]["error"], quantity.bar),
+        is_worse=k < len(recorded) and is_worse(error, recorded[k]["error"], quantity.bar),
         reason="" if passes else quantity.reason,
     )
 

@@ -1,5 +1,6 @@
 """Runs of the cases: their rows, plain ARAP, and the recorded state of the release."""
 
+import json
 from dataclasses import replace
 
 import igl
@@ -53,6 +54,11 @@ def test_case_rows_have_the_order_between_the_two_finest_resolutions():
         AnswerPair(0.0, 0.5), AnswerPair(0.0, 0.008), AnswerPair(0.0, 0.006), least_order=1.8
     ).passes
     assert case_with(AnswerPair(1.0, 1.0), AnswerPair(1.0, 1.0)).order is None
+
+
+def test_case_rows_are_numbers_that_json_knows():
+    row = case_with(AnswerPair(np.float64(1.0), np.float64(1.001)))
+    assert json.loads(json.dumps(row._asdict()))["passes"] is True
 
 
 def test_case_rows_give_the_reason_only_of_what_does_not_pass():
@@ -122,3 +128,4 @@ def test_run_cases_finds_no_row_worse_than_recorded(letter, record_property):
         if row.error is not None:
             record_property(f"{row.case} {row.quantity}, error", row.error)
     assert [row.quantity for row in run.rows if row.is_worse] == []
+    assert json.loads(json.dumps([row._asdict() for row in run.rows]))[0]["case"] == letter
