@@ -10,10 +10,10 @@ COLUMN_TITLES = (
     tr("this program"),
     tr("error"),
     tr("bar"),
+    tr("result"),
     tr("order"),
     tr("plain ARAP"),
     tr("seconds"),
-    tr("result"),
 )
 
 
@@ -25,10 +25,10 @@ def row_cells(row: VerificationRow) -> tuple[str, ...]:
         _number(row.ours, 5),
         _error(row.error, row.exact),
         _error(row.bar, row.exact),
+        verdict(row),
         _order(row),
         _error(row.plain, row.exact),
         _number(row.seconds, 2),
-        verdict(row),
     )
 
 
