@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _OF_DESKTOP = "desktop", "thumbnail"
-COMMANDS = "deck", "deform", "info", "paper", "press", "replay", "study", "sweep", "volumes", *_OF_DESKTOP
+COMMANDS = (
+    *("deck", "deform", "info", "paper", "press", "replay", "study", "sweep", "verify", "volumes"),
+    *_OF_DESKTOP,
+)
 _USAGE = tr(
     """\
 apd-viewer [FILE]                    open the window on FILE or on the sample bottle
@@ -30,6 +33,7 @@ apd-viewer replay SESSION -o OUT     re-run a saved session without a window
 apd-viewer study PLAN.csv -o DIR     run many cases, by many processes; "study design" writes plans
 apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
 apd-viewer volumes MESH              volumes by name, beside published figures of crushed bottles
+apd-viewer verify [--case A,H]       cases with exact answers, beside the program's
 apd-viewer paper [-o DIR]            reproduce the paper's tables on the sample bottle and duck
 apd-viewer desktop --install         let files be opened with it on Linux; --remove takes that back
 apd-viewer thumbnail FILE OUT.png    draw a small picture of a session or a mesh

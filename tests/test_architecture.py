@@ -24,6 +24,7 @@ ROOMS = {
     "ui": ("ui",),
     "presentation": ("presentation",),
     "cases": ("cases",),
+    "verification": ("verification",),
     "session": ("session",),
     "files": ("files",),
     "geometry, what moves": (
@@ -47,6 +48,7 @@ LIBRARIES = {
     "ui": SCREEN | {"numpy"},
     "presentation": {"numpy"},
     "cases": {"numpy", "scipy", "distributed", "pyarrow", "threadpoolctl"},
+    "verification": {"numpy", "scipy"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh", "PIL", "vtkmodules"},
     "geometry, what moves": {"numpy", "scipy", "numba", "llvmlite"},

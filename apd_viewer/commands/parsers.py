@@ -11,6 +11,7 @@ from apd_viewer.commands.replay_command import replay_parser
 from apd_viewer.commands.study_command import design_parser, study_parser
 from apd_viewer.commands.sweep_command import sweep_parser
 from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.verify_command import verify_parser
 from apd_viewer.commands.volumes_command import volumes_parser
 
 PARSERS: dict[str, Callable[[], Parser]] = {
@@ -23,5 +24,6 @@ PARSERS: dict[str, Callable[[], Parser]] = {
     "study": study_parser,
     "study design": design_parser,
     "sweep": sweep_parser,
+    "verify": verify_parser,
     "volumes": volumes_parser,
 }

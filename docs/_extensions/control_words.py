@@ -225,6 +225,12 @@ GROUPS = (
         "See [Compare methods and sweep a motion](../howto/compare.md#the-papers-tables).",
     ),
     Group(
+        "VerificationDialog",
+        _DIALOGS,
+        "Verify",
+        "Runs cases with exact answers. See [Verify the program](../howto/verification.md).",
+    ),
+    Group(
         "RunBar",
         _DIALOGS,
         "Buttons of a run",

@@ -20,6 +20,7 @@ from keys_page import keys_page
 from python_page import python_page
 from settings_page import settings_page
 from translations_page import translations_page
+from verification_page import verification_page
 from window_page import window_page
 
 WRITERS: dict[str, Callable[[], str]] = {
@@ -30,6 +31,7 @@ WRITERS: dict[str, Callable[[], str]] = {
     "python": python_page,
     "settings": settings_page,
     "translations": translations_page,
+    "verification": verification_page,
     "window": window_page,
 }
 _GENERATED = re.compile(r"<!-- generated: (\w+) -->")

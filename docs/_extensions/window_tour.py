@@ -19,7 +19,7 @@ from apd_viewer.ui.workbench import Workbench
 # What adds a row, shows a card or opens a dialog. The handle is moved first, so that methods differ.
 _MOVES = "nudge:(-1,0,0)"
 _SHOWN = (
-    *("add_region", "keep_pose", "add_floor", "sweep", "study", "press", "paper", "settings"),
+    *("add_region", "keep_pose", "add_floor", "sweep", "study", "press", "paper", "verify", "settings"),
     *("compare_methods", "export_animation", "measure:AREA", "cut", "compare", "choose_by_numbers"),
     *("findings", "shortcuts"),
 )

@@ -1,6 +1,7 @@
 """The command of a dialog, run by this process: most tests are about what is asked for and shown of it."""
 
 import io
+import json
 from contextlib import redirect_stdout
 
 from PySide6.QtCore import QTimer
@@ -31,4 +32,7 @@ class CommandHere(CommandProcess):
         self._words = None
         assert status == 0, said.getvalue()
         lines = said.getvalue().splitlines()
+        for line in lines:
+            if line.startswith('{"done"'):
+                self.reported.emit(json.loads(line))
         self.ended.emit("\n".join(line for line in lines if not line.startswith('{"done"')).strip())

@@ -240,6 +240,7 @@ def _dialogs(window, _):
         "animate": runs.open_animation,
         "press": runs.open_press,
         "paper": runs.open_paper,
+        "verify": runs.open_verification,
     }
     for name, open_dialog in opened.items():
         open_dialog()

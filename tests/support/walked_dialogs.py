@@ -7,8 +7,11 @@ def dialogs(driver):
     window.settings_page.open()
     show(driver, "settings", window.settings_page.dialog)
     runs = window.runs
-    openers = (runs.open_sweep, runs.open_animation, runs.open_press, runs.open_paper)
-    for name, open_dialog in zip(("sweep", "animate", "press", "paper"), openers, strict=True):
+    openers = (
+        *(runs.open_sweep, runs.open_animation, runs.open_press, runs.open_paper),
+        runs.open_verification,
+    )
+    for name, open_dialog in zip(("sweep", "animate", "press", "paper", "verify"), openers, strict=True):
         open_dialog()
         show(driver, name, runs.dialogs[name])
     window.case_studies.design_study()

@@ -225,6 +225,7 @@ def test_workbench_dialogs_show_what_a_session_says_as_it_is(qtbot, here, looker
         here.runs.open_animation,
         here.runs.open_press,
         here.runs.open_paper,
+        here.runs.open_verification,
         here.case_studies.design_study,
         here.comparison.open,
         here.settings_page.open,

@@ -151,11 +151,13 @@ def help_actions(maker: ActionMaker, commands: Commands) -> dict[str, QAction]:
 
 def _other_help(maker: ActionMaker, commands: Commands) -> dict[str, QAction]:
     tables = tr("Reproduce the tables of Li and Hui, with figures")
+    verified = tr("Run cases with exact answers, and see how far off this program is")
     copied = tr("Copy versions, graphics driver and the end of the log, for a bug report")
     about = tr("Version, licence and source of the method")
     copy = commands.reports.copy_diagnostics
     rows: list[tuple[str, str, str, str, object, Callable[[], object]]] = [
         ("paper", tr("The &paper's tables…"), "tables", tables, None, commands.runs.open_paper),
+        ("verify", tr("&Verify…"), "verify", verified, None, commands.runs.open_verification),
         ("copy_diagnostics", tr("&Copy diagnostics"), "copy", copied, None, copy),
         ("about", tr("&About APD Viewer"), "about", about, None, commands.show_about_box),
     ]

@@ -65,6 +65,7 @@ SYNONYMS = {
     "manual": tr("help documentation"),
     "help": tr("explain question"),
     "paper": tr("li hui reproduce"),
+    "verify": tr("accuracy validation benchmark error convergence test"),
     "copy_diagnostics": tr("bug problem log crash support"),
     "about": tr("version licence"),
 }

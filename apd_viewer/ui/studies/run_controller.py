@@ -1,4 +1,4 @@
-"""Controller of the dialogs for sweeps, animations, presses and paper tables."""
+"""Controller of the dialogs for sweeps, animations, presses, tables and cases."""
 
 from collections.abc import Callable
 from functools import partial
@@ -19,6 +19,7 @@ from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.paper_dialog import PaperDialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
 from apd_viewer.ui.studies.sweep_dialog import AnimationDialog, SweepDialog
+from apd_viewer.ui.studies.verification_dialog import VerificationDialog
 
 
 class RunController(QObject):
@@ -113,6 +114,10 @@ class RunController(QObject):
     def open_paper(self) -> None:
         """Open the dialog to recompute the paper's tables."""
         self._show("paper", lambda: PaperDialog(self._window, self._memory))
+
+    def open_verification(self) -> None:
+        """Open the dialog to run the cases with exact answers."""
+        self._show("verify", lambda: VerificationDialog(self._window, self._memory))
 
     def close_all(self) -> None:
         """Close the dialogs, and end their runs."""

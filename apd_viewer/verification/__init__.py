@@ -1,0 +1,1 @@
+"""Cases with exact or published answers, and the program's answers to them."""

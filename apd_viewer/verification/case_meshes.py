@@ -1,0 +1,91 @@
+"""Meshes of the verification cases, made of parameters."""
+
+import itertools
+
+import numpy as np
+
+Arrays = tuple[np.ndarray, np.ndarray]
+
+
+def grid(rows: int, columns: int) -> Arrays:
+    """Parameters (n, 2) from 0 to 1 and triangles of a grid, diagonals alternating.
+
+    Vertex ``(i, j)`` has the number ``i * (columns + 1) + j``.
+    """
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"))
+    a = i * (columns + 1) + j
+    b, c, d = a + columns + 1, a + columns + 2, a + 1
+    even = np.hstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    odd = np.hstack([np.column_stack([a, b, d]), np.column_stack([b, c, d])])
+    F = np.where(((i + j) % 2 == 0)[:, None], even, odd).reshape(-1, 3)
+    u, v = np.meshgrid(np.linspace(0, 1, rows + 1), np.linspace(0, 1, columns + 1), indexing="ij")
+    return np.column_stack([u.ravel(), v.ravel()]), F
+
+
+def tube(around: int, height: float) -> Arrays:
+    """Open tube of radius 1 about y, of nearly equilateral triangles.
+
+    Ring ``j`` has the vertices ``j * around`` up to ``(j + 1) * around``.
+    """
+    rows = max(2, round(height / (np.sqrt(3.0) * np.pi / around)))
+    j, i = (k.ravel() for k in np.meshgrid(np.arange(rows + 1), np.arange(around), indexing="ij"))
+    angle = 2.0 * np.pi / around * (i + 0.5 * (j % 2))
+    V = np.column_stack([np.cos(angle), height * j / rows, np.sin(angle)])
+    j, i = (k.ravel() for k in np.meshgrid(np.arange(rows), np.arange(around), indexing="ij"))
+    a, b = j * around + i, j * around + (i + 1) % around
+    c, d = a + around, b + around
+    even = np.hstack([np.column_stack([a, c, b]), np.column_stack([b, c, d])])
+    odd = np.hstack([np.column_stack([a, c, d]), np.column_stack([a, d, b])])
+    return V, np.where((j % 2 == 0)[:, None], even, odd).reshape(-1, 3)
+
+
+def cube(cells: int) -> Arrays:
+    """Closed cube [0, 1]^3 with ``cells`` along each edge."""
+    uv, F = grid(cells, cells)
+    sides = []
+    for axis in range(3):
+        for end in (0.0, 1.0):
+            side = np.insert(uv, 0, end, axis=1)
+            triangles = side[F] if end else side[F[:, ::-1]]
+            sides.append(np.roll(triangles, axis, axis=2))
+    return joined(np.concatenate(sides))
+
+
+def lune(rings: int, sectors: int) -> Arrays:
+    """Polar parameters (n, 2) and triangles of a closed lune, pole to pole.
+
+    The first parameter is the latitude from -1 to 1, the second runs from 0 to 1 across. The number of
+    triangles of a ring grows by ``sectors`` from either pole to the equator.
+    """
+    north = [np.array([[1.0, 0.5]])]
+    north += [
+        np.column_stack([np.full(sectors * k + 1, 1.0 - k / rings), np.linspace(0, 1, sectors * k + 1)])
+        for k in range(1, rings + 1)
+    ]
+    triangles = []
+    for inner, outer in itertools.pairwise(north):
+        for sector in range(sectors):
+            k = (len(outer) - 1) // sectors
+            a = inner[sector * (k - 1) : (sector + 1) * (k - 1) + 1]
+            b = outer[sector * k : (sector + 1) * k + 1]
+            triangles += [(a[i], b[i], b[i + 1]) for i in range(k)]
+            triangles += [(a[i], b[i + 1], a[i + 1]) for i in range(k - 1)]
+    upper = np.array(triangles)
+    lower = upper[:, ::-1] * [-1.0, 1.0]
+    return joined(np.concatenate([upper, lower]))
+
+
+def divided(corners: np.ndarray, cells: int) -> Arrays:
+    """Triangles ``corners`` (t, 3, d), each divided into ``cells`` along its edges."""
+    steps = [(i, j) for i in range(cells) for j in range(cells - i)]
+    small = [((i, j), (i + 1, j), (i, j + 1)) for i, j in steps]
+    small += [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for i, j in steps if i + j < cells - 1]
+    weights = np.insert(np.array(small) / cells, 0, 0.0, axis=2)
+    weights[..., 0] = 1.0 - weights[..., 1:].sum(axis=2)
+    return joined(np.einsum("scw,twd->tscd", weights, corners).reshape(-1, 3, corners.shape[2]))
+
+
+def joined(triangles: np.ndarray) -> Arrays:
+    """Vertices and faces of ``triangles`` (t, 3, d), corners that meet joined."""
+    points, faces = np.unique(triangles.reshape(-1, triangles.shape[2]).round(9), axis=0, return_inverse=True)
+    return points + 0.0, faces.reshape(-1, 3)

@@ -1,0 +1,170 @@
+"""Cases between plates: elastic tube, cylinder along its axis, plastic ring."""
+
+import numpy as np
+from scipy.special import beta
+
+from apd_viewer.geometry.mesh.operators import area
+from apd_viewer.geometry.solver.plate_press import PressStep
+from apd_viewer.geometry.solver.pressed_mesh import press
+from apd_viewer.language import tr
+from apd_viewer.verification.case_meshes import tube
+from apd_viewer.verification.verification_case import AnswerPair, CaseQuantity, Measured, VerificationCase
+
+_PLATE_GAP = 0.0005  # radii that plates and walls keep
+_ACROSS, _ALONG = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+
+
+def _extent(step: PressStep) -> float:
+    """Distance of the wall's outermost points across."""
+    return float(np.ptp(step.U @ _ACROSS))
+
+
+def _load(step: PressStep) -> float:
+    return 0.5 * (step.load_low + step.load_high)
+
+
+# Elastic tube
+
+# Integrals of sin(t)^(-1/2) and of sin(t)^(1/2) from 0 to pi / 2.
+_I, _J = 0.5 * beta(0.25, 0.5), 0.5 * beta(0.75, 0.5)
+LIFT_OFF = float(np.pi * _J / _I)  # gap in radii below which the wall has lifted off flat
+_GAPS = (0.65, 0.475, 0.3)  # of the diameter
+
+
+def flattened_volume(gap: float) -> float:
+    """Volume of an inextensible tube over that at rest, at a gap below lift-off."""
+    return float(gap - (_I / _J - 2.0 / _J**2) * gap**2 / np.pi)
+
+
+def _section_area(ring: np.ndarray) -> float:
+    """Area in a closed polygon (n, 3), in its own plane."""
+    return float(np.linalg.norm(np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0))) / 2.0
+
+
+def _tube(n: int, _: bool) -> Measured:
+    V, F = tube(n, 11.0 / n)  # two rows of triangles: every section is the same
+    end = 2.0 * _GAPS[-1]
+    found = press(V, F, _ACROSS, end, 4, method="local", stiffness=2e-5, thickness=_PLATE_GAP)
+    steps = found.steps[-len(_GAPS) :]
+    ring = slice(n, 2 * n)
+    shares = [_section_area(step.U[ring]) / _section_area(V[ring]) for step in steps]
+    gaps = [_extent(step) for step in steps]
+    answers = [AnswerPair(flattened_volume(gap), share) for gap, share in zip(gaps, shares, strict=True)]
+    return Measured(tuple(answers), np.column_stack([np.array(gaps) / 2.0, shares]))
+
+
+def _tube_curve() -> np.ndarray:
+    gaps = np.linspace(0.2, LIFT_OFF / 2.0, 60)
+    return np.column_stack([gaps, [flattened_volume(2.0 * gap) for gap in gaps]])
+
+
+# Cylinder along its axis
+
+_LENGTH, _STIFFNESS, _WALL_TENSION = 3.0, 0.001, 4.0  # radii; the model's modulus times thickness
+
+
+def knock_down(slenderness: float) -> float:
+    """Least share of the classical load of shells, by radius over thickness."""
+    return float(1.0 - 0.901 * (1.0 - np.exp(-np.sqrt(slenderness) / 16.0)))
+
+
+_SLENDERNESS = float(np.sqrt(_WALL_TENSION / (12.0 * 2.0 * _STIFFNESS * 2.0 * np.pi * _LENGTH)))
+
+
+def _cylinder(n: int, _: bool) -> Measured:
+    V, F = tube(n, _LENGTH)
+    # By "exact" a wall that is shortened has to widen, and resists twice as much.
+    how = V, F, _ALONG, 0.82 * _LENGTH, 18
+    found = press(*how, method="arap", stiffness=_STIFFNESS, thickness=0.002)
+    assert found.load_excess is not None
+    rigidity = 2.0 * _STIFFNESS * area(V, F) * (1.0 + found.load_excess)
+    classical = 4.0 * np.pi * np.sqrt(rigidity * _WALL_TENSION)
+    shortening = classical / (2.0 * np.pi * _WALL_TENSION) * _LENGTH
+    points = [(step.deflection / shortening, _load(step) / classical) for step in found.steps]
+    yields = float((found.curve.yield_load or np.nan) / classical)
+    return Measured((AnswerPair(1.0, yields),), np.array(points))
+
+
+# Plastic ring
+
+_HINGED = (0.2, 0.4, 0.6)  # deflections over the diameter
+_YIELD_RADIUS = 5.0
+_HINGES = tr("A hinge is spread over a few triangles, whose cells still bend elastically.")
+
+
+def hinged_load(share: float) -> float:
+    """Load of a rigid-plastic ring, in plastic moments over its radius.
+
+    Parameters
+    ----------
+    share : float
+        Deflection over its diameter.
+    """
+    return float(4.0 / np.sqrt(1.0 - share**2))
+
+
+def _ring(n: int, _: bool) -> Measured:
+    V, F = tube(n, 1.0)  # in narrow ones loads depend on how the rows of triangles lie
+    found = press(
+        *(V, F, _ACROSS, 2.0 * (1.0 - _HINGED[-1]), len(_HINGED)),
+        method="local",
+        stiffness=0.003,
+        thickness=_PLATE_GAP,
+        yield_radius=_YIELD_RADIUS,
+    )
+    steps = found.steps[1:]
+    moment = 2.0 * 0.003 * area(V, F) / _YIELD_RADIUS
+    shares = [1.0 - _extent(step) / 2.0 for step in steps]
+    loads = [_load(step) / moment for step in steps]
+    answers = [AnswerPair(hinged_load(share), load) for share, load in zip(shares, loads, strict=True)]
+    return Measured(tuple(answers), np.column_stack([shares, loads]))
+
+
+def _ring_curve() -> np.ndarray:
+    shares = np.linspace(0.0, 0.7, 71)
+    return np.column_stack([shares, [hinged_load(share) for share in shares]])
+
+
+TUBE = VerificationCase(
+    "A",
+    tr("Tube pressed flat (elastica)"),
+    "A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed., 1927, § 262",
+    tuple(CaseQuantity(tr("volume / at rest, gap {gap:g}").format(gap=gap), 0.002) for gap in _GAPS),
+    (40, 80, 160),
+    _tube,
+    axes=(tr("gap / diameter"), tr("volume / at rest")),
+    curve=_tube_curve,
+)
+CYLINDER = VerificationCase(
+    "J",
+    tr("Cylinder pressed along its axis"),
+    "S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability, 2nd ed., 1961, § 11.1; NASA SP-8007, 1968",
+    (
+        CaseQuantity(
+            tr("yield load / classical load"),
+            1.0 - knock_down(_SLENDERNESS),
+            reason=tr("The wall is a third of the radius thick, and nothing holds the rims, which open."),
+        ),
+    ),
+    (40, 56),
+    _cylinder,
+    axes=(tr("shortening / that at the classical load"), tr("load / classical load")),
+    curve=lambda: np.array([[0.0, 0.0], [1.0, 1.0], [1.5, 1.0]]),
+)
+RING = VerificationCase(
+    "N",
+    tr("Plastic ring pressed between plates"),
+    "J. A. DeRuntz, P. G. Hodge, J. Appl. Mech. 30, 391, 1963",
+    tuple(
+        CaseQuantity(
+            tr("load, deflection {share:g}").format(share=share),
+            0.05,
+            reason=_HINGES if share > _HINGED[0] else "",
+        )
+        for share in _HINGED
+    ),
+    (40, 80),
+    _ring,
+    axes=(tr("deflection / diameter"), tr("load × radius / plastic moment")),
+    curve=_ring_curve,
+)
