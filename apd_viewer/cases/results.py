@@ -87,9 +87,9 @@ class ResultTable:
 
     @property
     def competing_folds(self) -> dict[tuple[int, ...], float]:
-        """Lines of cases that differ in the seed alone and end more than 1 % apart in energy.
+        """Plan lines of cases whose energies differ by more than 1 % with the seed.
 
-        By the largest energy, relative to the smallest, less 1.
+        Each with its largest energy relative to the smallest, less 1.
         """
         if SEED_COLUMN not in self.columns:
             return {}

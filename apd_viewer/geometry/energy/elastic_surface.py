@@ -285,10 +285,6 @@ class ElasticSurface:
         if self.membrane is not None:
             self.membrane.rotate_projections(rotations)
 
-    def iterate(self, targets: np.ndarray) -> None:
-        """Global step with the held vertices at ``targets`` (k, 3), then the local step."""
-        self.local_step(self.global_step(targets))
-
     @property
     def energy(self) -> float:
         """Energy of the current positions, without the coupling of rotations."""

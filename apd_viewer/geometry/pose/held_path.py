@@ -72,7 +72,7 @@ _Part = tuple[np.ndarray, Callable[[float], np.ndarray], float]
 
 
 def _line(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> _Part:
-    """Rows of vertices on straight paths, their positions by fraction, and the longest path."""
+    """Rows on straight paths, their positions by path fraction, and the longest path."""
     x, y = X[rows], Y[rows]
     return rows, lambda share: x + share * (y - x), float(np.linalg.norm(y - x, axis=1).max())
 

@@ -232,7 +232,7 @@ class ConstrainedDescent:
             return
         elastic, projection = self.elastic, self._projection
         if not self.goals:
-            elastic.iterate(self.held_positions)
+            elastic.local_step(elastic.global_step(self.held_positions))
             return
         met_before, pressure = self._projection.has_met_goals, self._pressure(self.multipliers)
         self._update_directions(pressure)

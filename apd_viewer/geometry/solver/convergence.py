@@ -96,7 +96,7 @@ def check_convergence(convergence: Convergence) -> None:
 
 
 def stability_text(frame: Frame, descends: bool) -> str:
-    """Whether the last shape is stable, or why that is not known.
+    """Text on the stability of the last shape, or on why it is not known.
 
     Parameters
     ----------

@@ -336,7 +336,7 @@ class Deformation:
         return self.frame()
 
     def iterate(self) -> None:
-        """Do one iteration, without the readings of its shape; at rest, look at its stability."""
+        """Do one iteration, without readings; at rest, examine the stability."""
         with cores_for(len(self.rest.solve_mesh.V)):
             if self._stability.is_due(at_rest := self._would_rest, self._iteration):
                 if self._stability.step(at_rest):
@@ -347,22 +347,19 @@ class Deformation:
         self._total += 1
 
     def _descend(self) -> None:
-        solver = self.solver
-        if self._kept.may_retry_calm_goals and self._would_settle(solver.progress):
-            self._kept.retry_calm_goals()
-            solver.set_goals(self._kept.goals)
+        """Do a step; repeat it without the area goals of calm parts if they are missed."""
+        solver, kept = self.solver, self._kept
+        if kept.may_retry_calm_goals and self._would_settle(solver.progress):
+            kept.retry_calm_goals()
+            solver.set_goals(kept.goals)
         before = solver.progress.U
         solver.step()
-        if self._kept.has_calm_goals and not solver.progress.has_met_goals:
-            self._let_calm_go(before)
+        if kept.has_calm_goals and not solver.progress.has_met_goals:
+            kept.drop_calm_goals()
+            solver.set_goals(kept.goals)
+            solver.restart(before)
+            solver.step()
         self._steps.append(largest_difference(solver.progress.U, before) / self.rest.diagonal)
-
-    def _let_calm_go(self, before: np.ndarray) -> None:
-        """Repeat the step from ``before`` without the area goals of calm parts."""
-        self._kept.drop_calm_goals()
-        self.solver.set_goals(self._kept.goals)
-        self.solver.restart(before)
-        self.solver.step()
 
     @property
     def ready(self) -> bool:
@@ -380,7 +377,12 @@ class Deformation:
         return self._would_settle(self.solver.progress) and not self._kept.may_retry_calm_goals
 
     def _would_settle(self, progress: SolverProgress) -> bool:
-        return progress.has_met_goals and self._still(progress)
+        converged = progress.converged
+        if converged is None or not self._steps.has_steps:
+            converged = self._steps.has_converged(self._convergence)
+        elif self._steps.is_rounding and not progress.is_iterate_hidden:
+            converged = True
+        return progress.has_met_goals and converged
 
     def frame(self) -> Frame:
         """Shape after the last iteration, and its readings."""
@@ -442,12 +444,6 @@ class Deformation:
     def target(self, name: str) -> float | None:
         """Target of "the area" or "the volume"; None without one."""
         return self._kept.target(name)
-
-    def _still(self, progress: SolverProgress) -> bool:
-        converged = progress.converged
-        if converged is None or not self._steps.has_steps:
-            return self._steps.has_converged(self._convergence)
-        return converged or (self._steps.is_rounding and not progress.is_iterate_hidden)
 
     @property
     def missed_goals_sentence(self) -> str | None:

@@ -93,7 +93,7 @@ class LiHui:
 
     def step(self) -> None:
         """Do an ARAP iteration, corrected and blended; end a round when due."""
-        self.elastic.iterate(self._h)
+        self.elastic.local_step(self.elastic.global_step(self._h))
         self._correct_and_blend()
         self._iteration += 1
         if self._iteration % self.ITERATIONS_A_ROUND == 0 and not self._has_met_goals:

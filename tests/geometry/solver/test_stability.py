@@ -46,7 +46,9 @@ def pushed(share, V, base, handle):
 @pytest.mark.parametrize("contact", [False, True])
 @pytest.mark.parametrize("stiffness", [1e-3, 1e-4])
 @pytest.mark.parametrize("method", METHODS)
-def test_flat_sheet_pushed_in_its_plane_ends_as_low_as_a_jittered_one(method, stiffness, contact):
+def test_stability_lets_a_flat_sheet_pushed_in_its_plane_end_as_low_as_a_jittered_one(
+    method, stiffness, contact
+):
     V, F, base, handle = sheet()
     move = pushed(0.3, V, base, handle)
     _, frame = settled(V, F, base, handle, move, method, stiffness=stiffness, contact=contact)
@@ -68,7 +70,7 @@ def test_flat_sheet_pushed_in_its_plane_ends_as_low_as_a_jittered_one(method, st
 @pytest.mark.parametrize("contact", [False, True])
 @pytest.mark.parametrize("stiffness", [1e-3, 1e-4])
 @pytest.mark.parametrize("method", METHODS)
-def test_flat_sheet_folds_alike_in_ten_directions_of_space(method, stiffness, contact):
+def test_stability_lets_a_flat_sheet_fold_alike_in_ten_directions_of_space(method, stiffness, contact):
     V, F, base, handle = sheet(40)
     move, energies = pushed(0.3, V, base, handle), []
     for seed in range(10):
@@ -80,7 +82,7 @@ def test_flat_sheet_folds_alike_in_ten_directions_of_space(method, stiffness, co
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_strip_pushed_gently_has_one_fold_however_it_lies_and_is_measured(method):
+def test_stability_gives_a_strip_one_fold_however_it_lies_and_is_measured(method):
     V, F, base, handle = sheet(40, 0.1)
     move = pushed(0.02, V, base, handle)
     tight = Convergence(energy_tolerance=1e-8)
@@ -100,7 +102,7 @@ def test_strip_pushed_gently_has_one_fold_however_it_lies_and_is_measured(method
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_shape_that_is_stable_keeps_its_bits(method):
+def test_stability_keeps_the_bits_of_a_stable_shape(method):
     V, F = tube(24, 24)
     base, handle = np.flatnonzero(V[:, 2] == V[:, 2].min()), np.flatnonzero(V[:, 2] == V[:, 2].max())
     move = np.zeros_like(V)
@@ -151,7 +153,7 @@ def test_stability_search_finds_the_lowest_curvature_of_a_dense_hessian(method):
     assert search.lowest == pytest.approx(lowest, rel=0.3)
 
 
-def test_imperfection_of_zero_leaves_a_sheet_flat_and_says_so():
+def test_convergence_without_imperfection_leaves_a_sheet_flat_and_says_so():
     V, F, base, handle = sheet()
     targets = (V + pushed(0.3, V, base, handle))[np.r_[base, handle]]
     still = Convergence(imperfection=0.0)
@@ -163,7 +165,7 @@ def test_imperfection_of_zero_leaves_a_sheet_flat_and_says_so():
 
 
 @pytest.mark.parametrize(("method", "iterations"), [("paper", None), ("sr-arap", None), ("arap", 20)])
-def test_iterations_without_a_descent_are_not_examined(method, iterations):
+def test_stability_text_says_that_iterations_without_a_descent_are_not_examined(method, iterations):
     V, F, base, handle = sheet(8)
     targets = (V + pushed(0.01, V, base, handle))[np.r_[base, handle]]
     result = deform(V, F, np.r_[base, handle], targets, method, iterations, handle=handle, stiffness=1e-3)
@@ -171,7 +173,7 @@ def test_iterations_without_a_descent_are_not_examined(method, iterations):
     assert result.stability == "not examined: such iterations descend in no energy"
 
 
-def test_shape_that_did_not_converge_is_not_examined():
+def test_stability_text_says_that_a_shape_has_not_converged():
     V, F, base, handle = sheet(8)
     targets = (V + pushed(0.1, V, base, handle))[np.r_[base, handle]]
     few = Convergence(most_iterations=2)
