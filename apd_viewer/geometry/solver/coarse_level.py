@@ -237,7 +237,7 @@ class Collar:
             return U
         part, start = self._part, U[self._vertices]
         part.restart(start)
-        part.iterate(start[part.fixed])
+        part.local_step(part.global_step(start[part.fixed]))
         smoothed = U.copy()
         smoothed[self._vertices] = part.U
         return smoothed

@@ -62,7 +62,7 @@ def test_constrained_descent_without_goals_is_the_plain_iteration(move):
     )
     method.aim(targets)
     for _ in range(10):
-        plain.iterate(targets)
+        plain.local_step(plain.global_step(targets))
         method.iterate()
     assert np.array_equal(plain.U, method.progress.U)
     assert method.progress.has_met_goals

@@ -118,7 +118,7 @@ def test_li_hui_changes_nothing_by_its_blend_where_arap_has_settled_at_the_rest_
         targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.0), [0, 0, lift])])
         arap = ElasticSurface(rest, fixed)
         for _ in range(400):
-            arap.iterate(targets)
+            arap.local_step(arap.global_step(targets))
         return arap, targets
 
     lift = brentq(lambda lift: area(settled(lift)[0].U, F) - area(V, F), -1.0, 1.0, xtol=1e-13)
