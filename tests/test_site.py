@@ -14,6 +14,7 @@ import keys_page
 import pytest
 import python_page
 import settings_page
+import verification_page
 import window_facts
 import window_page
 from plain_markdown import escaped
@@ -24,6 +25,7 @@ from apd_viewer.__main__ import COMMANDS
 from apd_viewer.files.meshes import MESH_FORMATS
 from apd_viewer.ui.help.manual import action_place, setting_place, slug
 from apd_viewer.ui.settings_page.preference_table import PREFERENCES
+from apd_viewer.verification.case_table import CASES
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -70,6 +72,12 @@ def test_site_has_an_anchor_of_every_setting_and_nothing_of_this_machine():
     anchors = re.findall(r"\{#([\w-]+)\}", page)
     assert anchors == [setting_place(row.name).anchor for row in PREFERENCES]
     assert "All cores (" not in page
+
+
+def test_site_has_the_errors_and_the_source_of_every_case():
+    page = verification_page.verification_page()
+    assert page.count("\n| **") == sum(len(case.quantities) for case in CASES.values())
+    assert [case.letter for case in CASES.values() if escaped(case.source) not in page] == []
 
 
 def test_site_has_every_format_on_its_page():

@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands import verify_command
-from apd_viewer.verification import verification_run
+from apd_viewer.verification import case_table, verification_run
 from apd_viewer.verification.case_table import CASES
 
 
@@ -16,7 +15,7 @@ from apd_viewer.verification.case_table import CASES
 def coarse(monkeypatch):
     """Two cases, one of them coarse and the other not set up."""
     cases = {"C": CASES["C"], "G": replace(CASES["G"], resolutions=(4, 6))}
-    monkeypatch.setattr(verify_command, "CASES", cases)
+    monkeypatch.setattr(case_table, "CASES", cases)
     monkeypatch.setattr(verification_run, "recorded_rows", dict)
 
 

@@ -7,7 +7,7 @@ from driving import work_off
 from PySide6.QtGui import QGuiApplication
 from study_driving import click, finish
 
-from apd_viewer.commands import verify_command
+from apd_viewer.verification import case_table
 from apd_viewer.verification.case_table import CASES
 
 
@@ -33,7 +33,7 @@ def texts(item):
 def ended(qtbot, here, monkeypatch, dialog):
     """The dialog after a run of two cases, one of them coarse and the other not set up."""
     cases = {"C": CASES["C"], "G": replace(CASES["G"], resolutions=(4, 6))}
-    monkeypatch.setattr(verify_command, "CASES", cases)
+    monkeypatch.setattr(case_table, "CASES", cases)
     click(dialog.run.start)
     finish(qtbot, dialog)
     return dialog
