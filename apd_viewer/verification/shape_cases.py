@@ -190,11 +190,7 @@ ELASTICA = VerificationCase(
     tr("Strip pushed together (elastica)"),
     "A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed., 1927, § 262",
     tuple(
-        CaseQuantity(
-            tr("sag, ends at {distance:g}").format(distance=distance),
-            0.001,
-            reason=tr("A flat strip that is pushed in its own plane stays flat."),
-        )
+        CaseQuantity(tr("sag, ends at {distance:g}").format(distance=distance), 0.001)
         for distance in _DISTANCES
     ),
     (20, 40, 80),
