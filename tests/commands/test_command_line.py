@@ -1036,11 +1036,13 @@ def test_deform_compares_a_result_with_a_target_shape(bar, command):
 def test_deform_sets_and_reports_convergence(bar, command):
     report = bar.folder / "r.json"
     criteria = ("--most-iterations", 3, "--energy-tolerance", "1e-9", "--step-tolerance", "1e-6")
-    status, out, _ = command(*bar.words(*criteria, "--report", report))
+    disturbance = ("--imperfection", "0.002", "--seed", 5)
+    status, out, _ = command(*bar.words(*criteria, *disturbance, "--report", report))
     assert status == 0
     said = json.loads(report.read_text())
     assert said["iterations"] == 3
-    assert said["convergence"] == {"most_iterations": 3, "energy_tolerance": 1e-9, "step_tolerance": 1e-6}
+    criteria = {"most_iterations": 3, "energy_tolerance": 1e-9, "step_tolerance": 1e-6}
+    assert said["convergence"] == criteria | {"imperfection": 0.002, "seed": 5}
     assert "did not converge within 3 iterations" in out
     bar.out.unlink()
     status, _, err = command(*bar.words("--energy-tolerance", "0"))

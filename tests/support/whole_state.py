@@ -106,7 +106,7 @@ def _surroundings(window):
         "focus": type(window.shell.focusWidget()).__name__,
         "clipboard": QApplication.clipboard().text(),
         "camera": [repr(np.round(part, 4)) for part in (eye.position, eye.focal, eye.up)],
-        "brush": (window.canvas.brush.size.radius, window.canvas.brush.size.length),
+        "brush": (window.canvas.brush.size.radius, window.canvas.brush.size.mesh_radius),
         "kind": window.measurements.tool.kind,
         "preferences": [window.preferences.values[row] for group in GROUPS for row in group.rows],
         "picture": hash(picture.tobytes()),

@@ -150,6 +150,11 @@ def settings(window):
     return window.settings_page.dialog
 
 
+def verification(window):
+    window.runs.open_verification()
+    return window.runs.dialogs["verify"]
+
+
 def paper(window):
     window.runs.open_paper()
     return window.runs.dialogs["paper"]
@@ -179,6 +184,7 @@ DIALOGS = {
     "PressDialog": studied("press"),
     "SettingsDialog": settings,
     "PaperDialog": paper,
+    "VerificationDialog": verification,
     "ComparisonWindow": comparison,
     "PlanDialog": case_study,
     "PictureDialog": picture,

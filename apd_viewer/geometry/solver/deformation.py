@@ -343,8 +343,8 @@ class Deformation:
                     self._steps = StepConvergence()
             else:
                 self._descend()
-        self._iteration += 1
-        self._total += 1
+            self._iteration += 1
+            self._total += 1
 
     def _descend(self) -> None:
         """Do a step; repeat it without the area goals of calm parts if they are missed."""

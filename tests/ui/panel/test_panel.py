@@ -480,30 +480,37 @@ def test_convergence_fields_are_folded_and_show_what_applies(qtbot, bottle):
 
     def seen():
         return [
-            name for name in ("most_iterations", "energy", "step") if getattr(fields, name).isVisibleTo(shell)
+            name
+            for name in ("most_iterations", "energy", "step", "imperfection", "seed")
+            if getattr(fields, name).isVisibleTo(shell)
         ]
 
     assert seen() == []
     qtbot.mouseClick(fields.heading, Qt.MouseButton.LeftButton)
     for method, names in (
-        ("exact", ["most_iterations", "energy"]),
+        ("exact", ["most_iterations", "energy", "imperfection", "seed"]),
         ("sr-arap", ["most_iterations", "step"]),
-        ("arap", ["most_iterations", "energy"]),
+        ("arap", ["most_iterations", "energy", "imperfection", "seed"]),
     ):
         choose(bottle, method)
         assert seen() == names
     before = document(bottle)
-    for field, text in ((fields.most_iterations, "250"), (fields.energy, "1e-9")):
+    for field, text in (
+        (fields.most_iterations, "250"),
+        (fields.energy, "1e-9"),
+        (fields.imperfection, "0.002"),
+        (fields.seed, "3"),
+    ):
         field.setFocus()
         field.selectAll()
         qtbot.keyClicks(field, text)
         qtbot.keyClick(field, Qt.Key.Key_Return)
-    assert document(bottle).settings.convergence == (250, 1e-9, 1e-5)
+    assert document(bottle).settings.convergence == (250, 1e-9, 1e-5, 0.002, 3)
     assert bottle.session.gestures.history.next_undo == "Change convergence"
     assert fields.energy.text() == "1e-09"
     assert fields.heading.reading == "changed"
-    bottle.actions_.undo.trigger()
-    bottle.actions_.undo.trigger()
+    for _ in range(4):
+        bottle.actions_.undo.trigger()
     assert document(bottle) is before
     assert fields.heading.reading == ""
     assert fields.most_iterations.value() == 10_000

@@ -77,6 +77,6 @@ def test_verification_dialog_is_cancelled_while_the_command_runs(qtbot, dialog):
     assert not dialog.copy.isEnabled()
     click(dialog.run.cancel)
     assert not dialog.run.running
-    assert dialog.run.words.text().startswith("Cancelled")
+    assert dialog.run.message.text().startswith("Cancelled")
     work_off()
     assert dialog.table.topLevelItemCount() == 0

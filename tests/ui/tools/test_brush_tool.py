@@ -234,7 +234,7 @@ def test_brush_tool_crosses_seams_in_a_stroke(view, surface, painter, mouse):
     np.testing.assert_array_equal(np.sort(loose.ids), np.sort(first[whole]))
 
 
-def test_brush_size_length_is_as_large_on_the_mesh_however_near_it_is(view, surface, painter, mouse):
+def test_brush_size_mesh_radius_is_as_large_on_the_mesh_however_near_it_is(view, surface, painter, mouse):
     painter.size.mesh_radius = 0.2
     counts = []
     for _ in range(2):
@@ -258,7 +258,7 @@ def test_brush_tool_leaves_no_gap_in_a_stroke_with_a_small_length(view, surface,
     assert set(np.flatnonzero(away <= 0.045)) <= set(heard.ids) <= set(np.flatnonzero(away <= 0.0501))
 
 
-def test_brush_size_length_is_scaled_by_the_wheel_and_put_aside_by_pixels(view, painter, mouse):
+def test_brush_size_mesh_radius_is_scaled_by_the_wheel_and_put_aside_by_pixels(view, painter, mouse):
     painter.size.mesh_radius = 0.2
     mouse(view).wheel(centre(view), 1)
     assert painter.size.mesh_radius == pytest.approx(0.2 * 1.12)
