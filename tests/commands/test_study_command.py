@@ -251,7 +251,7 @@ def test_study_summary_names_the_cases_whose_folds_compete(tmp_path):
 
 
 def test_study_command_varies_imperfection_and_seed(bar, capsys):
-    lines = ["mesh,selection,motion,steps,imperfection,seed", "bar.off,bar.sel,push 10%,1,1e-3,2"]
+    lines = ["mesh,selection,motion,steps,imperfection,seed", "bar.off,bar.sel,push 1%,1,1e-3,2"]
     (bar / "plan.csv").write_text("\n".join([*lines, "bar.off,bar.sel,push 10%,1,1,0.5"]) + "\n")
     assert main(["study", str(bar / "plan.csv"), "-o", str(bar / "out"), "--processes", "1"]) == 0
     first, wrong = rows_of(bar / "out")
