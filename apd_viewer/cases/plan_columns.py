@@ -166,7 +166,6 @@ SETTING_COLUMNS = {
 COLUMNS = (*CASE_COLUMNS, *SETTING_COLUMNS)
 LENGTH_COLUMNS = {name for name, setting in SETTINGS.items() if setting.kind is SettingKind.LENGTH}
 SEED_COLUMN = "seed"
-CRITERIA_COLUMNS = ("imperfection", SEED_COLUMN)
 COUNT_COLUMNS = ("steps", "iterations", "seed")  # columns of integers
 
 

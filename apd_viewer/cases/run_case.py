@@ -13,7 +13,7 @@ import numpy as np
 from apd_viewer.cases.case import Case, CaseStep, case_of, run
 from apd_viewer.cases.case_file import DONE, FAILED, CaseResult, damaged_case_error, read_case
 from apd_viewer.cases.plan import parse_cell
-from apd_viewer.cases.plan_columns import CRITERIA_COLUMNS, LENGTH_COLUMNS
+from apd_viewer.cases.plan_columns import LENGTH_COLUMNS
 from apd_viewer.cases.study_case import InputFile, StudyCase
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import read_mesh
@@ -21,6 +21,7 @@ from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.analysis.shape_check import check_shape
+from apd_viewer.geometry.solver.convergence import DISTURBANCE
 from apd_viewer.geometry.solver.methods import passing_walls_warning
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
@@ -137,7 +138,7 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
                 why=state.inspection.missing_volume_phrase
             )
         )
-    criteria: dict[str, Any] = {name: said.pop(name) for name in CRITERIA_COLUMNS if name in said}
+    criteria: dict[str, Any] = {name: said.pop(name) for name in DISTURBANCE if name in said}
     convergence = state.document.settings.convergence._replace(**criteria)
     state = state.updated(state.document.with_settings(**said, convergence=convergence))
     motion = motion_steps(state.document, "; ".join(case.motion), unit) if case.motion else ()

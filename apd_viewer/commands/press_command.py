@@ -13,7 +13,11 @@ from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.commands.terminal.setting_options import add_setting_options
+from apd_viewer.commands.terminal.setting_options import (
+    add_criteria,
+    add_setting_options,
+    given_criteria,
+)
 from apd_viewer.commands.terminal.weld_option import add_weld_option, naming_unit_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
@@ -22,6 +26,7 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.convergence import DISTURBANCE, Convergence
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.solver.pressed_mesh import press_between
@@ -79,6 +84,7 @@ def press_parser() -> Parser:
     )
     parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
     add_setting_options(parser, _SETTINGS, _PRESSING)
+    add_criteria(parser, DISTURBANCE)
     _add_wall_options(parser)
     parser.add_argument(
         "--release", action="store_true", help=tr("open the plates again in the end, and write what remains")
@@ -169,6 +175,7 @@ def _press(options: argparse.Namespace) -> None:
         "thickness": wall.thickness if options.thickness else None,
         "yield_radius": wall.yield_radius,
         "gas": gas,
+        "convergence": Convergence(**given_criteria(options)),
     }
     to = parse_distance(options.to, extent)
     plates = PlatePress(rest, axis, to, options.steps, options.iterations, start=start, **settings)

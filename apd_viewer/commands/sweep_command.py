@@ -23,7 +23,7 @@ from apd_viewer.commands.terminal.animation_options import AnimationTargets, add
 from apd_viewer.commands.terminal.columns import format_signed
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.commands.terminal.setting_options import add_contact_option
+from apd_viewer.commands.terminal.setting_options import add_contact_option, add_criteria, given_criteria
 from apd_viewer.commands.terminal.weld_option import add_weld_option
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason, write_shape
 from apd_viewer.files.animations.animation_files import replacing_series, write_animation
@@ -31,6 +31,7 @@ from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.files.storage.atomic_file import staging_folder
 from apd_viewer.files.tables import Cell, write_table
+from apd_viewer.geometry.solver.convergence import DISTURBANCE, check_convergence
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, passing_walls_warning
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
@@ -64,6 +65,7 @@ def sweep_parser() -> Parser:
     )
     add_option(parser, "-o, --output DIR", tr("folder to write to"), type=Path, required=True)
     add_contact_option(parser)
+    add_criteria(parser, DISTURBANCE, of_session=True)
     add_option(parser, "--meshes", tr("write the mesh of every step, too"))
     add_animation_option(parser)
     add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
@@ -77,6 +79,9 @@ def _sweep(options: argparse.Namespace) -> None:
     document, view, motion = read_input(options, options.weld)
     if options.contact is not None:
         document = document.with_settings(contact=options.contact)
+    convergence = document.settings.convergence._replace(**given_criteria(options))
+    check_convergence(convergence)
+    document = document.with_settings(convergence=convergence)
     case = case_of(document, options.steps, options.to, options.iterations, motion)
     cases = cases_by_method(case, methods)
     animations = AnimationTargets(options, methods)

@@ -427,3 +427,14 @@ def test_press_command_says_in_one_sentence_that_a_yield_radius_cannot_be(words,
     assert sentence in said
     assert len(said.splitlines()) == 1
     assert not out.exists()
+
+
+def test_press_refuses_an_impossible_imperfection_or_seed(ball, press):
+    for words, sentence in (
+        (("--imperfection", 2), "The imperfection must be a number from 0 to 0.1, such as 1e-4."),
+        (("--seed", -1), "The seed must be a whole number from 0 to 1,000,000."),
+    ):
+        status, _, err, mesh = press(ball, "--to", "90%", *words)
+        assert status == 2
+        assert sentence in err
+        assert not mesh.exists()

@@ -10,15 +10,18 @@ import pyvista
 import trimesh
 from animated import read_pc2
 from lacking import lack
-from meshes import ends, tube
+from meshes import ends, grid, tube
 from painted_meshes import write_bar
 from PIL import Image
 
 from apd_viewer.__main__ import main
 from apd_viewer.commands import sweep_command
 from apd_viewer.figures.films import write_film
+from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import CameraPose, View
@@ -339,3 +342,23 @@ def test_sweep_command_refuses_mp4_without_an_encoder(bar, sweep, tmp_path, monk
     assert status == 2
     assert "install apd-viewer[video]" in err
     assert not folder.exists()
+
+
+def test_sweep_leaves_saddles_unless_the_imperfection_is_zero(drawn_sweep, tmp_path):
+    V, F = grid(8, 4)
+    save_mesh(Mesh(V, F), V, tmp_path / "sheet.off")
+    np.savetxt(
+        tmp_path / "sheet.sel", np.where(V[:, 0] == 0.0, BASE, np.where(V[:, 0] == 8.0, HANDLE, FREE)), "%d"
+    )
+    words = (tmp_path / "sheet.off", "--selection", tmp_path / "sheet.sel", "--push", "20%", "--steps", 1)
+    read = {}
+    for imperfection in (0, 0.001):
+        status, *_, folder = drawn_sweep(*words, "--methods", "arap", "--imperfection", imperfection)
+        assert status == 0
+        read[imperfection] = list(csv.DictReader((folder / "sweep.csv").read_text().splitlines()))[-1]
+    assert (read[0]["stable"], read[0]["saddle_escapes"]) == ("0", "0")
+    assert (read[0.001]["stable"], read[0.001]["saddle_escapes"]) == ("1", "1")
+    assert float(read[0.001]["energy"]) < 0.5 * float(read[0]["energy"])
+    status, _, err, _ = drawn_sweep(*words, "--imperfection", 2)
+    assert status == 2
+    assert "The imperfection must be a number from 0 to 0.1, such as 1e-4." in err

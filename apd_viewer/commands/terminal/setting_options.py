@@ -32,7 +32,7 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
             case SettingKind.SWITCH:
                 more |= {"action": argparse.BooleanOptionalAction, "help": words}
             case SettingKind.CONVERGENCE:
-                _add_criteria(parser)
+                add_criteria(parser)
                 continue
         parser.add_argument(_option(name), default=default, **more)
 
@@ -41,12 +41,27 @@ def _option(name: str) -> str:
     return "--" + name.replace("_", "-")
 
 
-def _add_criteria(parser: Parser) -> None:
-    for name, words in CRITERIA.items():
+def add_criteria(parser: Parser, names: Iterable[str] = CRITERIA, of_session: bool = False) -> None:
+    """Add an option for each of the named criteria of convergence.
+
+    Without it the value is the default, or None where a session has its own.
+    """
+    for name in names:
         default = getattr(DEFAULT_CONVERGENCE, name)
-        words = tr("{what}; default: %(default)s").format(what=words)
-        metavar = "N" if isinstance(default, int) else "T"
-        parser.add_argument(_option(name), metavar=metavar, type=type(default), default=default, help=words)
+        words = tr("{what}; default: {default}").format(what=CRITERIA[name], default=f"{default:g}")
+        parser.add_argument(
+            _option(name),
+            metavar="N" if isinstance(default, int) else "T",
+            type=type(default),
+            default=None if of_session else default,
+            help=words,
+        )
+
+
+def given_criteria(options: argparse.Namespace) -> dict[str, Any]:
+    """Criteria of convergence from the options, without those that are None."""
+    values = {name: getattr(options, name, None) for name in CRITERIA}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def add_contact_option(parser: Parser) -> None:
@@ -74,4 +89,4 @@ def has_contact(options: argparse.Namespace, vertices: int) -> bool:
 def setting_arguments(options: argparse.Namespace) -> dict[str, Any]:
     """Arguments of :func:`deform` from the options."""
     given = {name: getattr(options, name) for name in SETTINGS if hasattr(options, name)}
-    return {**given, "convergence": Convergence(*(getattr(options, name) for name in CRITERIA))}
+    return {**given, "convergence": Convergence(**given_criteria(options))}

@@ -57,6 +57,8 @@ class Convergence(NamedTuple):
 
 
 DEFAULT_CONVERGENCE = Convergence()
+# Criteria that say how a shape is disturbed on a saddle.
+DISTURBANCE = ("imperfection", "seed")
 # What each criterion is, for the help of commands.
 CRITERIA = {
     "most_iterations": tr("stop after N iterations at the latest"),

@@ -14,6 +14,7 @@ import numpy as np
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
@@ -96,6 +97,7 @@ def press(
     gas: float | None = None,
     release: bool = False,
     iterations: int = DEFAULT_ITERATIONS,
+    convergence: Convergence = DEFAULT_CONVERGENCE,
     weld: bool = False,
     progress: Callable[[float], object] = lambda _: None,
 ) -> Pressed:
@@ -111,7 +113,7 @@ def press(
         The plates close in so many equal steps; after each the mesh comes to rest.
     fixed : (k,) ints
         Vertices that are held where they are; none need be.
-    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness, weld
+    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness, convergence, weld
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
     yield_radius : float, optional
         Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; without it
@@ -164,6 +166,7 @@ def press(
         thickness=thickness,
         yield_radius=yield_radius,
         gas=gas,
+        convergence=convergence,
     )
     return press_between(plates, release, progress)
 
