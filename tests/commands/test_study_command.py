@@ -215,7 +215,7 @@ def test_study_command_finishes_what_runs_after_an_interrupt_and_ends_at_once_af
 @pytest.mark.parametrize("option", [pytest.param("--processes", marks=pytest.mark.night), "--workers"])
 def test_study_command_has_processes_to_which_nobody_else_can_speak(bar, option):
     """Whoever reaches a worker by a socket can have it run anything as the user."""
-    plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=30)
+    plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=5)
     process = subprocess.Popen(
         [sys.executable, "-m", "apd_viewer", "study", plan, "-o", str(bar / "out"), option, "2"],
         start_new_session=True,

@@ -348,7 +348,7 @@ def test_request_solver_ends_with_a_large_mesh_where_it_would_with_a_small_one(e
     altered(
         "from apd_viewer.session.processes import request_solver; request_solver.REMOTE_FACTOR_ROWS = 2500\n"
     )
-    empty.show_now(Mesh(*box(20, 20, 40)))
+    empty.show_now(Mesh(*box(16, 16, 36)))
     empty.paint_ends()
     empty.drag(pose(0.2), pose(0.4))
     empty.settle()

@@ -33,7 +33,7 @@ def stop(session, processes):
 
 
 @stoppable
-def test_store_says_that_a_solver_is_stopped_until_it_goes_on_or_is_restarted(processes, session):
+def test_store_says_that_a_solver_is_stopped_until_it_goes_on(processes, session):
     session.settle()
     stop(session, processes)
     began = time.monotonic()
@@ -44,10 +44,19 @@ def test_store_says_that_a_solver_is_stopped_until_it_goes_on_or_is_restarted(pr
     os.kill(processes[-1].pid, signal.SIGCONT)
     session.until(lambda: not session.store.silence_text, SOON)
     session.settle()
+    assert len(processes) == 1
+    assert session.failed == []
+
+
+@pytest.mark.night  # by day the window restarts one
+@stoppable
+def test_store_has_a_stopped_solver_restarted(processes, session):
+    session.settle()
+    session.handles.drag(pose(TWISTED))
+    session.settle()
     reached = session.U
     session.gestures.undo()
     session.settle()
-
     stop(session, processes)
     session.until(lambda: session.store.silence_text, SOON)
     session.store.restart_solver()
@@ -81,6 +90,7 @@ def hanging(processes, monkeypatch):
     monkeypatch.setattr(solver_process, "ChildProcess", forked.altered(HANGS))
 
 
+@pytest.mark.night  # 7 s of computing; by day the watch itself is tried, which waits for a second
 def test_silence_watch_takes_no_long_iteration_for_one_that_hangs(hanging, session):
     session.gestures.begin()
     session.handles.drag(pose(TWISTED))
