@@ -48,7 +48,7 @@ def add_criteria(parser: Parser, names: Iterable[str] = CRITERIA, of_session: bo
     """
     for name in names:
         default = getattr(DEFAULT_CONVERGENCE, name)
-        words = tr("{what}; default: {default}").format(what=CRITERIA[name], default=f"{default:g}")
+        words = tr("{what}; default: {default}").format(what=CRITERIA[name], default=default)
         parser.add_argument(
             _option(name),
             metavar="N" if isinstance(default, int) else "T",
