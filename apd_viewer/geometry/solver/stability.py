@@ -28,7 +28,7 @@ _FALLING = -1e-5
 _MOST_OF_FLAT, _FIRST_ITERATIONS, _FLAT = 5_000, 2, 1e-9
 # Times that a displacement along a falling direction is doubled while the energy falls.
 _DOUBLINGS = 12
-# Saddles left until the search is given up; most often there is one.
+# Saddles left until a shape counts as not stable; most often there is one.
 _MOST_ESCAPES = 10
 # Energy of a shape at rest up to rounding, relative to the size of the mesh; strains of 1e-8.
 _NO_ENERGY = 1e-16
@@ -116,9 +116,8 @@ class StabilitySearch:
         falling = np.flatnonzero(self._values < _FALLING)
         if not len(falling):
             return None
-        shares = (
-            np.eye(len(falling))[0] if seed == 0 else np.random.default_rng(seed).normal(size=len(falling))
-        )
+        random = np.random.default_rng(seed)
+        shares = random.normal(size=len(falling)) if seed else np.eye(len(falling))[0]
         way = np.zeros(self._before.shape)
         for part, direction in zip(self._vectors[:, falling] @ shares, self._directions, strict=True):
             way += part * direction
@@ -232,12 +231,14 @@ class Stability:
         search, self._search = self._search, None
         at, way = search.at, search.falling_direction(self.seed)
         self._begins_flat = False
-        if way is None:
-            self._is_stable = True if at_rest else None
-            return False
-        lower = lower_shape(at, self.imperfection * self._size * way) if self.imperfection else None
-        if lower is None or self.saddle_escapes == _MOST_ESCAPES:
-            self._is_stable = False if at_rest else None
+        may_leave = self.imperfection > 0.0 and self.saddle_escapes < _MOST_ESCAPES
+        lower = None
+        if way is not None and may_leave:
+            lower = lower_shape(at, self.imperfection * self._size * way)
+        if lower is None:
+            if at_rest:
+                # It holds where no displacement of that size leads lower, or contact leaves no way.
+                self._is_stable = way is None or may_leave
             return False
         self.saddle_escapes += 1
         self._solver.restart(lower)
