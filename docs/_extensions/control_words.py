@@ -276,6 +276,8 @@ SENTENCES = {
     "HandleSection/Measurement of the handle": "Number of vertices of the handle",
     "RegionSection/Measurement of the region": "Area of the region, in percent of its rest area",
     "MethodSection/Method": "Deformation method; the two sentences below say what it keeps and what it gives up",
+    "VerificationDialog/Cases with exact answers": "A row for each quantity; a click shows the figure of its case",
+    "VerificationDialog/Copy table": "Copies the rows for a spreadsheet",
     "MethodSection/Convergence": "Says when the solver stops; a click unfolds it",
     "HandleSection/Handle motion": "Kind of motion to type: twist, push, bend, turn, move, scale and others",
     "HandleSection/Amount": "An amount with a unit or an expression, such as 60deg, 1/6 turn, 0.15L, 5mm or 80%; Enter makes the motion",

@@ -338,7 +338,8 @@ class Deformation:
     def iterate(self) -> None:
         """Do one iteration, without readings; at rest, examine the stability."""
         with cores_for(len(self.rest.solve_mesh.V)):
-            if self._stability.is_due(at_rest := self._would_rest, self._iteration):
+            at_rest = self._would_rest and self.share_reached == 1.0
+            if self._stability.is_due(at_rest, self._iteration):
                 if self._stability.step(at_rest):
                     self._steps = StepConvergence()
             else:
@@ -369,7 +370,9 @@ class Deformation:
     @property
     def settled(self) -> bool:
         """True if further iterations would change nothing."""
-        return self.solver.progress.stuck or (self._would_rest and not self._stability.is_open)
+        # Where contact stops the handles the target is not reached, and other shapes are not looked for.
+        looked = not self._stability.is_open or self.share_reached < 1.0
+        return self.solver.progress.stuck or (self._would_rest and looked)
 
     @property
     def _would_rest(self) -> bool:

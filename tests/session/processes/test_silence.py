@@ -52,7 +52,9 @@ def test_store_says_that_a_solver_is_stopped_until_it_goes_on(processes, session
 @stoppable
 def test_store_has_a_stopped_solver_restarted(processes, session):
     session.settle()
+    session.gestures.begin()
     session.handles.drag(pose(TWISTED))
+    session.gestures.end("Move handle")
     session.settle()
     reached = session.U
     session.gestures.undo()
