@@ -55,10 +55,6 @@ class Measured(NamedTuple):
     points: np.ndarray
 
 
-def _not_set_up(resolution: int, is_plain: bool) -> Measured:
-    raise NotImplementedError
-
-
 @dataclass(frozen=True)
 class VerificationCase:
     """Case with an exact or published answer.
@@ -71,8 +67,8 @@ class VerificationCase:
     quantities : tuple of CaseQuantity
     resolutions : tuple of int
         Numbers of edges along a side or around, ascending.
-    measure : callable
-        ``measure(resolution, is_plain)`` runs the case, by plain ARAP if asked.
+    measure : callable, optional
+        ``measure(resolution, is_plain)`` runs the case, by plain ARAP if asked; None without resolutions.
     has_plain : bool
         Plain ARAP can be asked, too.
     axes : pair of str
@@ -88,7 +84,7 @@ class VerificationCase:
     source: str
     quantities: tuple[CaseQuantity, ...] = ()
     resolutions: tuple[int, ...] = ()
-    measure: Callable[[int, bool], Measured] = _not_set_up
+    measure: Callable[[int, bool], Measured] | None = None
     has_plain: bool = False
     axes: tuple[str, str] = ("", "")
     curve: Callable[[], np.ndarray] = lambda: np.empty((0, 2))

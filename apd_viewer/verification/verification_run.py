@@ -91,10 +91,11 @@ def run_cases(
         for resolution, weight in zip(case.resolutions, own, strict=True):
             tick(done / whole, f"{case.letter}  {case.title}")
             started = time.perf_counter()
+            assert case.measure is not None
             measured.append(case.measure(resolution, False))
             seconds = time.perf_counter() - started
             done += weight
-        plain = case.measure(case.resolutions[-1], True) if case.has_plain else None
+        plain = case.measure(case.resolutions[-1], True) if case.measure and case.has_plain else None
         yield CaseRun(case, case_rows(case, measured, plain, seconds), tuple(measured), plain)
 
 
