@@ -243,7 +243,8 @@ class Deformation:
             self._stability.imperfection, self._stability.seed = convergence.imperfection, convergence.seed
             if convergence.energy_tolerance != before.energy_tolerance:
                 self.solver.set_tolerance(convergence.energy_tolerance)
-            if convergence[1:] != before[1:]:
+                self._begin()
+            elif (convergence.imperfection, convergence.seed) != (before.imperfection, before.seed):
                 self._begin()
 
     @checked
