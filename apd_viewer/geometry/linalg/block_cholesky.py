@@ -7,8 +7,8 @@ Indefinite Sparse Symmetric Linear Systems]. With the front ``[[A, B], [B^T, C]]
 
     forward   x_later += W^T x_group,       backward   x_group = S x_group + W x_later,
 
-products of dense matrices with vectors, in the order of the memory. They are kept in single precision,
-half the memory to read: enough for steps, too little for results.
+products of dense matrices with vectors, in the order of the memory. In single precision they are half the
+memory to read: enough for steps, too little for results.
 
 Groups of unknowns, ``first``, and what they are coupled with, ``begin, later``, are those of a
 :class:`BlockPattern`, and so are the rows of blocks, ``start, column``.
@@ -38,6 +38,8 @@ class BlockPattern:
 
     Attributes
     ----------
+    diagonal : (n,) int array
+        The blocks of the diagonal.
     order, place : (n,) int arrays
         Unknowns in the order of elimination, and the place of each in it.
     first : (g + 1,) int array
@@ -52,6 +54,7 @@ class BlockPattern:
 
     def __init__(self, V: np.ndarray, start: np.ndarray, column: np.ndarray) -> None:
         self.start, self.column = start, column
+        self.diagonal = np.flatnonzero(column == np.repeat(np.arange(len(start) - 1), np.diff(start)))
         self.order, self.first, parent = dissect(V, start, column)
         self.place = np.empty_like(self.order)
         self.place[self.order] = np.arange(len(self.order))
@@ -63,9 +66,9 @@ class BlockPattern:
         self.widest = int((k + b).max())
         self.stack = int(_stack_length(b, parent))
 
-    def factor(self, blocks: np.ndarray) -> BlockFactor:
+    def factor(self, blocks: np.ndarray, dtype: type = np.float32) -> BlockFactor:
         """Factor of the positive definite matrix with ``blocks`` (e, 3, 3)."""
-        return BlockFactor(self, blocks)
+        return BlockFactor(self, blocks, dtype)
 
 
 class BlockFactor:
@@ -75,18 +78,27 @@ class BlockFactor:
     ----------
     pattern : BlockPattern
     blocks : (e, 3, 3) float array
+    dtype : type
+        Of what is kept: float32 or float64.
+
+    Raises
+    ------
+    ValueError
+        If the matrix is not positive definite.
     """
 
-    def __init__(self, pattern: BlockPattern, blocks: np.ndarray) -> None:
+    def __init__(self, pattern: BlockPattern, blocks: np.ndarray, dtype: type = np.float32) -> None:
         self._pattern = p = pattern
-        self._panels = np.empty(p.panel[-1], dtype=np.float32)
+        self._panels = np.empty(p.panel[-1], dtype)
         groups = p.first, p.begin, p.later, p.child, p.sibling
         matrix = p.order, p.place, p.start, p.column, blocks
         with one_blas_thread():
-            eliminate(*groups, *matrix, p.panel, np.empty(p.stack), p.widest, self._panels)
+            is_definite = eliminate(*groups, *matrix, p.panel, np.empty(p.stack), p.widest, self._panels)
+        if not is_definite:
+            raise ValueError("the matrix is not positive definite")
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` to six digits or so, for ``B`` (n, 3)."""
+        """``A^-1 B`` for ``B`` (n, 3); of single precision to six digits or so."""
         p = self._pattern
         x = gathered_rows(B, p.order).astype(self._panels.dtype).ravel()
         solve(p.first, p.begin, p.later, p.panel, p.widest, self._panels, x)
@@ -128,8 +140,11 @@ def eliminate(
     stack: np.ndarray,
     widest: int,
     panels: np.ndarray,
-) -> None:
-    """Factor all groups, writing the rows ``[S | W]`` of each into ``panels``."""
+) -> bool:
+    """Factor all groups, writing the rows ``[S | W]`` of each into ``panels``.
+
+    False, and the rest is not written, if the matrix is not positive definite.
+    """
     at, where, top = np.empty(len(order), np.int64), np.empty(len(first) - 1, np.int64), 0
     fronts, inverses = np.empty(widest * widest), np.empty(widest * widest)
     for s in range(len(first) - 1):
@@ -155,10 +170,9 @@ def eliminate(
             top = min(top, where[c])
             c = sibling[c]
         inverse = inverses[: k * k].reshape(k, k)
-        if k < _WIDE:
-            condense(front, inverse)
-        else:
-            condense_by_blocks(front, inverse)
+        is_definite = condense(front, inverse) if k < _WIDE else condense_by_blocks(front, inverse)
+        if not is_definite:
+            return False
         out = panels[panel[s] : panel[s + 1]].reshape(k, k + b)
         where[s] = top
         _write_panel(out, front, inverse)
@@ -166,6 +180,7 @@ def eliminate(
             for j in range(b):
                 stack[top + i * b + j] = front[k + i, k + j]
         top += b * b
+    return True
 
 
 @njit(cache=True, nogil=True)

@@ -94,13 +94,14 @@ def _subtract_four(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> Non
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
+def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> bool:
     """Condense a front as :func:`condense` does, by matrix products."""
     k, b = len(inverse), len(front) - len(inverse)
     for i in range(k):
         for j in range(i, k):
             inverse[i, j] = inverse[j, i] = front[i, j]
-    _invert(inverse)
+    if not _invert(inverse):
+        return False
     blocks = (b + _BLOCK - 1) // _BLOCK
     B, products = np.empty(k * b), np.empty(max(k, _BLOCK) * _BLOCK)
     for c in range(blocks):
@@ -122,17 +123,19 @@ def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
             for i in range(below - above):
                 for j in range(width):
                     front[k + above + i, k + first + j] -= taken[i, j]
+    return True
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _invert(A: np.ndarray) -> None:
-    """Invert a positive definite matrix in place, a block of rows at a time."""
+def _invert(A: np.ndarray) -> bool:
+    """Invert a matrix in place, a block of rows at a time; False if not definite."""
     k = len(A)
     for first in range(0, k, _BLOCK):
         last = min(k, first + _BLOCK)
         width = last - first
         pivot, inverse = A[first:last, first:last].copy(), np.empty((width, width))
-        condense(pivot, inverse)
+        if not condense(pivot, inverse):
+            return False
         column = A[:, first:last].copy()
         for i in range(width):
             for j in range(width):
@@ -152,3 +155,4 @@ def _invert(A: np.ndarray) -> None:
     for i in range(k):
         for j in range(k):
             A[i, j] = -A[i, j]
+    return True
