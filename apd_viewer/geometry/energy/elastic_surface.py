@@ -22,6 +22,7 @@ import scipy.sparse as sp
 from scipy.sparse import coo_array, diags_array, hstack
 
 from apd_viewer.geometry.energy import arap_cells, membrane_hessian
+from apd_viewer.geometry.energy.held_surface import HeldSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.plastic_bending import PlasticBending
@@ -41,7 +42,7 @@ def _here_and_now(matrix: Callable[[], Matrix], V: np.ndarray) -> LinearSolver:
     return LinearSolver(matrix(), V)
 
 
-class ElasticSurface:
+class ElasticSurface(HeldSurface):
     """Local and global steps with some vertices held.
 
     Parameters
@@ -54,19 +55,11 @@ class ElasticSurface:
         Makes the factor of the matrix that a callable returns, given the positions of its unknowns, too;
         here and now without it.
     soft : SoftConstraints
-        Free vertices that springs draw. Wherever ``targets`` are asked for, theirs follow those of ``fixed``.
 
     Attributes
     ----------
-    U : (n, 3) float array
-        Current positions. Replaced, never written into.
-    free : (f,) int array
-        Vertices that are solved for. Where some are held, a piece without any held vertex is not: nothing
-        says where it belongs, so it stays at rest (see :class:`LooseComponents`).
     membrane : Membrane or None
         What keeps shape and area of every triangle; None if the material has no such term.
-    creases : PlasticBending or None
-        What yields where it is bent; None if the material does not.
     factor : Factor
         Of :attr:`factored_matrix`.
     metric : Metric
@@ -81,26 +74,16 @@ class ElasticSurface:
         factorizer: Factorizer | None = None,
         soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
     ) -> None:
-        self.rest = rest
-        self.fixed = fixed
-        self.soft = soft
-        self._firm = soft.density * rest.vertex_areas[soft.ids] if len(soft.ids) else soft.density
+        super().__init__(rest, fixed, soft)
         self.factorizer = factorizer or _here_and_now
         self.material = material = material or Material()
-        moves = rest.is_connected_to(fixed)
-        moves[fixed] = False
-        self.free = np.flatnonzero(moves)
         self.membrane: Membrane | None = None
         if material.shear > 0.0 or material.area > 0.0:
             self.membrane = Membrane(rest.V, rest.all_triangles, material.shear, material.area)
-        self.creases: PlasticBending | None = None
         if material.bending > 0.0 and material.yield_curvature < np.inf:
             ratio = material.rigidity / material.bending
             self.creases = PlasticBending(rest, material.yield_curvature, ratio)
         self._bending = self.creases or (rest.bending if material.bending > 0.0 else None)
-        self._place = np.full(len(rest.V), len(rest.V))
-        self._place[self.free] = np.arange(len(self.free))
-        self._place[fixed] = -1 - np.arange(len(fixed))
         # True if the energy is Eq. 1 alone.
         more = self.membrane is not None or self._bending is not None or len(soft.ids) > 0
         self._has_cells_alone = not more and material.rigidity == 1.0
@@ -124,9 +107,9 @@ class ElasticSurface:
         K_ff, K_fc = rows[:, self.free].tocsr(), rows[:, self.fixed].tocsr()
         if not len(self.soft.ids):
             return K_ff, K_fc
-        place, n = self._place[self.soft.ids], len(self.free)
-        springs = diags_array(np.bincount(place, self._firm, minlength=n))
-        drawn = coo_array((-self._firm, (place, np.arange(len(place)))), shape=(n, len(place)))
+        place, n = self.place[self.soft.ids], len(self.free)
+        springs = diags_array(np.bincount(place, self.spring_constants, minlength=n))
+        drawn = coo_array((-self.spring_constants, (place, np.arange(len(place)))), shape=(n, len(place)))
         return (K_ff + springs).tocsr(), hstack([K_fc, drawn]).tocsr()
 
     @property
@@ -231,16 +214,6 @@ class ElasticSurface:
         """Minimiser (n, 3) of the energy for a fixed ``b``; not yet current."""
         return self.all_positions(self.factor.refined(self.right_hand_side(targets, mult, forces)), targets)
 
-    def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
-        return parallel_ops.scattered_rows(self.U, self._place, X, targets)
-
-    def positions_along(
-        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
-    ) -> np.ndarray:
-        """Positions ``U`` plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
-        return parallel_ops.scattered_rows_along(U, self._place, share, direction, targets)
-
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""
         q, self.U = self.q, U
@@ -308,7 +281,7 @@ class ElasticSurface:
             E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))
         if len(self.soft.ids):
             away = U[self.soft.ids] - self._targets[len(self.fixed) :]
-            E += 2.0 * parallel_ops.inner_product(self._firm, (away * away).sum(axis=1))
+            E += 2.0 * parallel_ops.inner_product(self.spring_constants, (away * away).sum(axis=1))
         return float(E)
 
 

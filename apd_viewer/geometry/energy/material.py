@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# That of the cells of Eq. 1.
+_WALL_YOUNG = 4.0
+
 
 @dataclass(frozen=True)
 class Material:
@@ -21,6 +24,10 @@ class Material:
         Of what keeps neighbouring rotations alike, times the total area: alpha of SR-ARAP.
     yield_curvature : float
         Change of curvature above which bending stays, 1 / mesh unit; infinite for none that does.
+    thickness : float
+        Of a thin elastic wall, mesh units, instead of all the others; 0 for none.
+    poisson : float
+        Of the wall.
     """
 
     rigidity: float = 1.0
@@ -29,6 +36,8 @@ class Material:
     bending: float = 0.0
     coupling: float = 0.0
     yield_curvature: float = np.inf
+    thickness: float = 0.0
+    poisson: float = 0.0
 
     @property
     def young(self) -> float:
@@ -37,6 +46,13 @@ class Material:
         With strains e and f along and across, a unit of area has the energy
         ``(2 rigidity + shear) (e^2 + f^2) + area (e + f)^2 / 2``, which is least at the f of free sides.
         """
+        if self.thickness:
+            return _WALL_YOUNG
         shape = self.rigidity + 0.5 * self.shear
         size = shape + 0.5 * self.area
         return 8.0 * shape * size / (shape + size)
+
+    @property
+    def plate_rigidity(self) -> float:
+        """Bending rigidity D of a thin elastic wall, a squared length."""
+        return self.young * self.thickness**2 / (12.0 * (1.0 - self.poisson**2))

@@ -1,0 +1,92 @@
+"""Surface with held vertices: its positions, and which of them are free."""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.plastic_bending import PlasticBending
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
+
+
+class HeldSurface(ABC):
+    """Elastic surface with some vertices held.
+
+    Parameters
+    ----------
+    rest : SolveMesh
+    fixed : (k,) int array
+        Held vertices, each once.
+    soft : SoftConstraints
+        Free vertices that springs draw. Wherever ``targets`` are asked for, theirs follow those of ``fixed``.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Current positions. Replaced, never written into.
+    free : (f,) int array
+        Vertices that are solved for. Where some are held, a piece without any held vertex is not: nothing
+        says where it belongs, so it stays at rest (see :class:`LooseComponents`).
+    place : (n,) int array
+        Rows of the free vertices; from -1 downwards those of the held, and f of what stays at rest.
+    spring_constants : (s,) float array
+        Of the springs of ``soft``.
+    material : Material
+    creases : PlasticBending or None
+        What yields where it is bent; None if the material does not.
+    """
+
+    material: Material
+    creases: PlasticBending | None = None
+
+    def __init__(
+        self, rest: SolveMesh, fixed: np.ndarray, soft: SoftConstraints = NO_SOFT_CONSTRAINTS
+    ) -> None:
+        self.rest, self.fixed, self.soft, self.U = rest, fixed, soft, rest.V
+        self.spring_constants = soft.density * rest.vertex_areas[soft.ids] if len(soft.ids) else soft.density
+        moves = rest.is_connected_to(fixed)
+        moves[fixed] = False
+        self.free = np.flatnonzero(moves)
+        self.place = np.full(len(rest.V), len(rest.V))
+        self.place[self.free] = np.arange(len(self.free))
+        self.place[fixed] = -1 - np.arange(len(fixed))
+
+    def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        return parallel_ops.scattered_rows(self.U, self.place, X, targets)
+
+    def positions_along(
+        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
+    ) -> np.ndarray:
+        """Positions ``U`` plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
+        return parallel_ops.scattered_rows_along(U, self.place, share, direction, targets)
+
+    @abstractmethod
+    def restart(self, U: np.ndarray) -> None:
+        """Continue from the positions ``U`` (n, 3)."""
+
+    @abstractmethod
+    def local_step(self, U: np.ndarray) -> None:
+        """Make ``U`` (n, 3) current, with all that the energy there needs."""
+
+    @property
+    @abstractmethod
+    def energy(self) -> float:
+        """Energy of the current positions."""
+
+    @abstractmethod
+    def energy_after_local_step(self, U: np.ndarray) -> float:
+        """Make ``U`` (n, 3) current; return its energy."""
+
+    @abstractmethod
+    def residual(self, targets: np.ndarray) -> np.ndarray:
+        """A quarter of the gradient on the free vertices, (f, 3)."""
+
+    @abstractmethod
+    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3) near the current positions, which stay current."""
+
+    def commit_creases(self) -> None:  # noqa: B027 (most have none)
+        """Make the plastic flow at the current positions permanent, if there is any."""

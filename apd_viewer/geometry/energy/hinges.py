@@ -1,0 +1,312 @@
+"""Hinges of a triangle mesh and their bending energy.
+
+    E = 1/2 (theta - theta_0)^T Q (theta - theta_0),        theta the dihedral angles, theta_0 those at rest
+
+Q is constant. A triangle bends by ``H = 1/A sum_e |e| phi_e n_e n_e^T`` over its edges, as the element of
+[Morley 1968, The triangular equilibrium element in the solution of plate bending problems] has it, and has
+the energy ``D/2 A ((1 - nu) |H|^2 + nu (tr H)^2)``. Here ``phi_e`` is the slope across the middle of edge e
+less that of the triangle's plane. Morley's element makes it an unknown; here it follows from the angles of
+five hinges, that of the edge and the other four of its two triangles, by the weights nearest to half of the
+edge's own that are exact for every quadratic function of the unfolded rest shape. The other triangle has the
+rest of the angle, so that slopes agree across edges, and every quadratic passes the patch test on every
+triangulation. Along a free edge the slope is the one of least energy.
+
+The angle of a hinge has the gradient ``-m/h`` at a corner with the height h above the edge, m the unit normal
+[Tamstorf & Grinspun 2013, Discrete bending forces and their Jacobians].
+"""
+
+import numpy as np
+import scipy.sparse as sp
+from numba import prange
+
+from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.mesh.operators import cotangents, face_areas, well_shaped
+
+# Weight of an edge's own hinge against each of the other four, and the largest weight that is trusted.
+_OWN, _LARGEST = 9.0, 3.0
+# Fewest hinges that tell a quadratic, and the part of the trace by which the three equations are regularized.
+_FEWEST, _REGULAR = 4, 1e-6
+# Entries of Q below this part of the bending rigidity are rounding.
+_ROUNDING = 1e-12
+
+
+class Hinges:
+    """Hinges of a mesh and their bending energy.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+        Rest positions.
+    F : (m, 3) int array
+        Triangles. Needles do not bend.
+    rigidity : float
+        Bending rigidity D, energy.
+    poisson : float
+
+    Attributes
+    ----------
+    corners : (h, 4) int array
+        The edge of each hinge, then the opposite corners of its two triangles, the one on the left first.
+    Q : (h, h) csr_array
+    others : (e, 2) int array
+        Edges with more than two triangles, which have no hinge.
+    """
+
+    def __init__(self, V: np.ndarray, F: np.ndarray, rigidity: float, poisson: float) -> None:
+        self._n = len(V)
+        topology = _HingeTopology(F, len(V))
+        self.corners, self.others = topology.corners, topology.others
+        self._slopes = slopes = _slope_matrix(V, F, topology)
+        self._stiffness = _triangle_stiffness(V, F, topology.hinge < 0, rigidity, poisson)
+        Q = (slopes.T @ self._stiffness @ slopes).tocsr()
+        Q.sum_duplicates()
+        Q.data[np.abs(Q.data) < _ROUNDING * rigidity] = 0.0
+        Q.eliminate_zeros()
+        Q.sort_indices()
+        self.Q = Q
+        # From the gradients of the angles to the vertices.
+        at = np.arange(4 * len(self.corners))
+        self._to_vertices = sp.csr_array(
+            (np.ones(len(at)), (self.corners.ravel(), at)), shape=(self._n, len(at))
+        )
+        self.rest = angles_and_gradients(V, self.corners)[0]
+
+    @property
+    def at_vertices(self) -> tuple[np.ndarray, np.ndarray]:
+        """Starts (n + 1,) and entries (4 h,) of the hinges at each vertex.
+
+        An entry is 4 times the hinge plus its corner.
+        """
+        return self._to_vertices.indptr, self._to_vertices.indices
+
+    def moments(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
+        """Energy and its derivatives (h,) by the ``angles`` (h,).
+
+        A hinge may have turned by more than half a turn from rest: the nearest way back counts.
+        """
+        turned = self._turned(angles)
+        moments = self.Q @ turned
+        return 0.5 * parallel_ops.inner_product(turned, moments), moments
+
+    def _turned(self, angles: np.ndarray) -> np.ndarray:
+        turned = angles - self.rest
+        return turned - 2.0 * np.pi * np.round(turned / (2.0 * np.pi))
+
+    def triangle_energies(self, angles: np.ndarray) -> np.ndarray:
+        """Energies (m,) of the triangles, which add up to the whole."""
+        slopes = self._slopes @ self._turned(angles)
+        return 0.5 * (slopes * (self._stiffness @ slopes)).reshape(-1, 3).sum(axis=1)
+
+    def gradient(self, moments: np.ndarray, J: np.ndarray) -> np.ndarray:
+        """Gradient (n, 3) of the energy, for gradients ``J`` (h, 4, 3) of the angles."""
+        return parallel_ops.matrix_product(self._to_vertices, (moments[:, None, None] * J).reshape(-1, 3))
+
+
+class _HingeTopology:
+    """Hinges of triangles.
+
+    Attributes
+    ----------
+    corners, others
+        See :class:`Hinges`.
+    hinge : (m, 3) int array
+        The hinge on the edge from each corner to the next; -1 for none.
+    sign : (m, 3) float array
+        -1 where the triangle sees the angle from the other side, since it is wound against the first one.
+    first, second : (h,) int arrays
+        Half edges, ``3 t + k``, of the two triangles.
+    """
+
+    def __init__(self, F: np.ndarray, n: int) -> None:
+        start, end = F.ravel().astype(np.int64), np.roll(F, -1, axis=1).ravel().astype(np.int64)
+        key = np.minimum(start, end) * n + np.maximum(start, end)
+        order = np.argsort(key, kind="stable")
+        edges, at, count = np.unique(key[order], return_index=True, return_counts=True)
+        pairs = at[count == 2]
+        self.first, self.second = order[pairs], order[pairs + 1]
+        many = edges[count > 2]
+        self.others = np.column_stack([many // n, many % n])
+        opposite = np.roll(F, -2, axis=1).ravel()
+        left, right = opposite[self.first], opposite[self.second]
+        self.corners = np.column_stack([start[self.first], end[self.first], left, right])
+        hinge, sign = np.full(F.size, -1), np.ones(F.size)
+        hinge[self.first] = hinge[self.second] = np.arange(len(pairs))
+        sign[self.second] = np.where(start[self.second] == end[self.first], 1.0, -1.0)
+        self.hinge, self.sign = hinge.reshape(-1, 3), sign.reshape(-1, 3)
+
+
+# Values of the three quadratic functions x^2 / 2, y^2 / 2 and x y.
+
+
+def _quadratics(P: np.ndarray) -> np.ndarray:
+    x, y = P[..., 0], P[..., 1]
+    return np.stack([0.5 * x * x, 0.5 * y * y, x * y], axis=-1)
+
+
+def _gradients(P: np.ndarray, Q: np.ndarray, R: np.ndarray) -> np.ndarray:
+    """Gradients (k, 3, 2) of interpolated quadratics on triangles of corners (k, 2)."""
+    e, f = Q - P, R - P
+    det = (e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0])[:, None]
+    p, q = _quadratics(Q) - _quadratics(P), _quadratics(R) - _quadratics(P)
+    return np.stack(
+        [
+            (p * f[:, 1, None] - q * e[:, 1, None]) / det,
+            (q * e[:, 0, None] - p * f[:, 0, None]) / det,
+        ],
+        axis=-1,
+    )
+
+
+def _hinge_angles(P: np.ndarray, Q: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Angles (k, 3) of the quadratics over the edges from ``P`` to ``Q`` (k, 2)."""
+    t = Q - P
+    outwards = np.stack([t[:, 1], -t[:, 0]], axis=-1) / np.linalg.norm(t, axis=1, keepdims=True)
+    jump = _gradients(Q, P, right) - _gradients(P, Q, left)
+    return np.einsum("kfi,ki->kf", jump, outwards)
+
+
+def _third_corner(P: np.ndarray, Q: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Corner (k, 2) on the left of ``P`` to ``Q``, ``p`` and ``q`` (k,) from them."""
+    t = Q - P
+    length = np.linalg.norm(t, axis=1)
+    x = (p * p - q * q + length * length) / (2.0 * length)
+    y = np.sqrt(np.maximum(p * p - x * x, np.finfo(float).tiny))
+    t = t / length[:, None]
+    return P + x[:, None] * t + y[:, None] * np.stack([-t[:, 1], t[:, 0]], axis=-1)
+
+
+def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology) -> sp.csr_array:
+    """Slopes (3 m, h) across the triangles' edges by the hinges' angles."""
+    first, second, corners = topology.first, topology.second, topology.corners
+    a, b, c, d = corners.T
+    count, edge = len(corners), np.linalg.norm(V[corners[:, 1]] - V[corners[:, 0]], axis=1)
+    edge = np.maximum(edge, np.finfo(float).tiny)
+
+    def apart(i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(V[i] - V[j], axis=1) / edge
+
+    A, B = np.tile([-0.5, 0.0], (count, 1)), np.tile([0.5, 0.0], (count, 1))
+    C = _third_corner(A, B, apart(a, c), apart(b, c))
+    D = _third_corner(B, A, apart(b, d), apart(a, d))
+    hinges = np.full((count, 5), -1)
+    angles, signs = np.zeros((count, 5, 3)), np.ones((count, 5))
+    hinges[:, 0], angles[:, 0] = np.arange(count), _hinge_angles(A, B, C, D)
+    # Whether the second triangle is wound as the first.
+    side = topology.sign.ravel()[second]
+    # Half edges of each triangle after that of the hinge itself, as seen from the first one's side.
+    around = [(first, 1, b, c, B, C, A), (first, 2, c, a, C, A, B)]
+    around += [(second, 1, a, d, A, D, B), (second, 2, d, b, D, B, A)]
+    for slot, (half, step, p, q, P, Q, R) in enumerate(around, start=1):
+        t, k = half // 3, half % 3
+        seen = side if half is second else 1.0
+        # Wound the other way, the triangle meets its edges in the other order.
+        k = np.where(seen > 0.0, k + step, k + 3 - step) % 3
+        other = topology.hinge[t, k]
+        hinges[:, slot] = other
+        signs[:, slot] = topology.sign[t, k] * seen
+        is_first = first[other] == 3 * t + k
+        x = np.where(is_first, corners[other, 3], corners[other, 2])
+        X = _third_corner(Q, P, apart(q, x), apart(p, x))
+        with np.errstate(divide="ignore", invalid="ignore"):  # of needles, and where there is no hinge
+            angles[:, slot] = np.where(other[:, None] >= 0, _hinge_angles(P, Q, R, X), 0.0)
+    weights = _slope_weights(angles, _gradients(A, B, C)[..., 1], hinges >= 0) * signs
+    rest = -weights
+    rest[:, 0] += 1.0
+    known = hinges >= 0
+    rows = np.concatenate([np.repeat(first[:, None], 5, 1)[known], np.repeat(second[:, None], 5, 1)[known]])
+    entries = np.concatenate([weights[known], (side[:, None] * rest)[known]])
+    columns = np.tile(hinges[known], 2)
+    return sp.coo_array((entries, (rows, columns)), shape=(F.size, count)).tocsr()
+
+
+def _slope_weights(angles: np.ndarray, slopes: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Weights (k, 5) of the angles of five hinges, exact for all quadratics.
+
+    Half of the edge's own angle where the others tell too little.
+
+    Parameters
+    ----------
+    angles : (k, 5, 3) float array
+        Those of three quadratics; the edge's own hinge first.
+    slopes : (k, 3) float array
+        Slopes of the first triangle to find.
+    known : (k, 5) bool array
+        Hinges that there are.
+    """
+    half = np.zeros(known.shape)
+    half[:, 0] = 0.5
+    trust = known * np.array([_OWN, 1.0, 1.0, 1.0, 1.0])
+    with np.errstate(invalid="ignore", over="ignore"):
+        B = np.einsum("ks,ksi,ksj->kij", trust, angles, angles)
+        scale = np.trace(B, axis1=1, axis2=2)
+        sound = np.isfinite(scale) & (scale > 0.0) & (known.sum(axis=1) >= _FEWEST)
+        B[~sound], scale = np.eye(3), np.where(sound, scale, 1.0)
+        B += _REGULAR * scale[:, None, None] * np.eye(3)
+        missing = np.where(sound[:, None], slopes - 0.5 * angles[:, 0], 0.0)
+        forces = np.linalg.solve(B, missing[:, :, None])[:, :, 0]
+        weights = half + trust * np.einsum("ksi,ki->ks", np.where(sound[:, None, None], angles, 0.0), forces)
+    return np.where((np.abs(weights).max(axis=1) <= _LARGEST)[:, None], weights, half)
+
+
+def _triangle_stiffness(
+    V: np.ndarray, F: np.ndarray, free: np.ndarray, rigidity: float, poisson: float
+) -> sp.csr_array:
+    """Second derivatives (3 m, 3 m) of the triangles' energies by their slopes.
+
+    Parameters
+    ----------
+    V, F, rigidity, poisson
+        See :class:`Hinges`.
+    free : (m, 3) bool array
+        Edges without a hinge, whose slope is that of least energy.
+    """
+    X, areas = V[F], face_areas(V, F)
+    sound = well_shaped(cotangents(V, F))
+    edges = X[:, [1, 2, 0]] - X
+    dots = np.einsum("tai,tbi->tab", edges, edges)
+    lengths = np.sqrt(np.einsum("taa->ta", dots))
+    sizes = lengths[:, :, None] * lengths[:, None, :]
+    tiny = np.finfo(float).tiny
+    cosines = dots / np.maximum(sizes, tiny)
+    part = rigidity * np.where(sound, 1.0 / np.maximum(areas, tiny), 0.0)
+    K = part[:, None, None] * ((1.0 - poisson) * cosines * cosines + poisson) * sizes
+    for k in range(3):
+        own = K[:, k, k]
+        gives = free[:, k] & (own > 0.0)
+        share = np.where(gives, 1.0 / np.where(own > 0.0, own, 1.0), 0.0)
+        K = K - share[:, None, None] * K[:, :, k, None] * K[:, None, k, :]
+        K[free[:, k], k, :] = 0.0
+        K[free[:, k], :, k] = 0.0
+    at = np.arange(F.size).reshape(-1, 3)
+    rows, columns = np.repeat(at, 3, axis=1), np.tile(at, 3)
+    return sp.coo_array((K.ravel(), (rows.ravel(), columns.ravel())), shape=(F.size, F.size)).tocsr()
+
+
+@parallel(error_model="numpy")
+def angles_and_gradients(U: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Angles (h,) of hinges at ``U`` (n, 3), and their gradients (h, 4, 3).
+
+    Positive where the surface is a valley on the side of its normals.
+    """
+    angles, J = np.empty(len(corners)), np.empty((len(corners), 4, 3))
+    for e in prange(len(corners)):
+        a, b, c, d = corners[e, 0], corners[e, 1], corners[e, 2], corners[e, 3]
+        p0, p1, p2 = U[b, 0] - U[a, 0], U[b, 1] - U[a, 1], U[b, 2] - U[a, 2]
+        q0, q1, q2 = U[c, 0] - U[a, 0], U[c, 1] - U[a, 1], U[c, 2] - U[a, 2]
+        r0, r1, r2 = U[d, 0] - U[a, 0], U[d, 1] - U[a, 1], U[d, 2] - U[a, 2]
+        x0, x1, x2 = p1 * q2 - p2 * q1, p2 * q0 - p0 * q2, p0 * q1 - p1 * q0
+        y0, y1, y2 = r1 * p2 - r2 * p1, r2 * p0 - r0 * p2, r0 * p1 - r1 * p0
+        square = max(p0 * p0 + p1 * p1 + p2 * p2, 1e-300)
+        length = np.sqrt(square)
+        x, y = max(x0 * x0 + x1 * x1 + x2 * x2, 1e-300), max(y0 * y0 + y1 * y1 + y2 * y2, 1e-300)
+        across = (x1 * y2 - x2 * y1) * p0 + (x2 * y0 - x0 * y2) * p1 + (x0 * y1 - x1 * y0) * p2
+        angles[e] = np.arctan2(across / length, x0 * y0 + x1 * y1 + x2 * y2)
+        s = (p0 * q0 + p1 * q1 + p2 * q2) / square
+        t = (p0 * r0 + p1 * r1 + p2 * r2) / square
+        g, h = length / x, length / y
+        for i, left, right in ((0, g * x0, h * y0), (1, g * x1, h * y1), (2, g * x2, h * y2)):
+            J[e, 0, i] = (1.0 - s) * left + (1.0 - t) * right
+            J[e, 1, i] = s * left + t * right
+            J[e, 2, i], J[e, 3, i] = -left, -right
+    return angles, J

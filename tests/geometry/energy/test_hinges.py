@@ -1,0 +1,105 @@
+"""Bending of hinges: exact for constant curvature on every triangulation, and what the limits are."""
+
+import numpy as np
+import pytest
+from meshes import grid, rotation, sphere
+from scipy.spatial import Delaunay
+
+from apd_viewer.geometry.energy.hinges import Hinges, angles_and_gradients
+
+CURVATURES = {"along x": (1, 0, 0), "along y": (0, 1, 0), "twist": (0, 0, 1), "dome": (1, 1, 0)}
+POISSON, RIGIDITY = 0.3, 2.5
+
+
+def irregular(n, jitter, seed=0):
+    """Unit square, triangulated by Delaunay from displaced points of a grid."""
+    V, _ = grid(n, n, 1 / n, 1 / n)
+    inside = ((V[:, :2] > 1e-9) & (V[:, :2] < 1 - 1e-9)).all(axis=1)
+    V[inside, :2] += np.random.default_rng(seed).uniform(-jitter / n, jitter / n, (inside.sum(), 2))
+    F = Delaunay(V[:, :2]).simplices
+    X = V[F]
+    up = np.cross(X[:, 1] - X[:, 0], X[:, 2] - X[:, 0])[:, 2]
+    F[up < 0] = F[up < 0][:, ::-1]
+    return V, F[np.abs(up) > 1e-12]
+
+
+def flattened_rows(n):
+    """Unit square of rows of triangles two thirds as high as equilateral ones."""
+    V, F = grid(n, 3 * n // 2, 1 / n, 2 / (3 * n))
+    V[:, 0] += 0.5 / n * (np.round(V[:, 1] * 1.5 * n) % 2)
+    return V, F
+
+
+MESHES = {
+    "squares": grid(12, 12, 1 / 12, 1 / 12),
+    "flattened": flattened_rows(12),
+    "irregular": irregular(12, 0.3),
+    "more so": irregular(12, 0.4, 1),
+}
+
+
+def bent(V, curvatures, size=1e-4):
+    a, b, c = curvatures
+    x, y = V[:, 0], V[:, 1]
+    return V + size * np.outer(0.5 * a * x * x + 0.5 * b * y * y + c * x * y, [0, 0, 1])
+
+
+def energy(hinges, U):
+    return hinges.moments(angles_and_gradients(U, hinges.corners)[0])[0]
+
+
+def plate_energy(curvatures, size=1e-4):
+    """Energy of a unit of area by the theory of Kirchhoff."""
+    a, b, c = np.array(curvatures) * size
+    return 0.5 * RIGIDITY * ((1 - POISSON) * (a * a + b * b + 2 * c * c) + POISSON * (a + b) ** 2)
+
+
+@pytest.mark.parametrize("curvatures", CURVATURES.values(), ids=CURVATURES)
+@pytest.mark.parametrize("mesh", MESHES)
+def test_hinges_bend_like_a_plate_on_every_triangulation(mesh, curvatures):
+    """All but the rim: there the slope across a free edge is that of least energy."""
+    V, F = MESHES[mesh]
+    inner = (np.abs(V[F].mean(axis=1)[:, :2] - 0.5) < 0.33).all(axis=1)
+    hinges = Hinges(V, F, RIGIDITY, POISSON)
+    areas = 0.5 * np.cross(V[F][:, 1] - V[F][:, 0], V[F][:, 2] - V[F][:, 0])[:, 2]
+    found = hinges.triangle_energies(angles_and_gradients(bent(V, curvatures), hinges.corners)[0])
+    assert found[inner].sum() == pytest.approx(areas[inner].sum() * plate_energy(curvatures), rel=2e-3)
+    assert energy(hinges, bent(V, curvatures)) == pytest.approx(found.sum(), rel=1e-9)
+
+
+def test_hinges_need_no_energy_to_turn_and_have_the_gradient_of_their_energy():
+    V, F = sphere(1)
+    hinges, rng = Hinges(V, F, RIGIDITY, POISSON), np.random.default_rng(2)
+    assert energy(hinges, V @ rotation([1, 2, 3], 2.0).T + 5.0) < 1e-24
+    U, way = V + 0.1 * rng.normal(size=V.shape), rng.normal(size=V.shape)
+    angles, J = angles_and_gradients(U, hinges.corners)
+    along = (hinges.gradient(hinges.moments(angles)[1], J) * way).sum()
+    step = 1e-6
+    assert along == pytest.approx(
+        (energy(hinges, U + step * way) - energy(hinges, U - step * way)) / (2 * step), rel=1e-7
+    )
+
+
+def test_hinges_do_not_mind_how_triangles_are_wound():
+    V, F = MESHES["irregular"]
+    mixed = F.copy()
+    mixed[::3] = mixed[::3, ::-1]
+    U = bent(V, (1.0, -0.5, 0.3), 0.1)
+    one, other = (energy(Hinges(V, each, RIGIDITY, POISSON), U) for each in (F, mixed))
+    assert one == pytest.approx(other, rel=1e-9)
+
+
+def test_hinges_resist_every_change_of_angle():
+    """Compared with plain hinges the stiffness has bounds: nothing bends for nothing."""
+    V, F = MESHES["more so"]
+    Q = Hinges(V, F, 1.0, POISSON).Q.toarray()
+    assert np.abs(Q - Q.T).max() < 1e-12 * np.abs(Q).max()
+    values = np.linalg.eigvalsh(Q)
+    assert values[0] > 1e-3 * values[-1]
+
+
+def test_hinges_name_the_edges_of_more_than_two_triangles():
+    V = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, -1, 0.0]])
+    hinges = Hinges(V, np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4]]), 1.0, 0.0)
+    assert len(hinges.corners) == 0
+    assert hinges.others.tolist() == [[0, 1]]

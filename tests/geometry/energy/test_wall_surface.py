@@ -1,0 +1,94 @@
+"""Energy of a thin wall against closed forms, and its derivatives against differences."""
+
+import numpy as np
+import pytest
+from meshes import grid, sphere, tube
+from scipy.sparse import bsr_array
+
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.energy.wall_surface import WallSurface
+from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
+from apd_viewer.geometry.pose.constraints import SoftConstraints
+
+MATERIAL = Material(thickness=0.05, poisson=0.3)
+
+
+def wall(V, F, fixed=(), material=MATERIAL, **more):
+    return WallSurface(SolveMesh(V, F), np.array(fixed, dtype=np.int64), material, **more)
+
+
+def hessian(surface, tensions, pressure, share=1.0):
+    pattern = surface.couplings
+    pattern.sort_indices()
+    start, column = pattern.indptr.astype(np.int64), pattern.indices.astype(np.int64)
+    blocks = surface.blocks(
+        BlockPattern(surface.rest.V[surface.free], start, column), tensions, pressure, share
+    )
+    return bsr_array((blocks, column, start)).tocsr()
+
+
+def test_wall_surface_stretches_as_elasticity_has_it():
+    """With free sides a sheet is as firm as Young's modulus times thickness; held ones add their part."""
+    V, F = grid(4, 6)
+    strain, poisson = 1e-5, MATERIAL.poisson
+    for across, firm in ((-poisson * strain, 1.0), (0.0, 1.0 / (1.0 - poisson**2))):
+        U = V * (1.0 + np.array([strain, across, 0.0]))
+        expected = 0.5 * MATERIAL.young * firm * strain**2 * 24.0
+        assert wall(V, F).energy_after_local_step(U) == pytest.approx(expected, rel=1e-4)
+
+
+def test_wall_surface_rolls_a_sheet_into_a_tube_for_the_energy_of_a_plate():
+    V, F = grid(40, 6, 2 * np.pi / 40, 0.2)
+    surface = wall(V, F)
+    U = np.column_stack([np.sin(V[:, 0]), V[:, 1], 1.0 - np.cos(V[:, 0])])
+    expected = 0.5 * MATERIAL.plate_rigidity * 2 * np.pi * 1.2
+    # Chords are shorter than arcs, which stretches; what is free to curl at the sides gives way a little.
+    assert surface.energy_after_local_step(U) * (1.0 - surface.stretching_share) == pytest.approx(
+        expected, rel=0.06
+    )
+
+
+@pytest.mark.parametrize("mesh", [tube(8, 5), grid(4, 5), sphere(1)], ids=["tube", "sheet", "sphere"])
+def test_wall_surface_has_the_derivatives_of_its_energy_and_of_goals(mesh):
+    V, F = mesh
+    fixed, rng = [0, 1, 2], np.random.default_rng(1)
+    soft = SoftConstraints(np.array([5, 7]), np.ones(2), np.array([3.0, 2.0]), np.array([0, 0]))
+    surface = wall(V, F, fixed, soft=soft)
+    U = V + 0.05 * rng.normal(size=V.shape)
+    targets = np.concatenate([U[fixed], V[[5, 7]] + 0.1])
+    surface.restart(U)
+    residual = surface.residual(targets)
+    way, step = np.zeros_like(V), 1e-6
+    way[surface.free] = rng.normal(size=(len(surface.free), 3))
+    there, back = (surface.energy_after_local_step(U + sign * step * way) for sign in (1, -1))
+    along = 4.0 * (residual * way[surface.free]).sum()
+    assert along == pytest.approx((there - back) / (2 * step), rel=1e-6)
+
+    surface.restart(U)
+    tensions, pressure = rng.uniform(size=len(F)), 0.7
+
+    def slope(X):
+        corners = X[F]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        area, volume = np.zeros_like(X), np.zeros_like(X)
+        edges = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
+        np.add.at(area, F, 0.5 * tensions[:, None, None] * np.cross(normals[:, None], edges))
+        np.add.at(volume, F, np.cross(corners[:, [1, 2, 0]], corners[:, [2, 0, 1]]) / 6.0)
+        goals = 0.25 * (area + pressure * volume)[surface.free]
+        return surface.residual_near(X, targets) + goals
+
+    change = (slope(U + step * way) - slope(U - step * way)) / (2 * step)
+    found = (hessian(surface, tensions, pressure) @ way[surface.free].ravel()).reshape(-1, 3)
+    # Beside the energy the matrix has a shift of the whole that is too small to matter.
+    assert np.abs(found - change).max() < 1e-5 * np.abs(change).max()
+
+
+def test_wall_surface_has_a_definite_matrix_without_what_may_be_indefinite():
+    V, F = tube(12, 8)
+    surface = wall(V, F, [0, 1, 2])
+    surface.restart(V * [0.8, 0.9, 0.7] + 0.02 * np.random.default_rng(3).normal(size=V.shape))
+    whole = np.linalg.eigvalsh(hessian(surface, np.zeros(len(F)), 0.0).toarray())
+    safe = np.linalg.eigvalsh(hessian(surface, np.zeros(len(F)), 0.0, share=0.0).toarray())
+    assert whole[0] < 0.0 < safe[0]
