@@ -24,6 +24,7 @@ METHOD_STYLES: dict[str, dict[str, Any]] = {
     "exact": {"color": BLUE, "linestyle": "-", "marker": "o"},
     "local": {"color": GREEN, "linestyle": (0, (6, 1.5, 1, 1.5)), "marker": "D"},
     "sr-arap": {"color": PURPLE, "linestyle": (0, (3, 1)), "marker": "v"},
+    "wall": {"color": INK, "linestyle": (0, (8, 1.5)), "marker": "P"},
 }
 _DPI = 160
 _LOOK: dict[Any, Any] = {

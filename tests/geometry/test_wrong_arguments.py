@@ -61,6 +61,8 @@ SOUND = {
     **dict.fromkeys(("tolerance", "radius", "size"), LENGTHS - {"None"}),
     **dict.fromkeys(("thickness", "gas"), LENGTHS),
     "yield_radius": NONE,  # needs a stiffness
+    "wall_thickness": NONE,  # the others are too thick for this mesh
+    "poisson": {"0", "np.float32"},
     **dict.fromkeys(("Deformation gas", "deform gas"), NONE),  # needs contact
     **dict.fromkeys(("iterations", "steps", "most_iterations"), COUNTS),
     **dict.fromkeys(("shifts", "begin", "soft_targets", "rest", "area", "volume"), NONE),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
-from apd_viewer.geometry.contact.near_pairs import NearPairs
+from apd_viewer.geometry.contact.near_pairs import NearPairs, NoPairs
 from apd_viewer.geometry.contact.obstacle_pairs import ObstaclePairs
 from apd_viewer.geometry.linalg.kernels import njit
 
@@ -29,6 +29,27 @@ _SWEEPS = 8
 _SHORTEST = 1e-3
 
 
+class DirectedSprings(NamedTuple):
+    """Springs that resist a change of gaps, and no sliding.
+
+    Attributes
+    ----------
+    ids : (p, 4) int array
+        Vertices of each pair; n + k for a point of obstacle k.
+    constants : (p,) float array
+        A quarter of the energy's second derivative by the gap.
+    weights : (p, 4) float array
+        How the gap's vector is made of the vertices' positions.
+    directions : (p, 3) float array
+        Unit vectors along the gaps.
+    """
+
+    ids: np.ndarray
+    constants: np.ndarray
+    weights: np.ndarray
+    directions: np.ndarray
+
+
 class Contact:
     """Contact of a surface with itself and with obstacles.
 
@@ -37,7 +58,7 @@ class Contact:
     V : (n, 3) float array
         Rest positions.
     F : (m, 3) int array
-        Triangles that can touch.
+        Triangles that can touch; none for a surface that passes through itself.
     held : (n,) int array
         The handle that holds a vertex, counted from 2, 1 for the base, 0 for none; higher numbers are of what
         else moves as one. Nothing of one number touches what else has it.
@@ -76,13 +97,14 @@ class Contact:
         followers: Followers | None = None,
         obstacles: Sequence[Obstacle] = (),
     ) -> None:
-        self._F, self._zone = F, exempt_zones(F, crossing_pairs(V, F), len(V))
+        self._F = F
+        self._zone = exempt_zones(F, crossing_pairs(V, F) if len(F) else None, len(V))
         self.followers = followers or NoFollowers(len(V))
         self._stiffness = _STIFFNESS * stiffness
         self._most = _FIRMEST / _STIFFNESS
         together = np.vstack([held, self._zone, self.followers.exempt_groups])
-        self._pairs = NearPairs(V, F, together, thickness)
-        self._V, self._thickness = V, thickness
+        self._pairs = NearPairs(V, F, together, thickness) if len(F) else NoPairs(len(V))
+        self._V, self.thickness = V, thickness
         self.replace_obstacles(obstacles)
         self.exempt_vertices = np.union1d(np.flatnonzero(self._zone), self._pairs.touching_at_rest)
         self.touching_pairs, self.least_gap, self.examined_parts = 0, np.inf, 0
@@ -93,7 +115,7 @@ class Contact:
     def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Replace the obstacles; call :meth:`start_at` afterwards."""
         V, E = self._V, self._pairs.edges
-        self.obstacles = [ObstaclePairs(V, self._F, E, obstacle, self._thickness) for obstacle in obstacles]
+        self.obstacles = [ObstaclePairs(V, self._F, E, obstacle, self.thickness) for obstacle in obstacles]
 
     def can_start_at(self, U: np.ndarray, shifts: np.ndarray | None = None) -> bool:
         """True if ``U`` (n, 3) intersects no obstacle, and itself only as at rest.
@@ -114,7 +136,7 @@ class Contact:
 
     def _may_cross_so(self, U: np.ndarray) -> bool:
         """True if ``U`` (n, 3) intersects itself only as at rest."""
-        pairs = crossing_pairs(self.followers.with_followers(U), self._F)
+        pairs = crossing_pairs(self.followers.with_followers(U), self._F) if len(self._F) else None
         if pairs is None:
             return True
         corners = self._F[pairs]
@@ -138,7 +160,7 @@ class Contact:
         return np.array([pairs.shift for pairs in self.obstacles]).reshape(-1, 3)
 
     @property
-    def _all(self) -> list[NearPairs | ObstaclePairs]:
+    def _all(self) -> list[NearPairs | NoPairs | ObstaclePairs]:
         return [self._pairs, *self.obstacles]
 
     @property
@@ -257,6 +279,18 @@ class Contact:
         entries, rows, columns = (np.concatenate(parts) for parts in zip(*found, strict=True))
         size = n + len(self.obstacles)
         return sp.coo_array((entries, (rows, columns)), shape=(size, size)).tocsr()[:n]
+
+    def directed_springs(self, U: np.ndarray) -> DirectedSprings:
+        """Springs along the gaps of touching pairs at ``U`` (n, 3), as firm as the gaps."""
+        placed, n = self._placed_at(U), len(U)
+        found = []
+        for k, pairs in enumerate(self._all):
+            ids, firm, w = pairs.springs(placed, np.inf)
+            X = placed if k == 0 else np.concatenate([placed, self.obstacles[k - 1].points])
+            apart = np.einsum("pi,pia->pa", w, X[ids])
+            apart /= np.maximum(np.linalg.norm(apart, axis=1, keepdims=True), np.finfo(float).tiny)
+            found.append((np.where(ids < n, ids, n + k - 1), self._stiffness * firm, w, apart))
+        return DirectedSprings(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
     def aim_obstacles(self, shifts: np.ndarray) -> None:
         """Set the obstacles' offsets (o, 3) from their initial places for the next step."""

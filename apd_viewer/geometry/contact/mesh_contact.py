@@ -25,6 +25,8 @@ def mesh_contact(
     thickness: float | None,
     followers: Followers | None = None,
     obstacles: Sequence[Obstacle] = (),
+    softness: float = 1.0,
+    touches: bool = True,
 ) -> Contact:
     """Contact of components with held vertices, their followers, and obstacles.
 
@@ -43,6 +45,11 @@ def mesh_contact(
         Without, all connected parts that nothing holds are left out, unless nothing is held at all.
     obstacles : sequence of Obstacle
 
+    softness : float
+        Factor of the gaps' stiffness, for walls that give way more than the cells of Eq. 1.
+    touches : bool
+        Without, nothing touches.
+
     Raises
     ------
     InputError
@@ -56,9 +63,10 @@ def mesh_contact(
         F = np.ascontiguousarray(F[held[F[:, 0]]])
     else:
         together[~held] = handle_of.max(initial=0) + 2 + solve_mesh.component[~held]
-    return Contact(
-        solve_mesh.V, F, together, float(solve_mesh.L.diagonal().mean()), apart, followers, obstacles
-    )
+    if not touches:
+        F = F[:0]
+    stiffness = softness * float(solve_mesh.L.diagonal().mean())
+    return Contact(solve_mesh.V, F, together, stiffness, apart, followers, obstacles)
 
 
 def contact_thickness(diagonal: float, thickness: float | None) -> float:

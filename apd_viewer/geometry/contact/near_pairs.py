@@ -222,6 +222,40 @@ class NearPairs:
         return between[:, 0] << 32 | between[:, 1]
 
 
+class NoPairs:
+    """Stands in for the near pairs of a surface that passes through itself.
+
+    Parameters
+    ----------
+    n : int
+        Number of the vertices.
+    """
+
+    energy_ahead, may_touch = 0.0, False
+    edges = np.zeros((0, 2), np.int64)
+    touching_at_rest = np.zeros(0, np.int32)
+
+    def __init__(self, n: int) -> None:
+        self._n = n
+
+    def rebuild_at(self, _: np.ndarray) -> None:
+        """Do nothing."""
+
+    def find_free_shares(self, _: np.ndarray, _W: np.ndarray) -> None:
+        """Return None: every step is free."""
+
+    def accept_step(self) -> None:
+        """Do nothing."""
+
+    def gradient(self, _: np.ndarray) -> tuple[np.ndarray, int, float]:
+        """No gradient (n, 3), no touching pairs, and an infinite gap."""
+        return np.zeros((self._n, 3)), 0, np.inf
+
+    def springs(self, _: np.ndarray, _most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """No springs; see :meth:`NearPairs.springs`."""
+        return np.zeros((0, 4), np.int64), np.zeros(0), np.zeros((0, 4))
+
+
 def _edges(F: np.ndarray, n: int) -> np.ndarray:
     """Unique edges (e, 2) of triangles, lower index first."""
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()

@@ -20,7 +20,9 @@ from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.mesh_contact import mesh_contact
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.held_surface import HeldSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.wall_surface import WallSurface
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import HeldPath
@@ -30,7 +32,12 @@ from apd_viewer.geometry.solver.loose_components import LooseComponents
 from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.geometry.solver.quasi_newton import Equilibrium
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
-from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
+from apd_viewer.geometry.solver.touching_surface import (
+    CollisionFreeProjection,
+    TouchingElastic,
+    TouchingSurface,
+)
+from apd_viewer.geometry.solver.touching_wall import TouchingWall
 from apd_viewer.language import tr
 
 # Motion of held vertices at once, in mesh sizes, and number of steps between two motions.
@@ -41,11 +48,13 @@ _PATIENCE = 60
 
 def check_contact(method: Method, plain: bool) -> None:
     """Raise InputError unless the iterations of a method can keep walls apart."""
+    if plain and method.is_wall:
+        raise InputError(tr("The method Wall has no plain iterations; leave their number out."))
     if plain or not method.may_use_contact:
         raise InputError(
             tr(
-                "Contact needs one of the methods Exact, Local and ARAP, and no number of plain iterations; "
-                "choose another method, or deform without contact."
+                "Contact needs one of the methods Exact, Local, Wall and ARAP, and no number of plain "
+                "iterations; choose another method, or deform without contact."
             )
         )
 
@@ -78,7 +87,7 @@ def whole_path_frame(frame: Frame, leg: int, legs: int, contact: ContactDescent 
 
 
 def contact_descent(
-    inner: IterativeSolver,
+    inner: IterativeSolver | WallSurface,
     goals: tuple[Goal, ...],
     rest: RestMesh,
     handle_of: np.ndarray,
@@ -86,13 +95,14 @@ def contact_descent(
     loose: LooseComponents | None = None,
     obstacles: Sequence[Obstacle] = (),
     gas: EnclosedGas | None = None,
+    touches: bool = True,
 ) -> ContactDescent:
     """Solver keeping all shapes free of collisions with themselves and obstacles.
 
     Parameters
     ----------
-    inner : IterativeSolver
-        Steps without contact.
+    inner : IterativeSolver or WallSurface
+        Steps without contact; a wall has none.
     goals : tuple of Goal
         Of the inner solver too.
     rest : RestMesh
@@ -106,11 +116,17 @@ def contact_descent(
     obstacles : sequence of Obstacle
         The surface enters among them with its first step.
     gas : EnclosedGas, optional
+    touches : bool
+        Without, the surface passes through itself; only a wall can.
     """
-    shape, fixed = rest.solve_mesh, inner.elastic.fixed
+    elastic = inner if isinstance(inner, WallSurface) else inner.elastic
+    shape, fixed = rest.solve_mesh, elastic.fixed
     if len(fixed) and not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
-    contact = mesh_contact(shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness, loose)
+    # A thin wall gives way to gaps that are as much softer as it is itself.
+    softness = elastic.material.thickness / rest.diagonal if isinstance(inner, WallSurface) else 1.0
+    held = shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness
+    contact = mesh_contact(*held, loose, softness=softness, touches=touches)
     return ContactDescent(inner, goals, contact, handle_of, obstacles, gas)
 
 
@@ -119,12 +135,12 @@ class ContactDescent:
 
     Where nothing is held, obstacles alone move the surface: it slides as far as forces that are not balanced
     push it, and does not turn as a whole. Then all steps are those in contact, as with gas or creases, which
-    the inner solver does not know.
+    the inner solver does not know, and as those of a wall, which has no other.
 
     Parameters
     ----------
-    inner : IterativeSolver
-        Steps without contact.
+    inner : IterativeSolver or WallSurface
+        Steps without contact; a wall has none.
     goals : tuple of Goal
         Of the inner solver too.
     contact : Contact
@@ -135,7 +151,7 @@ class ContactDescent:
 
     Attributes
     ----------
-    elastic : ElasticSurface
+    elastic : HeldSurface
     contact : Contact
     held_positions : (k + s, 3) float array
         Positions that the held vertices have reached, then the targets of the soft ones.
@@ -153,17 +169,19 @@ class ContactDescent:
 
     def __init__(
         self,
-        inner: IterativeSolver,
+        inner: IterativeSolver | WallSurface,
         goals: tuple[Goal, ...],
         contact: Contact,
         handle_of: np.ndarray,
         obstacles: Sequence[Obstacle] = (),
         gas: EnclosedGas | None = None,
     ) -> None:
-        self.elastic: ElasticSurface = inner.elastic
+        self._inner = None if isinstance(inner, WallSurface) else inner
+        self.elastic: HeldSurface = inner if isinstance(inner, WallSurface) else inner.elastic
         self.contact, self.gas = contact, gas
-        self._always_touches = not len(self.elastic.fixed) or bool(gas or self.elastic.creases)
-        self._inner, self._goals, self._handle_of = inner, goals, handle_of
+        softened = gas or self.elastic.creases
+        self._always_touches = not (self._inner and len(self.elastic.fixed)) or bool(softened)
+        self._goals, self._handle_of = goals, handle_of
         self._tolerance = ENERGY_TOLERANCE
         self._touching: TouchingDescent | None = None
         self._U = V = self.elastic.rest.V
@@ -178,7 +196,9 @@ class ContactDescent:
 
         With contact ahead no seconds are expected.
         """
-        progress = (self._touching or self._inner).progress
+        running = self._touching or self._inner
+        assert running is not None
+        progress = running.progress
         progress = progress._replace(U=self._U, held_positions=self.held_positions)
         if self.is_on_its_way:
             return progress._replace(
@@ -190,12 +210,19 @@ class ContactDescent:
     @property
     def energy(self) -> float | None:
         """Elastic energy of the displayed shape, without contact; None if unknown."""
-        return self.elastic.energy if self._touching else self._inner.energy
+        return self.elastic.energy if self._touching or self._inner is None else self._inner.energy
 
     @property
     def energy_in_contact(self) -> float:
         """Energy of the displayed shape, including gap and gas energy."""
-        return TouchingSurface(self.elastic, self.contact, self.gas).energy
+        return self._touching_surface.energy
+
+    @property
+    def _touching_surface(self) -> TouchingSurface:
+        if isinstance(self.elastic, WallSurface):
+            return TouchingWall(self.elastic, self.contact, self.gas)
+        assert isinstance(self.elastic, ElasticSurface)
+        return TouchingElastic(self.elastic, self.contact, self.gas)
 
     @property
     def load_imbalance(self) -> float:
@@ -205,7 +232,7 @@ class ContactDescent:
     @property
     def ready(self) -> bool:
         """True if a step need not wait for a factorization."""
-        return self._inner.ready
+        return self._inner is None or self._inner.ready
 
     @property
     def share_reached(self) -> float:
@@ -226,12 +253,12 @@ class ContactDescent:
     @property
     def equilibrium(self) -> Equilibrium | None:
         """Surface with its gaps as a search for lower shapes sees it."""
-        if self._touching:
-            return self._touching.equilibrium
+        if self._touching or self._inner is None:
+            return self._touching.equilibrium if self._touching else None
         inner = self._inner.equilibrium
         if inner is None:
             return None
-        surface = TouchingSurface(self.elastic, self.contact, self.gas)
+        surface = self._touching_surface
         projection = CollisionFreeProjection(surface, self._goals)
         projection.refresh_directions(surface.U)
         return inner._replace(surface=surface, projection=projection)
@@ -239,14 +266,16 @@ class ContactDescent:
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps reduce the energy by at most this fraction."""
         self._tolerance = tolerance
-        self._inner.set_tolerance(tolerance)
+        if self._inner:
+            self._inner.set_tolerance(tolerance)
         if self._touching:
             self._touching.tolerance = tolerance
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Replace the goals."""
         self._goals = goals
-        self._inner.set_goals(goals)
+        if self._inner:
+            self._inner.set_goals(goals)
         if self._touching:
             self._touch()
         self._set_path()
@@ -261,7 +290,7 @@ class ContactDescent:
         self._before = self._U, self.shifts
         self._is_inside = not obstacles
         self.start_shifts: np.ndarray | None = None
-        self._touching = None
+        self._touching = None if self._inner else self._descending()
         self._set_path()
 
     def restart(self, U: np.ndarray) -> None:
@@ -310,7 +339,7 @@ class ContactDescent:
         self._steps = self._refused = 0
         if self._touching:
             self._touching.follow_path(self.path, self.share)
-        else:
+        elif self._inner:
             self._inner.aim(self.path.positions_at(self._ahead))
 
     def step(self) -> None:
@@ -332,6 +361,8 @@ class ContactDescent:
 
     def _step_freely(self) -> None:
         """Accept the inner solver's next shape if the step to it is collision-free."""
+        assert self._inner is not None
+        assert isinstance(self.elastic, ElasticSurface)
         self._steps += 1
         self._inner.step()
         progress, shifts = self._inner.progress, self.path.shifts_at(self._ahead)
@@ -363,12 +394,12 @@ class ContactDescent:
         self._touching.follow_path(self.path, self.share)
 
     def _descending(self) -> TouchingDescent:
-        surface = TouchingSurface(self.elastic, self.contact, self.gas)
+        surface = self._touching_surface
         return TouchingDescent(surface, self._U, self.held_positions, self._goals, self._tolerance)
 
     def _release(self) -> None:
         """Continue without contact from the last shape, if allowed."""
-        if not self._always_touches:
+        if self._inner and not self._always_touches:
             self._touching = None
             self._inner.restart(self._U)
         elif self._touching is None or self._touching.U is not self._U:

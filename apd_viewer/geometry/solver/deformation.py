@@ -13,6 +13,7 @@ from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.wall_surface import WallSurface
 from apd_viewer.geometry.goals.calm_parts import calm_levels
 from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.linalg.linear_solver import Factorizer
@@ -42,15 +43,17 @@ from apd_viewer.geometry.solver.held_vertices import (
     checked_start,
     solve_constraints,
 )
-from apd_viewer.geometry.solver.iterative_solver import SolverProgress
+from apd_viewer.geometry.solver.iterative_solver import IterativeSolver, SolverProgress
 from apd_viewer.geometry.solver.loose_components import GO, LooseComponents
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
+    DEFAULT_POISSON,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     check_method,
     method_material,
+    wall_material,
 )
 from apd_viewer.geometry.solver.restarts import make_solver
 from apd_viewer.geometry.solver.stability import Stability
@@ -68,8 +71,9 @@ class Deformation:
         Vertices that are held: base and handles together.
     method : str
         "exact" (as rigid as possible, the total area kept to the last digits), "local" (every
-        triangle keeps its area), "paper" (Li & Hui: the total area kept to the tolerance, handles give
-        way), "arap" (as rigid as possible) or "sr-arap" (with smooth rotations, as CGAL has it).
+        triangle keeps its area), "wall" (a thin elastic wall), "paper" (Li & Hui: the total area kept to
+        the tolerance, handles give way), "arap" (as rigid as possible) or "sr-arap" (with smooth rotations,
+        as CGAL has it).
     handle : int array or sequence of int arrays, optional
         Those of ``fixed`` that are handle, or those of each handle; "paper", calm parts and drift need it.
     tolerance : float
@@ -78,6 +82,10 @@ class Deformation:
         Weight of bending, 0 to about 0.1; for "sr-arap" CGAL's alpha.
     area_stiffness, shear_stiffness : float
         How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).
+    wall_thickness : float, optional
+        Thickness of the wall by "wall", mesh units; without it 1/1000 of the bounding box's diagonal.
+    poisson : float
+        Poisson's ratio of the wall.
     area, volume : float or str, optional
         What the total area and the enclosed volume should be, in percent of what they are at rest; below
         10 as text with its sign, such as ``"5%"``, since 1.1 could be meant as 110 percent. Without,
@@ -150,6 +158,8 @@ class Deformation:
         stiffness: float = 0.0,
         area_stiffness: float = DEFAULT_AREA_STIFFNESS,
         shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+        wall_thickness: float | None = None,
+        poisson: float = DEFAULT_POISSON,
         area: float | str | None = None,
         volume: float | str | None = None,
         regions: Sequence[Region] = (),
@@ -179,6 +189,7 @@ class Deformation:
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
+        thin = wall_material(rest.diagonal, wall_thickness, poisson)
         if len(held) and np.isin(rest.solve_mesh.component, rest.solve_mesh.component[held]).sum() == len(
             held
         ):
@@ -188,15 +199,23 @@ class Deformation:
             self._kept = GoalSet(rest, method, self._traits, tolerance, levels)
             self._kept.set_targets(area, volume, regions, calm and len(held) > 0)
             started = time.perf_counter()
-            elastic = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
             of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
-            self.solver = make_solver(elastic, goals, self._traits, of, plain or needs_contact)
+            touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
+            enclosed = None if gas is None else EnclosedGas(rest, gas)
             self.contact = None
-            if contact:
+            self.solver: IterativeSolver
+            if contact or self._traits.is_wall:
                 check_contact(self._traits, plain)
-                touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
-                enclosed = None if gas is None else EnclosedGas(rest, gas)
-                self.solver = self.contact = contact_descent(self.solver, goals, *touching, enclosed)
+            if self._traits.is_wall:
+                wall = WallSurface(rest.solve_mesh, held, thin, self._soft)
+                self.contact = contact_descent(wall, goals, *touching, enclosed, contact)
+            else:
+                elastic = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
+                self.solver = make_solver(elastic, goals, self._traits, of, plain or needs_contact)
+                if contact:
+                    self.contact = contact_descent(self.solver, goals, *touching, enclosed)
+            if self.contact is not None:
+                self.solver = self.contact
         self._stability = Stability(self.solver, rest.diagonal)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence

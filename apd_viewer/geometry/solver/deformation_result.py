@@ -23,6 +23,7 @@ from apd_viewer.geometry.solver.loose_components import GO
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
+    DEFAULT_POISSON,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     contact_by_default,
@@ -148,6 +149,8 @@ def deform(
     handle: np.ndarray | Sequence[np.ndarray] | None = None,
     area_stiffness: float = DEFAULT_AREA_STIFFNESS,
     shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+    wall_thickness: float | None = None,
+    poisson: float = DEFAULT_POISSON,
     area: float | str | None = None,
     volume: float | str | None = None,
     regions: Sequence[Region] = (),
@@ -167,13 +170,15 @@ def deform(
 
     Parameters
     ----------
-    V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
+    V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness,
+    wall_thickness, poisson
         See :class:`Deformation`.
     area, volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, convergence, weld
         See there too.
     contact : bool, optional
         No shape crosses itself more than at rest; held vertices may be stopped on their way. By default so,
-        up to 20,000 vertices, by methods that can ("exact", "local", "arap") and unless iterations are plain.
+        up to 20,000 vertices, by methods that can ("exact", "local", "wall", "arap") and unless iterations
+        are plain.
     shifts : (o, 3) float array, optional
         How far each obstacle goes from its place, straight, together with the held vertices; an equal part of
         it to each way point of a path. Without, they stay.
@@ -220,6 +225,8 @@ def deform(
         stiffness=stiffness,
         area_stiffness=area_stiffness,
         shear_stiffness=shear_stiffness,
+        wall_thickness=wall_thickness,
+        poisson=poisson,
         area=area,
         volume=volume,
         regions=regions,

@@ -4,7 +4,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.energy.held_surface import HeldSurface
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.quasi_newton import Equilibrium
 
@@ -46,15 +46,11 @@ class SolverProgress(NamedTuple):
 
 
 class IterativeSolver(Protocol):
-    """Iterations of an elastic surface towards goals, with some vertices held.
+    """Iterations of an elastic surface towards goals, with some vertices held."""
 
-    Attributes
-    ----------
-    elastic : ElasticSurface
-        The surface that is iterated.
-    """
-
-    elastic: ElasticSurface
+    @property
+    def elastic(self) -> HeldSurface:
+        """Surface that is iterated."""
 
     @property
     def progress(self) -> SolverProgress:

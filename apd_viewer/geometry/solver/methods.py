@@ -15,6 +15,7 @@ DEFAULT_TOLERANCE = 1e-3
 # Relative to the cells of Eq. 1, of which "local" keeps a tenth to hold the corners together.
 DEFAULT_AREA_STIFFNESS = 20.0
 DEFAULT_SHEAR_STIFFNESS = 0.1
+DEFAULT_POISSON = 0.4
 _LOCAL_RIGIDITY = 0.1
 # Most vertices for interactive speed in contact. A fixed number, so that all machines behave alike.
 MOST_VERTICES_IN_CONTACT = 20_000
@@ -46,6 +47,8 @@ class Method:
         The total area is kept to a tolerance, and not to the last digits.
     has_moduli : bool
         Area and shear stiffness matter.
+    is_wall : bool
+        The surface is a thin elastic wall: thickness and Poisson's ratio matter, and no stiffness.
     is_plain_only : bool
         There is no energy of its own to descend in: all iterations are plain ones.
     may_use_contact : bool
@@ -66,6 +69,7 @@ class Method:
     moves_handles: bool = False
     has_tolerance: bool = False
     has_moduli: bool = False
+    is_wall: bool = False
     is_plain_only: bool = False
     may_use_contact: bool = False
     is_slow: bool = False
@@ -88,6 +92,10 @@ def _coupled(stiffness: float, _area: float, _shear: float) -> Material:
     return Material(coupling=stiffness)
 
 
+def _wall(_stiffness: float, _area: float, _shear: float) -> Material:
+    return Material()
+
+
 METHODS = {
     "exact": Method(
         title=tr("Exact"),
@@ -107,6 +115,17 @@ METHODS = {
         material=_fabric,
         may_keep_total_area=True,
         has_moduli=True,
+        may_use_contact=True,
+        is_slow=True,
+    ),
+    "wall": Method(
+        title=tr("Wall"),
+        short_title=tr("Wall"),
+        keeps_sentence=tr("Bends and stretches like a thin elastic wall of its thickness."),
+        gives_up_sentence=tr("Gives up speed."),
+        material=_wall,
+        may_keep_total_area=True,
+        is_wall=True,
         may_use_contact=True,
         is_slow=True,
     ),
@@ -207,3 +226,31 @@ def method_material(
     if not stiffness:
         raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))
     return replace(material, yield_curvature=1.0 / yield_radius)
+
+
+# Thickness of a wall unless another is given, and the largest one, in diagonals of the bounding box.
+_THICKNESS, _THICKEST = 1e-3, 0.05
+
+
+def wall_material(diagonal: float, thickness: float | None, poisson: float) -> Material:
+    """Material of a thin elastic wall; raises InputError if it is no thin one.
+
+    Parameters
+    ----------
+    diagonal : float
+        Of the bounding box, mesh units.
+    thickness : float or None
+        Mesh units; None for a thousandth of the diagonal.
+    poisson : float
+    """
+    check_argument("poisson", poisson)
+    if thickness is None:
+        thickness = _THICKNESS * diagonal
+    check_argument("wall_thickness", thickness)
+    if thickness > _THICKEST * diagonal:
+        raise InputError(
+            tr("A wall is thin: its thickness must be at most {most:.3g} here; check the unit.").format(
+                most=_THICKEST * diagonal
+            )
+        )
+    return Material(thickness=float(thickness), poisson=float(poisson))

@@ -16,6 +16,7 @@ from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.wall_surface import WallSurface
 from apd_viewer.geometry.mesh.arrays import (
     as_float,
     check_argument,
@@ -87,7 +88,7 @@ class PlatePress:
         _check_count(steps, MOST_STEPS, tr("The number of steps must be a whole number from 1 to {most:,}."))
         check_argument("iterations", iterations)
         if not method_named(settings.get("method", DEFAULT_METHOD)).may_use_contact:
-            raise InputError(tr("Only the methods Exact, Local and ARAP press; choose one of them."))
+            raise InputError(tr("Only the methods Exact, Local, Wall and ARAP press; choose one of them."))
         apart = contact_thickness(rest.diagonal, settings.get("thickness"))
         self._rest, self._asked = rest, (axis, to, apart)
         self._count, self._iterations = steps, iterations
@@ -241,6 +242,8 @@ class PlatePress:
     def _stretching(self) -> float:
         """Fraction of the elastic energy due to stretching, 0 to 1."""
         elastic = self._contact.elastic
+        if isinstance(elastic, WallSurface):
+            return elastic.stretching_share
         if elastic.energy <= _NO_ENERGY * self._rest.area:
             return 0.0
         self._membrane.local_step(elastic.U)

@@ -18,6 +18,7 @@ from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Converge
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
+    DEFAULT_POISSON,
     DEFAULT_SHEAR_STIFFNESS,
 )
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress, PressStep
@@ -89,6 +90,8 @@ def press(
     stiffness: float = 0.0,
     area_stiffness: float = DEFAULT_AREA_STIFFNESS,
     shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+    wall_thickness: float | None = None,
+    poisson: float = DEFAULT_POISSON,
     area: float | None = None,
     volume: float | None = None,
     thickness: float | None = None,
@@ -113,7 +116,8 @@ def press(
         The plates close in so many equal steps; after each the mesh comes to rest.
     fixed : (k,) ints
         Vertices that are held where they are; none need be.
-    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness, convergence, weld
+    method, stiffness, area_stiffness, shear_stiffness, wall_thickness, poisson, area, volume, thickness,
+    convergence, weld
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
     yield_radius : float, optional
         Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; without it
@@ -161,6 +165,8 @@ def press(
         stiffness=stiffness,
         area_stiffness=area_stiffness,
         shear_stiffness=shear_stiffness,
+        wall_thickness=wall_thickness,
+        poisson=poisson,
         area=area,
         volume=volume,
         thickness=thickness,

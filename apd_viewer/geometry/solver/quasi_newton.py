@@ -84,10 +84,18 @@ class QuasiNewton:
     projection : GoalProjection
     growth : float
         A line search begins at most so many times as far as the last one ended.
+    longest : float
+        Longest displacement of a vertex, mesh units.
     """
 
-    def __init__(self, elastic: DescentSurface, projection: GoalProjection, growth: float = np.inf) -> None:
-        self._growth, self._share = growth, 1.0
+    def __init__(
+        self,
+        elastic: DescentSurface,
+        projection: GoalProjection,
+        growth: float = np.inf,
+        longest: float = np.inf,
+    ) -> None:
+        self._growth, self._longest, self._share = growth, longest, 1.0
         self._elastic, self._projection = elastic, projection
         self._memory = LbfgsMemory(len(elastic.free), _REMEMBERED)
         # G and g at the start of the last step.
@@ -125,6 +133,8 @@ class QuasiNewton:
         while True:
             way, along = self._memory.descent_direction(slope, elastic.solve)
             promise, first = 4.0 * along, min(1.0, self._growth * self._share)
+            if self._longest < np.inf:
+                first = min(first, self._longest / max(float(np.abs(way).max()), 1e-300))
             for halvings in range(_HALVINGS):
                 share = first * 0.5**halvings
                 U, _ = self._projection.project(elastic.positions_along(start, share, way, held))

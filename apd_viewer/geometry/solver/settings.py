@@ -18,6 +18,7 @@ from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, LARGEST_
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
+    DEFAULT_POISSON,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     METHODS,
@@ -95,12 +96,16 @@ class Settings:
     method : str
     stiffness, area_stiffness, shear_stiffness, tolerance
         See :class:`apd_viewer.geometry.solver.deformation.Deformation`.
+    wall_thickness : float or None
+        Of a thin elastic wall, mesh units; None is a thousandth of the size of the mesh.
+    poisson : float
+        Of a thin elastic wall.
     area : float
         What the total area should be, in percent of what it is at rest.
     volume : float or None
         What the volume should be, in percent; None leaves it free. Always None where there is no volume.
     hold_area : bool
-        Whether "local" keeps the total area too.
+        Whether "local" and "wall" keep the total area too.
     calm : bool
         Whether "exact" keeps the area of calm parts too.
     contact : bool
@@ -127,6 +132,7 @@ class Settings:
         0.0,
         tr("Stiffness"),
         tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'"),
+        applies=lambda settings: not settings.traits.is_wall,
     )
     area_stiffness: float = _stiffness(
         DEFAULT_AREA_STIFFNESS,
@@ -139,6 +145,23 @@ class Settings:
         tr("Shear stiffness"),
         tr("how strongly 'local' keeps the shape of each triangle"),
         applies=attrgetter("traits.has_moduli"),
+    )
+    wall_thickness: float | None = _setting(
+        None,
+        SettingKind.LENGTH,
+        tr("Wall thickness"),
+        tr("thickness of the wall by 'wall', in mesh units; default: 1/1000 of the diagonal"),
+        tr("Change wall thickness"),
+        applies=attrgetter("traits.is_wall"),
+    )
+    poisson: float = _setting(
+        DEFAULT_POISSON,
+        SettingKind.NUMBER,
+        tr("Poisson's ratio"),
+        tr("Poisson's ratio of the wall by 'wall'"),
+        tr("Change Poisson's ratio"),
+        applies=attrgetter("traits.is_wall"),
+        most=0.5,
     )
     area: float = _percentage(
         100.0,
@@ -166,7 +189,7 @@ class Settings:
         False,
         SettingKind.SWITCH,
         tr("Total area kept"),
-        tr("keep the total area by 'local', too"),
+        tr("keep the total area by 'local' and 'wall', too"),
         tr("Change area"),
         applies=attrgetter("traits.may_keep_total_area"),
     )
@@ -202,7 +225,7 @@ class Settings:
         tr("Yield radius"),
         tr("walls in contact bent to less than this radius keep a crease, in mesh units; default: none do"),
         tr("Change yield radius"),
-        applies=lambda settings: settings.uses_contact and settings.stiffness > 0.0,
+        applies=lambda settings: settings.uses_contact and settings.in_effect_stiffness > 0.0,
     )
     gas: float | None = _setting(
         None,
@@ -233,6 +256,11 @@ class Settings:
         """Weights of the method's energy; raises InputError on impossible values."""
         moduli = self.stiffness, self.area_stiffness, self.shear_stiffness
         return method_material(self.traits, *moduli, self.yield_radius)
+
+    @property
+    def in_effect_stiffness(self) -> float:
+        """Stiffness; 0 for a method that has none."""
+        return 0.0 if self.traits.is_wall else self.stiffness
 
     @property
     def uses_contact(self) -> bool:

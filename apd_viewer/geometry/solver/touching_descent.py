@@ -16,8 +16,8 @@ from apd_viewer.geometry.solver.iterative_solver import SolverProgress
 from apd_viewer.geometry.solver.quasi_newton import Equilibrium, QuasiNewton
 from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
-# Path increments in mesh sizes: the first, the longest and the shortest.
-_FIRST, _LONGEST, _NONE = 2e-3, 8e-3, 1e-4
+# Path increments in mesh sizes: the first and the longest.
+_FIRST, _LONGEST = 2e-3, 8e-3
 # Attempts at a path increment; factors of the increment after a blocked and after a successful attempt.
 _TRIES, _LESS, _MORE = 6, 0.4, 1.4
 # Steps between two path increments: fewest, most, and the relative energy gain below which they end. A shape
@@ -27,8 +27,6 @@ _LEAST_STEPS, _MOST_STEPS, _FOLLOWS = 4, 40, 1e-3
 _PATIENCE = 12
 # Number of steps over which convergence is judged.
 _WINDOW = 10
-# Largest growth of a step: in dense contact about the length of the last one is collision-free.
-_GROWTH = 1.6
 # Largest load imbalance of a mesh without held vertices, and most additional steps to reach it.
 _BALANCED, _MORE_STEPS = 2e-3, 300
 
@@ -68,8 +66,9 @@ class TouchingDescent:
         surface.local_step(U)
         self._projection = CollisionFreeProjection(surface, goals)
         self._projection.refresh_directions(U)
-        self._quasi_newton = QuasiNewton(surface, self._projection, _GROWTH)
         self._size = float(np.linalg.norm(np.ptp(surface.rest.V, axis=0)))
+        longest = surface.longest_step * self._size
+        self._quasi_newton = QuasiNewton(surface, self._projection, surface.growth, longest)
         self.share, self._steps = 1.0, 0
         self._begin_to_converge()
 
@@ -153,8 +152,9 @@ class TouchingDescent:
     def follow_path(self, path: HeldPath, share: float) -> None:
         """Follow ``path`` from ``share``, the held vertices' current fraction of it."""
         self._path, self.share = path, share
-        part = self._size / max(path.length, _NONE * self._size)
-        self._part, self._longest, self._no_part = _FIRST * part, _LONGEST * part, _NONE * part
+        least = self._surface.least_part
+        part = self._size / max(path.length, least * self._size)
+        self._part, self._longest, self._no_part = _FIRST * part, _LONGEST * part, least * part
         self._steps, self._waited, self._mark = 0, 0, share
         self._begin_to_converge()
         self._quasi_newton.resume()
@@ -169,11 +169,12 @@ class TouchingDescent:
             self._walk()
             return
         self._steps += 1
-        if self._surface.renew_springs():
+        if self._surface.renew_metric(self._projection.goals, self._quasi_newton.multipliers):
             # Goal directions depend on the contact springs; outdated ones would push against the contact.
             self._projection.refresh_directions(self.U)
             self._quasi_newton.resume()
-        self._at_minimum = not self._quasi_newton.step(self.held_positions)
+        moved = self._quasi_newton.step(self.held_positions)
+        self._at_minimum = not moved and not self._surface.outdate_metric()
         self._surface.contact.accept_shape(self.U)
         self._energies.append(self._quasi_newton.energy)
         self._unbalanced = self._unbalanced + 1 if self._gains_little else 0
@@ -218,7 +219,7 @@ class TouchingDescent:
     def _moves_to(self, W: np.ndarray) -> bool:
         """Move to a shape near ``W`` (n, 3) meeting the goals; False if blocked."""
         W, _ = self._projection.project(W)
-        if not self._projection.has_met_goals:
+        if not (self._projection.has_met_goals and self._surface.is_gentle(W)):
             return False
         self._surface.local_step(W)
         self._surface.contact.accept_shape(W)

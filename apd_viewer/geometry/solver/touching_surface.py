@@ -9,12 +9,15 @@ from shape to shape instead, by places that change, surfaces would turn as a fal
 does no work, so that loads stay derivatives of the energy.
 """
 
+from abc import ABC, abstractmethod
+
 import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.held_surface import HeldSurface
 from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjection
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg import parallel_ops
@@ -27,23 +30,31 @@ _LOCAL, _ATTEMPTS = 3, 4
 _MOST_AT_ONCE = 0.5
 
 
-class TouchingSurface:
+class TouchingSurface(ABC):
     """Elastic surface with gap energy.
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    elastic : HeldSurface
     contact : Contact
     gas : EnclosedGas, optional
+
+    Attributes
+    ----------
+    longest_step : float
+        Longest displacement of a vertex by one step, in mesh sizes.
+    growth : float
+        A line search begins at most so many times as far as the last one ended: in dense contact about the
+        length of the last one is collision-free.
+    least_part : float
+        Shortest part of the path of held vertices and obstacles, in mesh sizes.
     """
 
-    def __init__(self, elastic: ElasticSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
+    longest_step, growth, least_part = np.inf, 1.6, 1e-4
+
+    def __init__(self, elastic: HeldSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
         self.elastic, self.contact, self.gas = elastic, contact, gas
         self.rest, self.free = elastic.rest, elastic.free
-        self.metric: Factor = elastic.factor
-        self._to_held: sp.csr_array | None = None
-        self._age = _RENEWED
-        self._first = parallel_ops.gathered_rows(elastic.U, elastic.free)
 
     @property
     def U(self) -> np.ndarray:
@@ -77,6 +88,85 @@ class TouchingSurface:
         self.contact.gradient(self.U)  # contact readings are those of its last gradient
         return residual
 
+    def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        return self.elastic.all_positions(X, targets)
+
+    def positions_along(
+        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
+    ) -> np.ndarray:
+        """Positions ``U`` plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
+        return self.elastic.positions_along(U, share, direction, targets)
+
+    def local_step(self, U: np.ndarray) -> None:
+        """Make ``U`` (n, 3) current and compute each term's projection there."""
+        self.elastic.local_step(U)
+
+    def energy_after_local_step(self, U: np.ndarray) -> float:
+        """Make ``U`` (n, 3) current; return its energy."""
+        return self._whole(self.elastic.energy_after_local_step(U))
+
+    @abstractmethod
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """Response to forces ``b_f``, both (f, 3), with the contact springs."""
+
+    @abstractmethod
+    def following_positions(self, held: np.ndarray, held_after: np.ndarray) -> np.ndarray:
+        """Free positions (f, 3) after a motion of held vertices and obstacles.
+
+        Parameters
+        ----------
+        held, held_after : (k + s, 3) float arrays
+            Held and soft vertices before and after it; obstacles go ahead as they are told.
+        """
+
+    @abstractmethod
+    def renew_metric(self, goals: tuple[Goal, ...], multipliers: np.ndarray) -> bool:
+        """Update the metric if due; False if nothing changed.
+
+        Parameters
+        ----------
+        goals : tuple of Goal
+        multipliers : (g,) float array
+            Their Lagrange multipliers, for metrics that know the curvature of the goals.
+        """
+
+    def outdate_metric(self) -> bool:
+        """Have the metric renewed before the next step; False if that is of no use."""
+        return False
+
+    def is_gentle(self, _: np.ndarray) -> bool:
+        """True if gaps at the positions (n, 3) are wide enough to go on from there."""
+        return True
+
+    def without_rotation(self, U: np.ndarray, _: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) without rotation from the initial shape, if it must not turn.
+
+        What contact pushes along or stops has turned the whole a little. The others turn it back, each by as
+        much as the second argument, (n,), has it.
+        """
+        return U
+
+
+class TouchingElastic(TouchingSurface):
+    """Elastic surface of a constant matrix, with gap energy.
+
+    Parameters
+    ----------
+    elastic : ElasticSurface
+    contact : Contact
+    gas : EnclosedGas, optional
+    """
+
+    elastic: ElasticSurface
+
+    def __init__(self, elastic: ElasticSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
+        super().__init__(elastic, contact, gas)
+        self._metric: Factor = elastic.factor
+        self._to_held: sp.csr_array | None = None
+        self._age = _RENEWED
+        self._first = parallel_ops.gathered_rows(elastic.U, elastic.free)
+
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Response to forces ``b_f``, both (f, 3), with the contact springs.
 
@@ -84,9 +174,9 @@ class TouchingSurface:
         friction all would topple.
         """
         if len(self.elastic.fixed):
-            return self.metric.solve(b_f)
+            return self._metric.solve(b_f)
         turns = OverallRotation(parallel_ops.gathered_rows(self.U, self.free), self._masses, self._first)
-        return turns.without_rotation(self.metric.solve(turns.without_torque(b_f)))
+        return turns.without_rotation(self._metric.solve(turns.without_torque(b_f)))
 
     def without_rotation(self, U: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """``U`` (n, 3) without rotation from the initial shape, if nothing is held.
@@ -124,39 +214,21 @@ class TouchingSurface:
             self.without_rotation(carried, (carried == W).all(axis=1)), self.free
         )
 
-    def renew_springs(self) -> bool:
+    def renew_metric(self, _: tuple[Goal, ...], _multipliers: np.ndarray) -> bool:
         """Update the contact springs if due; False if nothing changed."""
         self._age += 1
         if self._age <= _RENEWED:
             return False
         if not self.contact.may_touch:
-            was, self.metric, self._to_held = self.metric, self.elastic.factor, None
-            return was is not self.metric
+            was, self._metric, self._to_held = self._metric, self.elastic.factor, None
+            return was is not self._metric
         springs = self.contact.springs(self.elastic.U)[self.free]
         # Order the unknowns by current positions: touching parts may be far apart at rest.
         matrix = self.elastic.factored_matrix + springs[:, self.free]
-        self.metric = LinearSolver(matrix.tocsr(), self.elastic.U[self.free])
+        self._metric = LinearSolver(matrix.tocsr(), self.elastic.U[self.free])
         others = np.concatenate([self.elastic.fixed, np.arange(len(self.U), springs.shape[1])])
         self._to_held, self._age = springs[:, others], 0
         return True
-
-    def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
-        return self.elastic.all_positions(X, targets)
-
-    def positions_along(
-        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
-    ) -> np.ndarray:
-        """Positions ``U`` plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
-        return self.elastic.positions_along(U, share, direction, targets)
-
-    def local_step(self, U: np.ndarray) -> None:
-        """Make ``U`` (n, 3) current and compute each term's projection there."""
-        self.elastic.local_step(U)
-
-    def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Make ``U`` (n, 3) current; return its energy."""
-        return self._whole(self.elastic.energy_after_local_step(U))
 
 
 class CollisionFreeProjection(GoalProjection):

@@ -27,7 +27,7 @@ def crosses(result):
 @pytest.mark.parametrize("name", METHODS)
 def test_contact_by_default_is_on_for_methods_that_can_touch_up_to_a_number_of_vertices(name):
     touches = METHODS[name].may_use_contact
-    assert touches == (name in ("exact", "local", "arap"))
+    assert touches == (name in ("exact", "local", "wall", "arap"))
     assert [
         contact_by_default(name, n) for n in (4, MOST_VERTICES_IN_CONTACT, MOST_VERTICES_IN_CONTACT + 1)
     ] == [

@@ -16,7 +16,7 @@ from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.deformation_result import deform
-from apd_viewer.geometry.solver.touching_surface import TouchingSurface
+from apd_viewer.geometry.solver.touching_surface import TouchingElastic
 
 Y, Z = np.eye(3)[1:]
 
@@ -160,8 +160,8 @@ def test_touching_surface_follows_held_vertices_that_touch_it():
     inside, held = solver.contact, np.isin(np.arange(len(V)), fixed)
     while inside.is_on_its_way:
         solver.iterate()
-    surface, shift = TouchingSurface(inside.elastic, inside.contact), np.array([1.0, 2.0, 3.0])
-    assert surface.renew_springs()
+    surface, shift = TouchingElastic(inside.elastic, inside.contact), np.array([1.0, 2.0, 3.0])
+    assert surface.renew_metric((), np.zeros(0))
     assert inside.contact.springs(surface.U)[~held][:, held].nnz > 0
     there = surface.following_positions(inside.held_positions, inside.held_positions + shift)
     assert np.allclose(there - surface.U[surface.free], shift, atol=1e-6)

@@ -61,6 +61,8 @@ OF_SETTINGS = {
     "stiffness": lambda said: said.with_settings(stiffness=0.5),
     "area_stiffness": lambda said: said.with_settings(area_stiffness=7.0),
     "shear_stiffness": lambda said: said.with_settings(shear_stiffness=7.0),
+    "wall_thickness": lambda said: said.with_settings(method="wall", wall_thickness=0.1),
+    "poisson": lambda said: said.with_settings(method="wall", poisson=0.25),
     "area": lambda said: said.with_settings(area=120.0),
     "hold_area": lambda said: said.with_settings(hold_area=True),
     "volume": lambda said: said.with_settings(volume=80.0),

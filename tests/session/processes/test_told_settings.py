@@ -16,13 +16,15 @@ from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.processes.request_and_reply import Reply, Request
 from apd_viewer.session.processes.request_solver import RequestSolver
 
-FREE, LOCAL = {"contact": False}, {"method": "local"}
+FREE, LOCAL, WALL = {"contact": False}, {"method": "local"}, {"method": "wall"}
 # For each setting others by which it matters, and a value that is not the default.
 CHANGES = {
     "method": (FREE, "arap"),
     "stiffness": (FREE, 0.1),
     "area_stiffness": (FREE | LOCAL, 2.0),
     "shear_stiffness": (FREE | LOCAL, 2.0),
+    "wall_thickness": (FREE | WALL, 0.2),
+    "poisson": (FREE | WALL, 0.1),
     "area": (FREE, 120.0),
     "volume": (FREE, 80.0),
     "tolerance": (FREE | {"method": "paper"}, 0.1),

@@ -1,0 +1,180 @@
+"""Thin elastic wall in contact, stepped by its Hessian.
+
+A wall is many times firmer in its plane than against bending, so that no constant matrix is a metric for it.
+Its Hessian is, with the curvature of the goals, whose tension stiffens the wall, and of the gaps.
+"""
+
+import numpy as np
+import scipy.sparse as sp
+
+from apd_viewer.geometry.contact.contact import Contact, DirectedSprings
+from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.wall_surface import WallSurface
+from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.linalg.block_cholesky import BlockFactor, BlockPattern
+from apd_viewer.geometry.linalg.linear_solver import Metric
+from apd_viewer.geometry.solver.touching_surface import TouchingSurface
+
+# Steps after which the Hessian is renewed: its factor takes as long as 30 of them.
+_RENEWED = 30
+# Parts of what may be indefinite that are tried, one after the other, and what is added to the diagonal then,
+# in means of it: needles resist nothing, and leave their corners loose.
+_ATTEMPTS = (1.0, 0.0), (0.3, 0.0), (0.0, 0.0), (0.0, 1e-9), (0.0, 1e-6), (0.0, 1e-3), (0.0, 1.0)
+# Largest energy of the gaps after a motion of held vertices and obstacles, relative to all energy before it
+# and to the bending rigidity.
+_MOST_RISE, _LEAST_RISE = 4.0, 0.01
+# Longest way of what follows held vertices and obstacles, in theirs.
+_FLUNG = 3.0
+# Part of the mesh size that held vertices move to find what follows them.
+_MOVED = 1e-6
+
+
+class TouchingWall(TouchingSurface):
+    """Thin elastic wall with gap energy.
+
+    Parameters
+    ----------
+    elastic : WallSurface
+    contact : Contact
+    gas : EnclosedGas, optional
+    """
+
+    elastic: WallSurface
+    longest_step, growth, least_part = 0.05, 4.0, 1e-7
+
+    def __init__(self, elastic: WallSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
+        super().__init__(elastic, contact, gas)
+        self._pattern: BlockPattern | None = None
+        self._springs = contact.directed_springs(elastic.U)
+        self._age = _RENEWED
+        self._size = float(np.linalg.norm(np.ptp(elastic.rest.V, axis=0)))
+        self._tensions, self._pressure = np.zeros(len(elastic.rest.F)), 0.0
+        self._factored: Metric | None = None
+
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """Response to forces ``b_f``, both (f, 3): a wall may turn as a whole."""
+        if self._factored is None:
+            self._factored = self._factor()
+        return self._factored.solve(b_f)
+
+    def is_gentle(self, W: np.ndarray) -> bool:
+        """True if gaps at ``W`` (n, 3) are wide enough to go on from there."""
+        allowed = max(_MOST_RISE * self.energy, _LEAST_RISE * self.elastic.material.plate_rigidity)
+        return self.contact.energy_at(W) <= allowed
+
+    def outdate_metric(self) -> bool:
+        """Have the Hessian renewed before the next step; False if it is new."""
+        was_new = self._age == 0
+        self._age = _RENEWED
+        return not was_new
+
+    def renew_metric(self, goals: tuple[Goal, ...], multipliers: np.ndarray) -> bool:
+        """Factor the Hessian if due; False if nothing changed."""
+        self._age += 1
+        if self._age <= _RENEWED:
+            return False
+        self._tensions, self._pressure = np.zeros(len(self.elastic.rest.F)), 0.0
+        for goal, multiplier in zip(goals, -4.0 * multipliers, strict=True):
+            if goal.is_volume:
+                self._pressure += multiplier
+            else:
+                self._tensions += multiplier * goal.triangle_shares
+        self._springs = self.contact.directed_springs(self.U)
+        self._factored, self._age = self._factor(), 0
+        return True
+
+    def _factor(self) -> Metric:
+        pattern = self._pattern_with(self._springs.ids)
+        for share, firmer in _ATTEMPTS:
+            blocks = self.elastic.blocks(pattern, self._tensions, self._pressure, share)
+            _add_springs(self._springs, np.append(self._rows, -1), pattern, blocks)
+            mean = np.trace(blocks[pattern.diagonal].mean(axis=0)) / 3.0
+            blocks[pattern.diagonal] += firmer * mean * np.eye(3)
+            try:
+                return BlockFactor(pattern, blocks, np.float64)
+            except ValueError:
+                continue
+        raise ArithmeticError("The Hessian of the wall is not finite.")
+
+    @property
+    def _rows(self) -> np.ndarray:
+        """Row of every vertex, -1 for those that are not free, (n,)."""
+        place = self.elastic.place
+        return np.where(place < len(self.free), np.maximum(place, -1), -1)
+
+    def _pattern_with(self, ids: np.ndarray) -> BlockPattern:
+        """Pattern in which the vertices ``ids`` (p, 4) of each pair are coupled, too."""
+        couplings, f = self.elastic.couplings, len(self.free)
+        rows = np.append(self._rows, -1)[np.minimum(ids, len(self.U))]
+        a, b = np.repeat(rows, 4, axis=1).ravel(), np.tile(rows, 4).ravel()
+        inside = (a >= 0) & (b >= 0)
+        more = sp.coo_array((np.ones(inside.sum(), np.float32), (a[inside], b[inside])), shape=(f, f)).tocsr()
+        if self._pattern is not None:
+            known = sp.csr_array(
+                (np.ones(len(self._pattern.column)), self._pattern.column, self._pattern.start), shape=(f, f)
+            )
+            if (known.multiply(more)).nnz == more.nnz:
+                return self._pattern
+        whole = (couplings + more).tocsr()
+        whole.sort_indices()
+        # Order the unknowns by current positions: touching parts may be far apart at rest.
+        X = self.U[self.free]
+        self._pattern = BlockPattern(X, whole.indptr.astype(np.int64), whole.indices.astype(np.int64))
+        return self._pattern
+
+    def following_positions(self, held: np.ndarray, held_after: np.ndarray) -> np.ndarray:
+        """Free positions (f, 3) after a motion of held vertices and obstacles.
+
+        Parameters
+        ----------
+        held, held_after : (k + s, 3) float arrays
+            Held and soft vertices before and after it; obstacles go ahead as they are told.
+        """
+        start = self.U[self.free]
+        way = self.solve(self._pull_of_held(held, held_after) + self._pull_of_obstacles())
+        moves = [pairs.points_ahead - pairs.points for pairs in self.contact.obstacles]
+        longest = max(float(np.abs(move).max(initial=0.0)) for move in [held_after - held, *moves])
+        # About to buckle, a wall would be flung away.
+        return start + min(1.0, _FLUNG * longest / max(float(np.abs(way).max()), 1e-300)) * way
+
+    def _pull_of_held(self, held: np.ndarray, held_after: np.ndarray) -> np.ndarray:
+        move = held_after - held
+        longest = float(np.abs(move).max(initial=0.0))
+        if longest == 0.0:
+            return np.zeros((len(self.free), 3))
+        wall, small = self.elastic, _MOVED * self._size / longest
+        moved = held + small * move
+        there = wall.all_positions(self.U[self.free], moved)
+        change = wall.residual_near(there, moved) - wall.residual_near(self.U, held)
+        return change / -small
+
+    def _pull_of_obstacles(self) -> np.ndarray:
+        pull = np.zeros_like(self.U)
+        springs, n = self._springs, len(self.U)
+        if len(springs.ids) and self.contact.obstacles:
+            moves = np.zeros((n + len(self.contact.obstacles), 3))
+            for k, pairs in enumerate(self.contact.obstacles):
+                moves[n + k] = pairs.points_ahead[0] - pairs.points[0]
+            opened = np.einsum("pi,pia,pa->p", springs.weights, moves[springs.ids], springs.directions)
+            forces = (springs.constants * opened)[:, None] * springs.directions
+            for i in range(4):
+                own = springs.ids[:, i] < n
+                np.add.at(pull, springs.ids[own, i], -springs.weights[own, i, None] * forces[own])
+        return pull[self.free]
+
+
+def _add_springs(
+    springs: DirectedSprings, rows: np.ndarray, pattern: BlockPattern, blocks: np.ndarray
+) -> None:
+    """Add the ``springs`` to ``blocks``; ``rows`` (n + 1,) ends with -1 for obstacles."""
+    if not len(springs.ids):
+        return
+    f, at = len(pattern.start) - 1, rows[np.minimum(springs.ids, len(rows) - 1)]
+    keys = np.repeat(np.arange(f), np.diff(pattern.start)) * f + pattern.column
+    along = springs.directions[:, :, None] * springs.directions[:, None, :]
+    for i in range(4):
+        for j in range(4):
+            both = (at[:, i] >= 0) & (at[:, j] >= 0)
+            slot = np.searchsorted(keys, at[both, i] * f + at[both, j])
+            firm = (springs.constants * springs.weights[:, i] * springs.weights[:, j])[both]
+            np.add.at(blocks, slot, firm[:, None, None] * along[both])
