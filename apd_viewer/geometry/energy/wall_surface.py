@@ -10,6 +10,7 @@ thickness. Turns may be large, stretches not: the wall is meant to be thin. It b
 loads of all methods compare; the bending rigidity follows from the thickness.
 """
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -50,6 +51,7 @@ class WallSurface(HeldSurface):
     ----------
     stretching : Stretching
     hinges : Hinges
+        Of a wall as thick as 1.
     """
 
     def __init__(
@@ -60,9 +62,11 @@ class WallSurface(HeldSurface):
         soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
     ) -> None:
         super().__init__(rest, fixed, soft)
-        self.material = material
+        self.material, self._thickness = material, material.thickness
+        self._found: tuple[float, np.ndarray] | None = None
         self.stretching = Stretching(rest.V, rest.all_triangles, material.young, material.poisson)
-        self.hinges = Hinges(rest.V, rest.F, material.plate_rigidity, material.poisson)
+        unit = replace(material, thickness=1.0).plate_rigidity
+        self.hinges = Hinges(rest.V, rest.F, unit, material.poisson)
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]])
         size = float(np.linalg.norm(np.ptp(rest.V, axis=0)))
         shift = _SHIFT * material.plate_rigidity / size**4 * rest.vertex_areas[self.free]
@@ -70,10 +74,23 @@ class WallSurface(HeldSurface):
         self._diagonal = 4.0 * (shift + springs) if len(soft.ids) else 4.0 * shift
         self.restart(rest.V)
 
+    @property
+    def thickness(self) -> float:
+        """Thickness at the moment: a thin wall is approached by thicker ones."""
+        return self._thickness
+
+    @thickness.setter
+    def thickness(self, thickness: float) -> None:
+        self._thickness, self._found = thickness, None
+
+    @property
+    def plate_rigidity(self) -> float:
+        """Bending rigidity at the moment, a squared length."""
+        return replace(self.material, thickness=self._thickness).plate_rigidity
+
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
-        self.U = U
-        self._found: tuple[float, np.ndarray] | None = None
+        self.U, self._found = U, None
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current."""
@@ -103,8 +120,9 @@ class WallSurface(HeldSurface):
         E, g = self.stretching.energy_and_gradient(U)
         angles, J = angles_and_gradients(U, self.hinges.corners)
         bent, moments = self.hinges.moments(angles)
-        g += self.hinges.gradient(moments, J)
-        return E + bent, g
+        square = self._thickness**2
+        g += self.hinges.gradient(square * moments, J)
+        return E + square * bent, g
 
     @property
     def stretching_share(self) -> float:
@@ -159,12 +177,12 @@ class WallSurface(HeldSurface):
         """
         flat, hinges, U = self.stretching, self.hinges, self.U
         angles, J = angles_and_gradients(U, hinges.corners)
-        patch = flat.patch
+        square, patch = self._thickness**2, flat.patch
         triangles = patch.F, patch.start, patch.corner, flat.hats, flat.areas, *flat.lame
-        bent = hinges.corners, *hinges.at_vertices, hinges.Q.indptr, hinges.Q.indices, hinges.Q.data
+        bent = hinges.corners, *hinges.at_vertices, hinges.Q.indptr, hinges.Q.indices, square * hinges.Q.data
         place = np.where(self.place < len(self.free), self.place, -1)
         rows = self.free, place, pattern.start, pattern.column
-        moments = hinges.moments(angles)[1]
+        moments = square * hinges.moments(angles)[1]
         blocks = wall_blocks(U, *triangles, tensions, pressure, *bent, J, moments, share, *rows)
         own = pattern.diagonal
         blocks[own] += self._diagonal[:, None, None] * np.eye(3)

@@ -228,8 +228,9 @@ def method_material(
     return replace(material, yield_curvature=1.0 / yield_radius)
 
 
-# Thickness of a wall unless another is given, and the largest one, in diagonals of the bounding box.
-_THICKNESS, _THICKEST = 1e-3, 0.05
+# Thickness of a wall unless another is given, the smallest and the largest one, in diagonals of the bounding
+# box. As thin as the smallest a wall hardly stretches any more.
+_THICKNESS, _THINNEST, _THICKEST = 1e-3, 1e-5, 0.05
 
 
 def wall_material(diagonal: float, thickness: float | None, poisson: float) -> Material:
@@ -251,6 +252,12 @@ def wall_material(diagonal: float, thickness: float | None, poisson: float) -> M
         raise InputError(
             tr("A wall is thin: its thickness must be at most {most:.3g} here; check the unit.").format(
                 most=_THICKEST * diagonal
+            )
+        )
+    if thickness < _THINNEST * diagonal:
+        raise InputError(
+            tr("A wall of {least:.3g} hardly stretches any more here; enter at least that thickness.").format(
+                least=_THINNEST * diagonal
             )
         )
     return Material(thickness=float(thickness), poisson=float(poisson))

@@ -10,6 +10,7 @@ import numpy as np
 
 from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
 from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import SolverProgress
@@ -27,6 +28,8 @@ _LEAST_STEPS, _MOST_STEPS, _FOLLOWS = 4, 40, 1e-3
 _PATIENCE = 12
 # Number of steps over which convergence is judged.
 _WINDOW = 10
+# Longest step of rounding errors alone, in mesh sizes.
+_ROUNDING = 1e-12
 # Largest load imbalance of a mesh without held vertices, and most additional steps to reach it.
 _BALANCED, _MORE_STEPS = 2e-3, 300
 
@@ -152,6 +155,8 @@ class TouchingDescent:
     def follow_path(self, path: HeldPath, share: float) -> None:
         """Follow ``path`` from ``share``, the held vertices' current fraction of it."""
         self._path, self.share = path, share
+        if self.is_on_its_way:
+            self._surface.thicken()
         least = self._surface.least_part
         part = self._size / max(path.length, least * self._size)
         self._part, self._longest, self._no_part = _FIRST * part, _LONGEST * part, least * part
@@ -173,11 +178,17 @@ class TouchingDescent:
             # Goal directions depend on the contact springs; outdated ones would push against the contact.
             self._projection.refresh_directions(self.U)
             self._quasi_newton.resume()
+        before = self.U
         moved = self._quasi_newton.step(self.held_positions)
         self._at_minimum = not moved and not self._surface.outdate_metric()
         self._surface.contact.accept_shape(self.U)
         self._energies.append(self._quasi_newton.energy)
         self._unbalanced = self._unbalanced + 1 if self._gains_little else 0
+        stands = largest_difference(self.U, before) <= _ROUNDING * self._size
+        if (self.converged or (stands and not self.is_on_its_way)) and self._surface.thin():
+            self._steps = 0
+            self._begin_to_converge()
+            self._quasi_newton.resume()
 
     @property
     def _has_followed(self) -> bool:

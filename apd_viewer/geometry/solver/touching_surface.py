@@ -135,6 +135,13 @@ class TouchingSurface(ABC):
         """Have the metric renewed before the next step; False if that is of no use."""
         return False
 
+    def thicken(self) -> None:  # noqa: B027 (most materials follow)
+        """Begin anew with a material that follows handles and obstacles easily."""
+
+    def thin(self) -> bool:
+        """Continue with a material nearer to the one asked for; False if it is that."""
+        return False
+
     def is_gentle(self, _: np.ndarray) -> bool:
         """True if gaps at the positions (n, 3) are wide enough to go on from there."""
         return True

@@ -23,6 +23,9 @@ _ATTEMPTS = (1.0, 0.0), (0.3, 0.0), (0.0, 0.0), (0.0, 1e-9), (0.0, 1e-6), (0.0, 
 # Largest energy of the gaps after a motion of held vertices and obstacles, relative to all energy before it
 # and to the bending rigidity.
 _MOST_RISE, _LEAST_RISE = 4.0, 0.01
+# A wall thinner than the first, in mesh sizes, has too many folds to choose from: one as thick as the second
+# follows handles and obstacles, and gets thinner by the third from rest to rest.
+_THIN, _EASY, _THINNER = 1e-3, 8e-3, 0.3
 # Longest way of what follows held vertices and obstacles, in theirs.
 _FLUNG = 3.0
 # Part of the mesh size that held vertices move to find what follows them.
@@ -57,9 +60,24 @@ class TouchingWall(TouchingSurface):
             self._factored = self._factor()
         return self._factored.solve(b_f)
 
+    def thicken(self) -> None:
+        """Begin anew with a wall that is thick enough to follow handles and obstacles."""
+        last, thin = self.elastic.material.thickness, _THIN * self._size
+        self.elastic.thickness = _EASY * self._size if last < thin else last
+        self._age = _RENEWED
+
+    def thin(self) -> bool:
+        """Continue with a thinner wall; False if it is as thin as asked."""
+        wall, last = self.elastic, self.elastic.material.thickness
+        if wall.thickness <= last:
+            return False
+        wall.thickness = max(last, _THINNER * wall.thickness)
+        self._age = _RENEWED
+        return True
+
     def is_gentle(self, W: np.ndarray) -> bool:
         """True if gaps at ``W`` (n, 3) are wide enough to go on from there."""
-        allowed = max(_MOST_RISE * self.energy, _LEAST_RISE * self.elastic.material.plate_rigidity)
+        allowed = max(_MOST_RISE * self.energy, _LEAST_RISE * self.elastic.plate_rigidity)
         return self.contact.energy_at(W) <= allowed
 
     def outdate_metric(self) -> bool:
