@@ -27,7 +27,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import DISTURBANCE, Convergence
-from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, wall_material as thin_wall_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.solver.pressed_mesh import press_between
 from apd_viewer.geometry.solver.settings import Settings
@@ -43,7 +43,7 @@ from apd_viewer.session.storage.session_file import open_session
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
-_SETTINGS = "method", "stiffness", "area_stiffness", "shear_stiffness", "area", "volume"
+_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "area", "volume"
 
 
 def press_parser() -> Parser:
@@ -83,7 +83,15 @@ def press_parser() -> Parser:
         "--figure", metavar="F.png", type=Path, help=tr("draw load and volume, as F.png and F.svg")
     )
     parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
-    add_setting_options(parser, _SETTINGS, _PRESSING)
+    parser.add_argument(
+        "--method",
+        choices=_PRESSING,
+        help=tr(
+            "default: 'wall' where thickness and Young's modulus are known and no stiffness is given, "
+            "otherwise '{method}'"
+        ).format(method=DEFAULT_METHOD),
+    )
+    add_setting_options(parser, _SETTINGS)
     add_criteria(parser, DISTURBANCE)
     _add_wall_options(parser)
     parser.add_argument(
@@ -167,12 +175,19 @@ def _press(options: argparse.Namespace) -> None:
     wall = _wall(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
+    method = _method(options, wall)
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
-    material = Settings(options.method, *moduli).material
+    material = Settings(method, *moduli).material
+    if METHODS[method].is_wall:
+        material = thin_wall_material(rest.diagonal, wall.thickness, wall.nu)
     newtons = newton_conversion(wall, material, rest)
     gas = _gas(options.gas, newtons, rest)
     settings = {name: getattr(options, name) for name in _SETTINGS} | {
-        "thickness": wall.thickness if options.thickness else None,
+        "method": method,
+        "wall_thickness": wall.thickness if METHODS[method].is_wall else None,
+        "poisson": wall.nu,
+        # Of a thin wall it would be a part of the gap between the plates.
+        "thickness": wall.thickness if options.thickness and not METHODS[method].is_wall else None,
         "yield_radius": wall.yield_radius,
         "gas": gas,
         "convergence": Convergence(**given_criteria(options)),
@@ -215,10 +230,19 @@ def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
     wall = wall_from(WallText(thickness, density, young, poisson, radius, material), unit)
     if options.young and wall.thickness is None:
         raise InputError(tr("Newtons need the thickness of the wall as well; add --thickness."))
-    if options.young and not options.stiffness:
-        raise InputError(tr("Newtons need walls that resist bending; add --stiffness 0.001."))
+    is_thin = METHODS[_method(options, wall)].is_wall
+    if options.young and not options.stiffness and not is_thin:
+        raise InputError(tr("Newtons need walls that resist bending; add --method wall."))
     # Walls without bending stiffness keep no creases, whatever their material.
-    return wall if options.yield_radius or options.stiffness else replace(wall, yield_radius=None)
+    keeps_creases = options.yield_radius or (options.stiffness and not is_thin)
+    return wall if keeps_creases else replace(wall, yield_radius=None)
+
+
+def _method(options: argparse.Namespace, wall: Wall) -> str:
+    """Method chosen, or that of what is known of the wall."""
+    if options.method is not None:
+        return str(options.method)
+    return "wall" if wall.rigidity is not None and not options.stiffness else DEFAULT_METHOD
 
 
 def _gas(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> float | None:

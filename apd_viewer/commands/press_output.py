@@ -158,13 +158,18 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
             tr("        {low:.3g} N below, {high:.3g} N above, {conditions}").format(
                 low=newtons.newtons_per_load * low,
                 high=newtons.newtons_per_load * high,
-                conditions=obstacle_readings.error_factor_phrase(
-                    newtons.underestimate_factor(step.stretching)
-                )
-                or tr("if walls bend and hardly stretch"),
+                conditions=_conditions(step, newtons),
             )
         )
     return lines
+
+
+def _conditions(step: PressStep, newtons: NewtonConversion) -> str:
+    """Phrase on what the newtons of a step depend on."""
+    if newtons.is_of_the_wall:
+        return tr("of this thin elastic wall")
+    off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(step.stretching))
+    return off or tr("if walls bend and hardly stretch")
 
 
 def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
@@ -200,7 +205,7 @@ def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversi
     if grams is not None:
         unit, share = wall.unit.mass_unit(grams)
         lines.append(tr("mass    {mass:.4g} {unit}").format(mass=grams * share, unit=unit))
-    if newtons is not None:
+    if newtons is not None and not newtons.is_of_the_wall:
         lines.append(
             tr("Pressed at a stiffness of {stiffness:.3g}; this wall has {own:.1g}.").format(
                 stiffness=newtons.pressed_stiffness, own=newtons.stiffness

@@ -22,7 +22,7 @@ _FLAT = 1e-12
 def load_excess(material: Material, cells: float) -> float | None:
     """Expected relative overestimate of a bent wall's load, 0.1 for 10 %.
 
-    None without stiffness: the load is that of the cells alone.
+    None without stiffness: the load is that of the cells alone. 0 for a thin wall, which has no cells.
 
     Parameters
     ----------
@@ -30,6 +30,8 @@ def load_excess(material: Material, cells: float) -> float | None:
     cells : float
         :func:`cell_stiffness` of the mesh.
     """
+    if material.thickness:
+        return 0.0
     return material.rigidity * cells / material.bending if material.bending > 0.0 else None
 
 

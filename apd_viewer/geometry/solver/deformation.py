@@ -189,6 +189,8 @@ class Deformation:
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
+        if self._traits.is_wall and yield_radius is not None:
+            raise InputError(tr("The method Wall keeps no creases; leave the yield radius out."))
         thin = wall_material(rest.diagonal, wall_thickness, poisson)
         if len(held) and np.isin(rest.solve_mesh.component, rest.solve_mesh.component[held]).sum() == len(
             held

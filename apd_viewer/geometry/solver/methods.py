@@ -93,7 +93,7 @@ def _coupled(stiffness: float, _area: float, _shear: float) -> Material:
 
 
 def _wall(_stiffness: float, _area: float, _shear: float) -> Material:
-    return Material()
+    return Material(thickness=1.0)  # its own needs the size of the mesh: see wall_material
 
 
 METHODS = {

@@ -7,6 +7,9 @@ depend on D, and loads are in proportion to it:
 
     load in newtons = load of the model * D of the wall / (D of the model * metres in a mesh unit).
 
+A thin wall of the model, of its own thickness and Poisson's ratio, resists both as the real one does, and its
+loads are in proportion to ``E t``.
+
 A shape that cannot bend without stretching resists by both, and its load is in proportion to
 ``D^(1 - p) (E t)^p``, where p is the share of the energy in stretching (the derivative of the least energy by
 the logarithm of a modulus is the energy that the modulus has). A wall that is thinner than that of the model
@@ -14,6 +17,7 @@ resists stretching more, against bending, so that the newtons above are too low;
 :meth:`NewtonConversion.underestimate_factor`.
 """
 
+import math
 from dataclasses import dataclass
 
 from apd_viewer.geometry.energy.material import Material
@@ -49,6 +53,11 @@ class NewtonConversion:
     pressed_stiffness: float
     curvature: float
 
+    @property
+    def is_of_the_wall(self) -> bool:
+        """True if the model bends and stretches as the wall does, and no conversion is in doubt."""
+        return math.isclose(self.pressed_stiffness, self.stiffness, rel_tol=1e-6)
+
     def underestimate_factor(self, stretching: float) -> float:
         """Largest factor by which newtons may be too low; less than 1 if too high.
 
@@ -80,8 +89,9 @@ class NewtonConversion:
 
 def newton_conversion(wall: Wall, material: Material, rest: RestMesh) -> NewtonConversion | None:
     """Load conversion for a wall and a model material; None if newtons are unknown."""
-    metre, rigidity, stiffness = wall.unit.metres, wall.rigidity, material.bending
+    metre, rigidity = wall.unit.metres, wall.rigidity
     own = wall.model_stiffness(rest.area, material.young)
+    stiffness = 0.5 * material.plate_rigidity / rest.area if material.thickness else material.bending
     if metre is None or rigidity is None or own is None or not stiffness > 0.0:
         return None
     per_load = rigidity / (2.0 * stiffness * rest.area * metre)

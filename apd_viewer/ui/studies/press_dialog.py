@@ -130,6 +130,7 @@ class PressDialog(RunDialog):
     def _show_stiffness(self) -> None:
         """Show the expected load excess and the stiffness of the wall."""
         material = self._material()
+        self.stiffness.setEnabled(not material.thickness)
         said = [obstacle_readings.excess_phrase(load_excess(material, self._cells))]
         own = None
         with suppress(InputError):
