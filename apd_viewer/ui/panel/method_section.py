@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 _FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
 # The stiffness has a slider, and the distance of walls is that of the wall's thickness.
 _ELSEWHERE = ("stiffness", "thickness")
+_UNSET = "–"
 
 
 class MethodSection(Section):
@@ -41,7 +42,7 @@ class MethodSection(Section):
     contact_chosen : Signal(bool)
     stiffness : SliderField
     numbers : dict of str to NumberField
-        Of the other settings that are numbers, by their names; 0 shows an unset one.
+        Of the other settings that are numbers, by their names; a dash shows an unset one.
     convergence : ConvergenceFields
     """
 
@@ -94,7 +95,7 @@ class MethodSection(Section):
         self.stiffness = SliderField(
             label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal"))
         )
-        self.column.addWidget(self.stiffness)
+        self._add_row("stiffness", self.stiffness)
         for name, setting in SETTINGS.items():
             if setting.kind in _FIELDS and name not in _ELSEWHERE:
                 self._add_number(name, setting)
@@ -114,7 +115,11 @@ class MethodSection(Section):
         )
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
         default = getattr(DEFAULT_SETTINGS, name)
-        field.valueChanged.connect(lambda value: self.changed.emit(name, value or default))
+        if default is None:
+            field.setSpecialValueText(_UNSET)
+        field.valueChanged.connect(
+            lambda value: self.changed.emit(name, value or None if default is None else value)
+        )
         self.numbers[name] = field
         self._add_row(name, field_row(setting.title, field))
 
