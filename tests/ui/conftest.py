@@ -9,7 +9,7 @@ import trimesh
 from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
 from in_thread import LateSolver, ServedInThread
-from kept_window import at_rest, bottle_in, close_window, lasting_window, open_window, opened_in, settings_in
+from kept_window import at_rest, bottle_in, close_window, lasting_window, open_window, settings_in
 from meshes import sample_bottle
 from PySide6.QtWidgets import QMainWindow
 from shiboken6 import isValid
@@ -152,8 +152,8 @@ def kept_window(qtbot, kept, unasked):
 
 @pytest.fixture(scope="session")
 def painted_bottle(tmp_path_factory):
-    """State of the sample bottle with a quarter of its vertices, painted."""
-    V, F, labels = sample_bottle(edge=2.0)
+    """State of the sample bottle with a ninth of its vertices, painted."""
+    V, F, labels = sample_bottle(edge=3.0)
     path = tmp_path_factory.mktemp("sample") / "bottle.obj"
     save_mesh(Mesh(V, F), V, path)
     return initial_state(open_mesh(path), labels.astype(np.uint8))
@@ -163,13 +163,6 @@ def painted_bottle(tmp_path_factory):
 def bottle(qtbot, kept_window, painted_bottle):
     """The window of all tests on the bottle, painted, as if it had just been opened."""
     return bottle_in(qtbot, kept_window, painted_bottle)
-
-
-@pytest.fixture
-def coarse(qtbot, kept_window):
-    """The window of all tests on a bottle of half as many vertices, painted, for long ways."""
-    V, F, labels = sample_bottle(edge=3.0)
-    return opened_in(qtbot, kept_window, lambda: initial_state(Mesh(V, F), labels.astype(np.uint8)))
 
 
 @pytest.fixture

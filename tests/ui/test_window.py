@@ -318,18 +318,21 @@ def test_viewport_is_never_starved_by_a_drag_of_a_large_mesh(qtbot, big, monkeyp
     assert longest < MOST_FRAMES
 
 
-def test_solver_worker_replies_never_pile_up(qtbot, bottle):
-    """While the window is busy elsewhere the worker wakes nobody twice, and afterwards goes on."""
-    bottle.session.settings.change(convergence=Convergence(energy_tolerance=1e-15))  # not meanwhile
+def test_solver_worker_replies_never_pile_up(qtbot, sample):
+    """While the window is busy elsewhere the worker wakes nobody twice, and afterwards goes on.
+
+    On a large mesh, whose shape is not final meanwhile.
+    """
+    sample.session.settings.change(convergence=Convergence(energy_tolerance=1e-15))  # not meanwhile
     woken = []
-    bottle.signals.woken.connect(lambda: woken.append(1))
-    drag(qtbot, bottle, ring_grip(bottle, 1), (50, 0), steps=4)
+    sample.signals.woken.connect(lambda: woken.append(1))
+    drag(qtbot, sample, ring_grip(sample, 1), (50, 0), steps=4)
     woken.clear()
-    iteration = bottle.session.store.state.frame.iteration
+    iteration = sample.session.store.state.frame.iteration
     time.sleep(0.2)  # the window is busy for longer than several frames take
     QApplication.processEvents()
     assert len(woken) <= 2
-    qtbot.waitUntil(lambda: bottle.session.store.state.frame.iteration > iteration + 2, timeout=2_000)
+    qtbot.waitUntil(lambda: sample.session.store.state.frame.iteration > iteration + 2, timeout=2_000)
 
 
 # Bad input and files

@@ -181,7 +181,8 @@ _NEAR = 0.05  # size of the initial simplex, radians
 
 def box_volume(points: np.ndarray) -> float:
     """Volume of the axis-aligned bounding box of the ``points`` (k, 3)."""
-    return float(np.prod(np.ptp(points, axis=0)))
+    a, b, c = (points.max(axis=0) - points.min(axis=0)).tolist()
+    return a * b * c
 
 
 def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
@@ -198,7 +199,7 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
     some = np.ascontiguousarray(corners[:, :: 1 + corners.shape[1] // _ENOUGH])
 
     def placed(turn: np.ndarray, what: np.ndarray) -> np.ndarray:
-        return (Rotation.from_rotvec(turn).as_matrix() @ what).T
+        return (_rotation_matrix(*turn.tolist()) @ what).T
 
     def turned(turn: np.ndarray) -> float:
         return box_volume(placed(turn, some))
@@ -213,6 +214,24 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
         sides = min(sides, np.ptp(placed(found, corners), axis=0), key=np.prod)
     a, b, c = np.sort(sides).tolist()
     return a, b, c
+
+
+def _rotation_matrix(x: float, y: float, z: float) -> np.ndarray:
+    """Matrix of a rotation vector.
+
+    It has the bits of scipy's, which takes seven times as long for one.
+    """
+    angle = math.sqrt(x * x + y * y + z * z)
+    square = angle * angle
+    is_small = angle <= 1e-3
+    scale = 0.5 - square / 48 + square * square / 3840 if is_small else math.sin(angle / 2) / angle
+    x, y, z, w = scale * x, scale * y, scale * z, math.cos(angle / 2)
+    rows = (
+        (x * x - y * y - z * z + w * w, 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), -x * x + y * y - z * z + w * w, 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), -x * x - y * y + z * z + w * w),
+    )
+    return np.array(rows)
 
 
 def _principal_rotation(corners: np.ndarray) -> np.ndarray:

@@ -45,7 +45,7 @@ _MOMENT = 0.0005  # polling interval in seconds
 _SOON = 1.0  # seconds without a request before idle work
 # Keeping freed memory saves a third of the time of each frame in a drag, but it becomes more fragmented
 # with every gesture: 165 MiB after 2,000 gestures.
-_PAUSE = 2.0  # seconds without a request before freed memory is released
+PAUSE = 2.0  # seconds without a request before freed memory is released
 _NO_ROOM = tr("Not enough memory for this mesh; close other programs and try again.")
 # Matrices with this many rows take over half a second to factor, in another process.
 REMOTE_FACTOR_ROWS = 100_000
@@ -100,7 +100,7 @@ class RequestSolver:
             self._tell(RequestProgress(RequestStage.ANSWERED, request))
             if not done and not self._requests.is_ready:
                 done = self._rested(when_idle)
-            if not self._requests.wait_for_value(_PAUSE):
+            if not self._requests.wait_for_value(PAUSE):
                 release_freed_memory()
         self._drop()
 

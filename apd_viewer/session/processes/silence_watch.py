@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 
-_TICK = 1.0  # seconds between checks
+TICK = 1.0  # seconds between checks
 
 
 class SilenceWatch:
@@ -69,7 +69,7 @@ class SilenceWatch:
             while not self._closed:
                 if self._silent or not self._awaits:
                     self._condition.wait()
-                elif not self._condition.wait(_TICK):
+                elif not self._condition.wait(TICK):
                     self._quiet += 1
                     if self._quiet >= max(self._patience, self._at_start) and self._awaits:
                         self._silent = True

@@ -27,7 +27,7 @@ from apd_viewer.session.processes.request_and_reply import (
 from apd_viewer.session.processes.request_solver import RequestSolver
 from apd_viewer.session.processes.shared_memory import untrack_shared_memory
 
-_BEAT = 1.0  # seconds between activity reports
+BEAT = 1.0  # seconds between activity reports
 _LEAST_SPENT = 0.001  # CPU seconds per report that count as work; even a polling loop uses 20 times as much
 
 
@@ -97,7 +97,7 @@ class _Pulse:
 
     def _run(self) -> None:
         before = 0.0
-        while self._beats.wait() and not self._ended.wait(_BEAT):
+        while self._beats.wait() and not self._ended.wait(BEAT):
             spent = time.process_time() - time.thread_time()
             if spent - before > _LEAST_SPENT or self._factoring():
                 self._tell(RequestProgress(RequestStage.UNDER_WAY))

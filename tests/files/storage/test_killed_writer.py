@@ -30,7 +30,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 folder, name = Path(sys.argv[1]), sys.argv[2]
-mesh = Mesh(*grid(150, 150))
+mesh = Mesh(*grid(100, 100))
 save_mesh(mesh, mesh.V, folder / f"old {name}")
 mesh = open_mesh(folder / f"old {name}")  # as it is of a file, the file is written again
 versions = mesh.V, 2.0 * mesh.V
@@ -63,7 +63,7 @@ def killed_writers(kills: int, folder: Path, name: str, seed: int = 0) -> Counte
             writer.stdin.write("write\n")
             writer.stdin.flush()
             child = int(writer.stdout.readline())
-            time.sleep(chance.uniform(0.0, 0.15))
+            time.sleep(chance.uniform(0.0, 0.06))
             if kill % 2:
                 _wait_for_scratch_file(folder)
             os.kill(child, signal.SIGKILL)

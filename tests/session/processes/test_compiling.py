@@ -10,11 +10,10 @@ from meshes import tube
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.processes import compilation
+from apd_viewer.session.processes import compilation, solver_main
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 from apd_viewer.session.processes.compilation import Compilation
 from apd_viewer.session.processes.request_and_reply import Request, RequestStage
-from apd_viewer.session.processes.solver_main import serve
 from apd_viewer.session.processes.solver_worker import SolverWorker
 
 TOLD = """
@@ -56,7 +55,8 @@ def test_compilation_tells_all_last_and_once(monkeypatch):
     assert stopped == [3]
 
 
-def test_solver_main_is_not_silent_while_it_compiles():
+def test_solver_main_is_not_silent_while_it_compiles(monkeypatch):
+    monkeypatch.setattr(solver_main, "BEAT", 0.2)
     told, (source, end) = [], os.pipe()
 
     def work_until_something_is_told(_):
@@ -66,7 +66,7 @@ def test_solver_main_is_not_silent_while_it_compiles():
         os.close(end)
 
     with os.fdopen(source, "rb") as orders:
-        serve(orders, told.append, when_idle=work_until_something_is_told)
+        solver_main.serve(orders, told.append, when_idle=work_until_something_is_told)
     assert told[0].stage is RequestStage.UNDER_WAY
 
 

@@ -89,6 +89,7 @@ def test_release_freed_memory_gives_kept_memory_back():
 
 def test_request_solver_gives_freed_memory_back_in_a_pause(session, monkeypatch):
     given = []
+    monkeypatch.setattr(request_solver, "PAUSE", 1.0)
     monkeypatch.setattr(request_solver, "release_freed_memory", lambda: given.append("all"))
     session.drag(BENT)
     session.settle()

@@ -11,12 +11,13 @@ import pytest
 from driven_session import pose
 from new_threads import new_threads
 
-from apd_viewer.session.processes import solver_process
+from apd_viewer.session.processes import silence_watch, solver_process
 from apd_viewer.session.processes.silence_watch import SilenceWatch
 from apd_viewer.session.state_store import Activity
 
 SOON = 12.0  # s; it is told after 5
 TWISTED = 0.4
+TICK = 0.3  # s, that count as one of silence
 
 stoppable = pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
 
@@ -33,12 +34,13 @@ def stop(session, processes):
 
 
 @stoppable
-def test_store_says_that_a_solver_is_stopped_until_it_goes_on(processes, session):
+def test_store_says_that_a_solver_is_stopped_until_it_goes_on(processes, session, monkeypatch):
     session.settle()
     stop(session, processes)
+    monkeypatch.setattr(silence_watch, "TICK", TICK)
     began = time.monotonic()
     session.until(lambda: session.store.silence_text, SOON)
-    assert time.monotonic() - began > 3.0
+    assert time.monotonic() - began > 3 * TICK
     assert "restart" in session.store.silence_text
     assert session.told == [session.store.silence_text]
     os.kill(processes[-1].pid, signal.SIGCONT)
@@ -112,6 +114,12 @@ def heard():
     watch.close()
 
 
+@pytest.fixture
+def short_seconds(monkeypatch):
+    """Of silence; one test has them as they are."""
+    monkeypatch.setattr(silence_watch, "TICK", TICK)
+
+
 def wait(happened, seconds=5.0):
     end = time.monotonic() + seconds
     while not happened() and time.monotonic() < end:
@@ -121,7 +129,7 @@ def wait(happened, seconds=5.0):
 
 def test_silence_watch_tells_silence_once_and_so_its_end(heard):
     told, watch = heard
-    watch.expect_answer(1, 2)
+    watch.expect_answer(1, 1)
     wait(lambda: told)
     watch.note_message()
     watch.note_message()
@@ -133,17 +141,19 @@ def test_silence_watch_tells_silence_once_and_so_its_end(heard):
     assert told[3:] == [0]
 
 
+@pytest.mark.usefixtures("short_seconds")
 def test_silence_watch_misses_nothing_where_nothing_is_awaited(heard):
     told, watch = heard
     watch.expect_answer(1, 1)
     watch.expect_answer(2, 1)
     watch.note_message(answer=2)
     watch.note_message(answer=1)  # of an order that was overtaken
-    time.sleep(2.5)
+    time.sleep(2.5 * TICK)
     assert told == []
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads the clock of another thread")
+@pytest.mark.usefixtures("short_seconds")
 def test_silence_watch_rests_while_nothing_is_awaited(heard):
     _, watch = heard
     watch.expect_answer(1, 1)
@@ -157,4 +167,4 @@ def test_silence_watch_rests_while_nothing_is_awaited(heard):
         return time.clock_gettime(clock) == before
 
     wait(lambda: rests(0.05))
-    assert rests(1.5)
+    assert rests(1.5 * TICK)

@@ -145,29 +145,29 @@ def test_deviation_reading_value_under_the_cursor_is_that_of_the_closed_form(
 
 
 @pytest.mark.night
-def test_deviation_overlay_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, coarse):
-    coarse.session.settings.set_contact(False)
-    coarse.session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
-    idle(qtbot, coarse)
-    coarse.shell.activateWindow()
-    qtbot.waitUntil(coarse.shell.isActiveWindow)
-    qtbot.keyClick(coarse.canvas.viewport, Qt.Key.Key_9, ALT)
-    heat = coarse.display_options.overlay
+def test_deviation_overlay_shows_the_contact_pressure_of_what_is_kept_apart(qtbot, bottle):
+    bottle.session.settings.set_contact(False)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
+    idle(qtbot, bottle)
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_9, ALT)
+    heat = bottle.display_options.overlay
     assert heat.measure is Measure.CONTACT
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     assert np.isnan(heat.reading.values).all(), "contact is off"
-    assert "turn on Contact" in coarse.display_options.legend.note.text()
-    coarse.session.settings.set_contact(True, 0.03)
-    idle(qtbot, coarse)
+    assert "turn on Contact" in bottle.display_options.legend.note.text()
+    bottle.session.settings.set_contact(True, 0.03)
+    idle(qtbot, bottle)
     # The values of the shape before stay in the colours until those of this one are there.
     qtbot.waitUntil(lambda: set(heat.reading.values) == {0.0}, timeout=60_000)  # nothing touches yet
-    assert "percent" in coarse.display_options.legend.note.text()
-    coarse.session.handles.move_by(MOTIONS["TWIST"], "130deg", 0)
-    idle(qtbot, coarse)
+    assert "percent" in bottle.display_options.legend.note.text()
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "130deg", 0)
+    idle(qtbot, bottle)
     qtbot.waitUntil(lambda: heat.reading.values.max() == 1.0, timeout=60_000)
-    settle(qtbot, coarse.canvas.viewport)
+    settle(qtbot, bottle.canvas.viewport)
     touched = np.count_nonzero(heat.reading.values)
-    assert 0 < touched <= 4 * coarse.session.store.state.frame.contact.pairs
+    assert 0 < touched <= 4 * bottle.session.store.state.frame.contact.pairs
 
 
 def test_deviation_overlay_waits_with_what_takes_longer_until_the_shape_rests(qtbot, globe):
@@ -263,17 +263,17 @@ def test_legend_lets_the_range_be_typed_and_fitted_by_a_click(qtbot, area):
     assert [text for _, text in legend.bar.labels] == ["−4.76\u00a0%", "0\u00a0%", "+5\u00a0%"]
 
 
-def test_legend_shows_the_largest_local_area_change_as_the_panel_does(qtbot, coarse):
-    choose(qtbot, coarse, Measure.AREA)
-    coarse.session.handles.move_by(MOTIONS["TWIST"], "60deg", 0)
-    idle(qtbot, coarse)
-    legend, panel = coarse.display_options.legend, coarse.panel.area
-    settle(qtbot, coarse.canvas.viewport)
-    coarse.display_options.overlay.reading.update_legend()
+def test_legend_shows_the_largest_local_area_change_as_the_panel_does(qtbot, bottle):
+    choose(qtbot, bottle, Measure.AREA)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "60deg", 0)
+    idle(qtbot, bottle)
+    legend, panel = bottle.display_options.legend, bottle.panel.area
+    settle(qtbot, bottle.canvas.viewport)
+    bottle.display_options.overlay.reading.update_legend()
     said = legend.largest.text().replace("\u00a0", " ").lstrip("+−")
     assert said == panel.local_change.text() != "0 %"
-    coarse.display_options.overlay.show_next_extreme()
-    assert coarse.display_options.overlay.extremes.callout.text.endswith(legend.largest.text())
+    bottle.display_options.overlay.show_next_extreme()
+    assert bottle.display_options.overlay.extremes.callout.text.endswith(legend.largest.text())
 
 
 def test_deviation_overlay_never_has_what_counts_for_no_change_in_the_strongest_colors(qtbot, area):

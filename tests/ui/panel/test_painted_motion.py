@@ -34,9 +34,8 @@ def row(window, k=0):
 
 
 @pytest.fixture
-def twisted(qtbot, coarse):
+def twisted(qtbot, bottle):
     """The bottle, twisted by 20 degrees as it is typed."""
-    bottle = coarse
     bottle.shell.resize(1280, 1000)
     bottle.shell.activateWindow()
     qtbot.waitUntil(bottle.shell.isActiveWindow)

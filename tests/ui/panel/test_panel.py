@@ -45,12 +45,6 @@ def shown(window):
     return {name for name, field in fields.items() if field.isVisibleTo(window.shell)}
 
 
-@pytest.fixture
-def bottle(coarse):
-    """The bottle that is solved soonest."""
-    return coarse
-
-
 def test_panel_readings_are_those_of_the_frame(qtbot, bottle):
     details = bottle.panel.handles.list.rows[0].details
     assert details.text() == "at rest"
@@ -143,20 +137,20 @@ def test_set_contact_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bo
 
 
 @pytest.mark.night
-def test_set_contact_ends_a_twist_without_a_crossing(qtbot, coarse):
+def test_set_contact_ends_a_twist_without_a_crossing(qtbot, bottle):
     found = []
     for on in (False, True):
-        coarse.session.settings.set_contact(on)
-        coarse.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
-        idle(qtbot, coarse)
-        state = coarse.session.store.state
+        bottle.session.settings.set_contact(on)
+        bottle.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
+        idle(qtbot, bottle)
+        state = bottle.session.store.state
         found.append(len(crossings(state.frame.U, state.document.mesh.joined_F)))
         assert state.frame.share_reached == 1.0
-        assert coarse.panel.volume.pairs.isVisible() is on
-        assert not on or coarse.panel.volume.path_fraction.text() == "100 %"
-        coarse.session.gestures.undo()
-        idle(qtbot, coarse)
-        assert not on or coarse.panel.volume.path_fraction.text() == NO_VALUE, "nothing has moved"
+        assert bottle.panel.volume.pairs.isVisible() is on
+        assert not on or bottle.panel.volume.path_fraction.text() == "100 %"
+        bottle.session.gestures.undo()
+        idle(qtbot, bottle)
+        assert not on or bottle.panel.volume.path_fraction.text() == NO_VALUE, "nothing has moved"
     assert found[0] > 0
     assert found[1] == 0
 
@@ -195,20 +189,20 @@ def test_volume_section_reads_contact_too(qtbot, bottle):
     idle(qtbot, bottle)
 
 
-def test_set_contact_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtbot, coarse):
-    volume, box = coarse.panel.volume, coarse.panel.method.contact
-    coarse.session.settings.set_contact(False)
-    coarse.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
-    idle(qtbot, coarse)
-    state = coarse.session.store.state
+def test_set_contact_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qtbot, bottle):
+    volume, box = bottle.panel.volume, bottle.panel.method.contact
+    bottle.session.settings.set_contact(False)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
+    idle(qtbot, bottle)
+    state = bottle.session.store.state
     assert len(crossings(state.frame.U, state.document.mesh.joined_F))
     assert volume.crossings.text() != "no self-intersections"
-    coarse.panel.ensureWidgetVisible(box)
+    bottle.panel.ensureWidgetVisible(box)
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
-    qtbot.waitUntil(lambda: coarse.session.store.state.frame.contact is not None, timeout=30_000)
-    assert coarse.session.store.activity is Activity.REFINING
+    qtbot.waitUntil(lambda: bottle.session.store.state.frame.contact is not None, timeout=30_000)
+    assert bottle.session.store.activity is Activity.REFINING
     assert volume.crossings.text() == "no self-intersections", "while it solves"
-    idle(qtbot, coarse)
+    idle(qtbot, bottle)
 
 
 def test_patch_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):

@@ -10,11 +10,11 @@ from apd_viewer.session.state_store import Activity
 
 
 @pytest.fixture
-def solving(qtbot, bottle):
-    """The bottle on its way to a twisted shape, for longer than a test takes."""
-    bottle.session.settings.change(convergence=Convergence(energy_tolerance=1e-15))
-    bottle.session.handles.move_by(MOTIONS["TWIST"], "45", 0)
-    return bottle
+def solving(qtbot, sample):
+    """The sample itself on its way to a twisted shape, for longer than a test takes."""
+    sample.session.settings.change(convergence=Convergence(energy_tolerance=1e-15))
+    sample.session.handles.move_by(MOTIONS["TWIST"], "45", 0)
+    return sample
 
 
 def test_pause_button_stops_the_solver_and_lets_it_go_on(qtbot, solving):

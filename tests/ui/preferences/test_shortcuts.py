@@ -1,7 +1,7 @@
 """The sheet lists every action with its keys, and there the keys can be changed."""
 
 import pytest
-from driving import LEFT, document, show, work_off
+from driving import LEFT, document, work_off
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QLabel, QMenu, QScrollArea, QWidget
@@ -37,13 +37,12 @@ def sheet(qtbot, active):
 
 
 @pytest.fixture
-def again(qtbot, settings):
-    """Makes a second window with the same settings."""
+def again(qapp, settings):
+    """Makes a second window with the same settings, not shown."""
     made = []
 
     def make():
         window = Workbench(Shell(settings))
-        show(qtbot, window.shell, window.canvas.viewport)
         made.append(window)
         return window
 

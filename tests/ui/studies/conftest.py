@@ -39,14 +39,24 @@ def twisted(qapp, home):
         window.shell.deleteLater()
 
 
+@pytest.fixture(scope="module")
+def solved():
+    """States of the twisted bar: one, once there is one."""
+    return []
+
+
 @pytest.fixture
-def bar(qtbot, twisted):
+def bar(qtbot, twisted, solved):
     """The same, on the twisted bar, whatever was opened since."""
     window = twisted
     show(qtbot, window.shell, window.canvas.viewport)
-    open_bar(qtbot, window)
-    window.session.handles.move_by(MOTIONS["TWIST"], "80deg", 0)
+    if solved:
+        window.session.files.open_result("mesh", lambda: solved[0], is_saved=False)
+    else:
+        open_bar(qtbot, window)
+        window.session.handles.move_by(MOTIONS["TWIST"], "80deg", 0)
     idle(qtbot, window)
+    solved[:] = [window.session.store.state]
     yield window
     if window.case_studies.dialog is not None:
         window.case_studies.dialog.close()

@@ -1,4 +1,4 @@
-"""The dialog that presses a mesh between plates: in a real window, with a real process."""
+"""The dialog that presses a mesh between plates: in a real window."""
 
 import csv
 import io
@@ -213,8 +213,9 @@ def test_press_dialog_does_not_press_a_flat_mesh_across(asked):
 
 
 def test_press_dialog_draws_a_press_and_saves_it_in_the_format_of_the_mesh(
-    qtbot, window, tmp_path, monkeypatch
+    qtbot, here, window, tmp_path, monkeypatch
 ):
+    """By the command in this process; that of a study has its own."""
     V, F = sphere(2)
     save_mesh(Mesh(V, F), V, tmp_path / "ball.off")
     window.session.files.open(tmp_path / "ball.off")

@@ -1,4 +1,4 @@
-"""The dialogs that sweep and re-run the paper's tables: in a real window, with a real process."""
+"""The dialogs that sweep and re-run the paper's tables: in a real window."""
 
 import csv
 import os
@@ -44,13 +44,20 @@ def dialog(bar):
     return dialog
 
 
+@pytest.fixture(params=["here", pytest.param("process", marks=pytest.mark.night)])
+def command(request):
+    """Where the command runs; by day the one of a study has a process of its own."""
+    if request.param == "here":
+        request.getfixturevalue("here")
+
+
 def rows(path):
     with path.open(encoding="utf-8") as stream:
         return list(csv.DictReader(stream))
 
 
 def test_sweep_dialog_draws_a_sweep_and_saves_it_where_the_user_says(
-    qtbot, bar, dialog, tmp_path, monkeypatch
+    qtbot, command, bar, dialog, tmp_path, monkeypatch
 ):
     dialog.twist.setText("200deg")
     click(dialog.run.start)

@@ -323,22 +323,22 @@ def test_bake_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot,
 
 
 @pytest.mark.night
-def test_gizmo_remembers_a_ring_dragged_round_more_than_once_as_one_step(qtbot, coarse, mouse):
-    coarse.session.settings.set_contact(False)
-    at_rest = coarse.session.store.state
-    frame = coarse.canvas.gizmo.frame
+def test_gizmo_remembers_a_ring_dragged_round_more_than_once_as_one_step(qtbot, bottle, mouse):
+    bottle.session.settings.set_contact(False)
+    at_rest = bottle.session.store.state
+    frame = bottle.canvas.gizmo.frame
     near = np.arctan2(*frame.facing[[0, 2]])
-    at = [on_ring(coarse, 1, near + a) for a in np.linspace(-1.2, 0.2, 60)]
+    at = [on_ring(bottle, 1, near + a) for a in np.linspace(-1.2, 0.2, 60)]
     begin = next(k for k, p in enumerate(at) if frame.handle_at(p.x(), p.y()) == "ry")
     start = near - 1.2 + 1.4 * begin / 59
-    way = [on_ring(coarse, 1, start + a) for a in np.linspace(0.0, np.deg2rad(400), 81)]
-    mouse(coarse.canvas.viewport).drag(*way)
-    document = coarse.session.store.state.document
+    way = [on_ring(bottle, 1, start + a) for a in np.linspace(0.0, np.deg2rad(400), 81)]
+    mouse(bottle.canvas.viewport).drag(*way)
+    document = bottle.session.store.state.document
     assert np.rad2deg(np.linalg.norm(document.handles[0].rotation)) == pytest.approx(400, abs=1.0)
-    said = readings.motion(coarse.session.store.state, 0, Unit.NONE)
+    said = readings.motion(bottle.session.store.state, 0, Unit.NONE)
     assert re.search(r"twisted \+(399|400|401)\.\d°", said)
-    qtbot.waitUntil(lambda: coarse.session.store.state.frame.settled, timeout=60_000)
+    qtbot.waitUntil(lambda: bottle.session.store.state.frame.settled, timeout=60_000)
     held = document.constraints()
-    np.testing.assert_allclose(coarse.session.store.state.frame.U[held.fixed], held.targets, atol=1e-9)
-    coarse.session.gestures.undo()
-    assert coarse.session.store.state is at_rest
+    np.testing.assert_allclose(bottle.session.store.state.frame.U[held.fixed], held.targets, atol=1e-9)
+    bottle.session.gestures.undo()
+    assert bottle.session.store.state is at_rest
