@@ -287,8 +287,8 @@ WRONG = {
     "newtons without a wall": (["--young", "2GPa", "--unit", "cm"], "add --thickness"),
     "newtons without a unit": (["--young", "2GPa", "--thickness", "0.01"], "add --unit"),
     "newtons of cloth": (
-        ["--young", "2GPa", "--thickness", "0.01", "--unit", "cm", "--stiffness", "0"],
-        "add --stiffness",
+        ["--young", "2GPa", "--thickness", "0.01", "--unit", "cm", "--stiffness", "0", "--method", "exact"],
+        "add --method wall",
     ),
     "a modulus": (["--young", "hard", "--thickness", "0.01", "--unit", "cm"], "is not a unit of Young"),
     "a ratio": (["--poisson", "0.7", "--unit", "cm"], "from 0 to 0.5"),

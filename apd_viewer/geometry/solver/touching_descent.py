@@ -155,7 +155,7 @@ class TouchingDescent:
     def follow_path(self, path: HeldPath, share: float) -> None:
         """Follow ``path`` from ``share``, the held vertices' current fraction of it."""
         self._path, self.share = path, share
-        if self.is_on_its_way:
+        if share < 1.0:
             self._surface.thicken()
         least = self._surface.least_part
         part = self._size / max(path.length, least * self._size)

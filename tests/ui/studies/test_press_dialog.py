@@ -22,7 +22,7 @@ from apd_viewer.commands.press_command import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import file_controller
@@ -139,7 +139,8 @@ def test_press_dialog_leaves_loose_vertices_out_of_the_extent(asked):
 def test_press_dialog_says_as_it_stands_what_the_command_says_without_options(asked):
     ask, options = asked
     said, plain = options(ask(*sphere(2))), press_parser().parse_args(["m.obj", "--to", "50%", "-o", "o.obj"])
-    for name in ("axis", "to", "steps", "iterations", "method", "area_stiffness", "shear_stiffness"):
+    assert (said.method, plain.method) == (DEFAULT_METHOD, None), "which without a wall is the same"
+    for name in ("axis", "to", "steps", "iterations", "area_stiffness", "shear_stiffness"):
         assert getattr(said, name) == getattr(plain, name), name
     assert said.thickness is said.volume is said.material is None
     assert percentage(said.area, "the area") == 100.0
