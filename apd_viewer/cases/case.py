@@ -54,7 +54,6 @@ class CaseStep(NamedTuple):
 
     Attributes
     ----------
-    method : str
     number : int
         From 0, where nothing has moved yet.
     share : float
@@ -63,7 +62,6 @@ class CaseStep(NamedTuple):
         By how much the first handle that moves has turned.
     displacement : float
         How far its pivot is from where it was, mesh units.
-    frame : Frame
     volume_rest, volume_capped_rest : float or None
         With flat caps over its openings; None without any.
     energy : float
@@ -216,7 +214,6 @@ def case_of(
 
     Parameters
     ----------
-    document : Document
     steps : int
         Beside the one at the start.
     last_share : float
@@ -276,7 +273,6 @@ def run(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterato
 
     Parameters
     ----------
-    case : Case
     tick : callable
         Called after every iteration with the share of the work that is done, at a guess; what it raises ends
         the case.

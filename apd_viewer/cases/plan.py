@@ -56,7 +56,6 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
         Cells that are not empty, by their columns.
     folder : Path
         Where the files are that it names.
-    sources : InputFiles
     """
     settings = _settings(cells)
     unit = str(parse_cell("unit", cells["unit"])) if "unit" in cells else ""
@@ -167,13 +166,7 @@ class PlanRow:
 
 @dataclass(frozen=True)
 class Plan:
-    """Rows of a plan, in the order of the file.
-
-    Attributes
-    ----------
-    columns : tuple of str
-    rows : tuple of PlanRow
-    """
+    """Rows of a plan, in the order of the file."""
 
     columns: tuple[str, ...]
     rows: tuple[PlanRow, ...]

@@ -58,7 +58,6 @@ class ResultRow:
         In the order of the plan's columns.
     status : str
         "done", "failed", "waiting", "wrong" (no case can be made of the row) or "duplicate".
-    sentence : str
     readings : dict
         Numbers by name; empty unless it is done.
     """
@@ -79,7 +78,6 @@ class ResultTable:
     ----------
     columns : tuple of str
         Of the plan.
-    rows : tuple of ResultRow
     """
 
     columns: tuple[str, ...]

@@ -73,7 +73,6 @@ class Study:
     ----------
     plan : Path
         Table to read.
-    folder : Path
     retry_failed : bool
         Whether failed cases are tried again.
 
@@ -122,7 +121,6 @@ class Study:
 
         Parameters
         ----------
-        engine : Engine
         limit : float, optional
             Seconds that a case may take.
         on_progress : callable
@@ -284,7 +282,6 @@ class StudyStore:
 
         Parameters
         ----------
-        plan : Plan
         retry_failed : bool
             Whether failed cases count as not done.
         """

@@ -113,7 +113,6 @@ def motion_from(
 
     Parameters
     ----------
-    options : argparse.Namespace
     document : Document
         With its paint.
     unit_symbol : str

@@ -133,7 +133,6 @@ class PaperCase(NamedTuple):
 
     Attributes
     ----------
-    sample : str
     title : str
         Of the move.
     rest, arap, paper : float

@@ -184,7 +184,6 @@ def replay_session(
 
     Parameters
     ----------
-    path : path
     from_rest : bool
         Begin with the rest shape, and go to where the handles are.
     progress : callable, optional

@@ -136,7 +136,6 @@ def volumes_report(
     ----------
     names : tuple of str
         Of the mesh and of the rest shape, if there is one.
-    now, rest : VolumeReadings
     unit, density, bag
         See :func:`~apd_viewer.presentation.volume_text.volume_rows`.
     """

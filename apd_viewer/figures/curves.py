@@ -28,7 +28,6 @@ def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float]
 
     Parameters
     ----------
-    pressed : Pressed
     path : Path
         Of the picture; its ending is replaced.
     newtons : two floats, optional
@@ -94,10 +93,8 @@ def draw_sweep_curves(
 
     Parameters
     ----------
-    steps : sequence of CaseStep
     abscissa : str
         What tells the steps apart: see :attr:`apd_viewer.cases.case.Case.abscissa`.
-    folder : Path
     obstacles : sequence of str
         Names of the obstacles; each has a curve of its load.
     """

@@ -78,7 +78,6 @@ def draw_shapes(
     ----------
     mesh : Mesh
         Whose triangles these are, and with which the area of each is compared.
-    pictures : sequence of Picture
     size : (int, int)
         Pixels.
     view_direction, up : (float, float, float)

@@ -212,7 +212,6 @@ def other_format_message(content: bytes, path: Path) -> str | None:
     ----------
     content : bytes
         Text in UTF-8.
-    path : Path
     """
     suffix, name = path.suffix.lower(), path.name
     if _begins(content, _WEB_PAGE):

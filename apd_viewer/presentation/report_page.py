@@ -51,14 +51,10 @@ class ReportSubject:
 
     Attributes
     ----------
-    state : State
-    unit : Unit
-    wall : WallText
     shape_check, rest_check : ShapeCheck
         Of the shape, and of the mesh at rest.
     requested_at : datetime
         When it was asked for.
-    measurements : sequence of MeasurementReading
     """
 
     state: State

@@ -49,8 +49,6 @@ def volume_rows(
 
     Parameters
     ----------
-    rest, now : VolumeReadings
-    unit : Unit
     density : float or None
         That of the material, g/cm³.
     bag : float
@@ -182,7 +180,6 @@ class PublishedVolume(NamedTuple):
 
     Attributes
     ----------
-    words, source : str
     unit : str
         Of ``low`` and ``high``; "of rest" for a ratio.
     low, high : float
@@ -267,7 +264,6 @@ def bulk_density(density: float | None, readings: VolumeReadings, packing: float
     ----------
     density : float or None
         That of the material, g/cm³.
-    readings : VolumeReadings
     packing : float
         Share of the bag that the hulls fill.
     """

@@ -38,14 +38,6 @@ _MOMENT = 0.25  # maximum wait in seconds
 class Autosave:
     """Autosave of each finished step and its converged shape; inactive until started.
 
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    saved_work : SavedWork
-    file_jobs : FileJobs
-    listener : Listener
-
     Attributes
     ----------
     interval : float or None

@@ -41,16 +41,7 @@ from apd_viewer.session.storage.session_file import ChangedFileError, open_sessi
 
 
 class FileJobs:
-    """Background jobs opening or writing meshes, sessions and selections.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    saved_work : SavedWork
-    jobs : Jobs
-    listener : Listener
-    """
+    """Background jobs opening or writing meshes, sessions and selections."""
 
     def __init__(
         self, store: StateStore, gestures: Gestures, saved_work: SavedWork, jobs: Jobs, listener: Listener
@@ -183,7 +174,6 @@ class FileJobs:
         ----------
         path, view, embed
             See :func:`apd_viewer.session.storage.session_file.save_session`.
-        on_success : callable
         picture : bytes
             A PNG file of it, if there is one.
         on_file_changed : callable

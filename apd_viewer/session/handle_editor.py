@@ -31,14 +31,7 @@ _MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_
 
 
 class HandleEditor(DocumentEditor):
-    """Editor of the handle poses; the shape is solved after each change.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
-    """
+    """Editor of the handle poses; the shape is solved after each change."""
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
         super().__init__(store, gestures, listener)

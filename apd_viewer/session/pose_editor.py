@@ -19,15 +19,7 @@ _NO_HANDLE = tr("There is no handle whose pose could be kept; paint one first.")
 
 
 class PoseEditor(DocumentEditor):
-    """Editor storing handle poses under names and restoring them.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    handles : HandleEditor
-    listener : Listener
-    """
+    """Editor storing handle poses under names and restoring them."""
 
     def __init__(
         self, store: StateStore, gestures: Gestures, handles: HandleEditor, listener: Listener

@@ -28,31 +28,12 @@ from apd_viewer.session.typed_values import TypedValues
 class Session:
     """Parts of a session, constructed together and closed together.
 
-    Parameters
-    ----------
-    listener : Listener
-
     Attributes
     ----------
     store : StateStore
         The state on screen and the activity of the solver.
     gestures : Gestures
         Steps of undo.
-    painting : Painting
-    handles : HandleEditor
-    obstacles : ObstacleEditor
-    poses : PoseEditor
-    parts : PartEditor
-    settings : SettingsEditor
-    measurements : MeasurementEditor
-    measurement_readings : MeasurementReadings
-    typed_values : TypedValues
-    shapes : ShapeEditor
-    jobs : Jobs
-    saved_work : SavedWork
-    files : FileJobs
-    autosave : Autosave
-    shape_checks : ShapeChecks
     """
 
     def __init__(self, listener: Listener) -> None:

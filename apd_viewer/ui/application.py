@@ -203,7 +203,6 @@ def build_workbench(shell: Shell, recovery: Path | None, opens_sample: bool) -> 
 
     Parameters
     ----------
-    shell : Shell
     recovery : Path or None
         Folder for autosaves; None keeps nothing.
     opens_sample : bool

@@ -12,10 +12,6 @@ class GuiThreadGC(QObject):
 
     Python collects on whichever thread happens to allocate. A QTimer that dies on a worker thread
     takes the process with it.
-
-    Parameters
-    ----------
-    parent : QObject, optional
     """
 
     def __init__(self, parent: QObject | None = None) -> None:

@@ -45,7 +45,6 @@ class Shell(QMainWindow):
     ----------
     closing : Signal(QCloseEvent)
         The window is about to be closed; a slot can ignore the event.
-    closed : Signal()
     activated : Signal()
         The user has come to the window, maybe from another program.
     escape_pressed : Signal()
@@ -171,12 +170,7 @@ _BUTTONS = {"qt_dockwidget_closebutton": "remove", "qt_dockwidget_floatbutton": 
 
 
 class Docks:
-    """Dock widgets of a window, in menu order.
-
-    Parameters
-    ----------
-    window : QMainWindow
-    """
+    """Dock widgets of a window, in menu order."""
 
     def __init__(self, window: QMainWindow) -> None:
         self._window = window

@@ -62,7 +62,6 @@ class Workbench(QObject):
 
     Parameters
     ----------
-    shell : Shell
     recovery : Path or None
         Folder for autosaves; None keeps nothing.
     """

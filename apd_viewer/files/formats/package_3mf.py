@@ -249,7 +249,6 @@ class PackageModel:
         As the part names it.
     objects : dict
         By their numbers.
-    build_items : list of ObjectUse
     """
 
     def __init__(self, content: bytes) -> None:

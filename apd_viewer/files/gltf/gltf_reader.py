@@ -151,7 +151,6 @@ class GltfInstance(NamedTuple):
 
     Attributes
     ----------
-    mesh : int
     matrix : (4, 4) float array
         To the world.
     joints : (j, 4, 4) float array or None

@@ -77,7 +77,6 @@ def rest_grip(
     V : (n, 3) float array
         At rest: free vertices stay there.
     grip, labels : (n, 3), (n,) arrays
-    weld : Weld
     starts : (4, 4) float arrays
         Pose of each handle at its grip.
 

@@ -58,7 +58,6 @@ class SolverProcess:
 
     Attributes
     ----------
-    is_alive : bool
     is_dismissed : bool
         It was ended on purpose.
 

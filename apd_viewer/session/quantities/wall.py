@@ -86,10 +86,8 @@ class Wall:
         g/cm³.
     young : float or None
         Young's modulus, Pa.
-    poisson : float or None
     yield_radius : float or None
         Walls that are bent to less keep a crease, mesh units.
-    material : WallMaterial or None
     """
 
     unit: Unit = Unit.NONE

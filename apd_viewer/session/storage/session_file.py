@@ -66,8 +66,6 @@ def save_session(
     ----------
     path : path
         Ends in ``.apd``.
-    state : State
-    view : View
     embed : bool
         Whether to put copies of the mesh and of the target shape into it. There is one in any case where no
         file holds them.

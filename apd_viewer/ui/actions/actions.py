@@ -26,25 +26,10 @@ _KEYS = QKeySequence.StandardKey
 class Actions:
     """All actions of a window, in its menus.
 
-    Parameters
-    ----------
-    menus : WindowMenus
-    commands : Commands
-
     Attributes
     ----------
-    file : FileActions
-    undo, redo, reset, bake, settings : QAction
-    tools : dict of Tool to QAction
-    measurements : MeasureActions
-    select : SelectActions
-    pose : PoseActions
-    obstacles : ObstacleActions
-    view : ViewActions
-    display : DisplayActions
     help : dict of str to QAction
         By their names.
-    bar : QToolBar
     """
 
     def __init__(self, menus: WindowMenus, commands: Commands) -> None:

@@ -21,16 +21,8 @@ _KEYS = QKeySequence.StandardKey
 class FileActions:
     """Actions to open and write files.
 
-    Parameters
-    ----------
-    menus : WindowMenus
-    commands : Commands
-
     Attributes
     ----------
-    open, open_study, load_target, clear_target, save, save_as, export, scalars, deck, animation : QAction
-    report, picture, copy_picture, copy_python, quit : QAction
-    samples : list of QAction
     recent : QMenu
         The files that were opened last.
     """

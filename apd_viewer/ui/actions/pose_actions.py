@@ -28,19 +28,7 @@ _ALONG = {
 
 
 class PoseActions:
-    """Actions to move handles and to keep named poses.
-
-    Parameters
-    ----------
-    maker : ActionMaker
-    commands : Commands
-
-    Attributes
-    ----------
-    part_actions, pivots, nudges, named_poses : list of QAction
-    orientations : dict of GizmoOrientation to QAction
-    enter_motion, reset_handle, symmetric, pause, compare, sweep, study, press : QAction
-    """
+    """Actions to move handles and to keep named poses."""
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
         make, editing = maker.make, commands.edits

@@ -59,19 +59,7 @@ _MIRRORS = tuple(
 
 
 class SelectActions:
-    """Actions to select vertices.
-
-    Parameters
-    ----------
-    maker : ActionMaker
-    commands : Commands
-
-    Attributes
-    ----------
-    modes : dict of SelectionMode to QAction
-    select_hidden, by_expression : QAction
-    sizes, files, changes, mirrors, clears, flags : list of QAction
-    """
+    """Actions to select vertices."""
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
         self._make_modes(maker, commands)

@@ -34,20 +34,7 @@ _SHADINGS = (
 
 
 class ViewActions:
-    """Actions of the camera, shading and colours of the window.
-
-    Parameters
-    ----------
-    menus : WindowMenus
-    commands : Commands
-
-    Attributes
-    ----------
-    frame, findings, edges : QAction
-    shadings : dict of Shading to QAction
-    camera : CameraActions
-    schemes : dict of Qt.ColorScheme to QAction
-    """
+    """Actions of the camera, shading and colours of the window."""
 
     def __init__(self, menus: WindowMenus, commands: Commands) -> None:
         maker, canvas = menus.maker, commands.canvas
@@ -128,17 +115,10 @@ _VIEWS = (
 class CameraActions:
     """Actions to choose the view direction, projection and up axis.
 
-    Parameters
-    ----------
-    maker : ActionMaker
-    canvas : Canvas
-
     Attributes
     ----------
     directions : dict of str to QAction
         By the direction, as in Look.along.
-    orthographic, stand_upright : QAction
-    up_axes : dict of UpAxis to QAction
     """
 
     def __init__(self, maker: ActionMaker, canvas: Canvas) -> None:
@@ -194,16 +174,8 @@ _TARGET = tr("Show the target shape as a transparent ghost")
 class DisplayActions:
     """Actions to choose the overlay and the display options.
 
-    Parameters
-    ----------
-    maker : ActionMaker
-    display_options : DisplayOptions
-
     Attributes
     ----------
-    no_overlay : QAction
-    measures : dict of Measure to QAction
-    extremes : list of QAction
     switches : dict of str to QAction
         What is on or off, by name.
     """

@@ -42,21 +42,10 @@ class ComparisonWindow(QWidget):
 
     Parameters
     ----------
-    preferences : Preferences
     scale : Scale
         Of the local area change, to begin with.
     camera : Camera
         From where to look, to begin with.
-
-    Attributes
-    ----------
-    repeat_requested, closed : Signal()
-    linked : LinkedViews
-    views : dict of str to MethodView
-    checks : dict of str to CheckBox
-    table : MethodTable
-    legend : SharedScale
-    comparison : Comparison or None
     """
 
     repeat_requested = Signal()

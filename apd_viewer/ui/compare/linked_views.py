@@ -42,7 +42,6 @@ class LinkedViews(QWidget):
     ----------
     span_measured : Signal(object)
         The least and the largest change of all shapes that are shown, or None.
-    views : dict of str to MethodView
     column_count : int
         How many stand beside each other.
     """
@@ -196,7 +195,6 @@ class SharedScale(QWidget):
 
     Attributes
     ----------
-    scale : Scale
     changed : Signal()
         The range is another one.
     span : tuple of float or None
@@ -259,15 +257,8 @@ HEAD_HEIGHT = 32  # px
 class MethodView(QWidget):
     """Viewport of one method's shape, captioned with its name and readings.
 
-    Parameters
-    ----------
-    title : str
-
     Attributes
     ----------
-    viewport : Viewport
-    surface : Surface
-    probe : SurfaceProbe
     values_changed : Signal()
         There are other values.
     values : (n,) float array or None
@@ -400,11 +391,6 @@ class ProbedPoint(NamedTuple):
 
 class SurfaceProbe(MouseTool, QObject):
     """Reports the material point under the cursor and marks one with a ring.
-
-    Parameters
-    ----------
-    viewport : Viewport
-    surface : Surface
 
     Attributes
     ----------

@@ -23,10 +23,6 @@ _BESIDE_WORDS = 80  # px; icon and margins beside the text, if the buttons are b
 class RecoveryBar(QFrame):
     """Bar offering recovered sessions, newest first, until one is restored.
 
-    Parameters
-    ----------
-    canvas : Viewport
-
     Attributes
     ----------
     restore_requested : Signal(Leftover)

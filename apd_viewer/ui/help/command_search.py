@@ -37,16 +37,10 @@ class CommandSearch(QFrame):
 
     Parameters
     ----------
-    canvas : Viewport
     collect : callable
         Everything that can be found, as it is now.
     search_manual : callable
         Opens the search of the manual for words.
-
-    Attributes
-    ----------
-    search : QLineEdit
-    list : SearchResultList
     """
 
     dismissed = Signal()
@@ -218,11 +212,6 @@ class SearchRow(QHBoxLayout):
         Of the field.
     closing : str
         Name of the cross.
-
-    Attributes
-    ----------
-    field : QLineEdit
-    close_button : QToolButton
     """
 
     def __init__(self, name: str, prompt: str, closing: str) -> None:

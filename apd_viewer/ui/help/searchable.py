@@ -49,13 +49,10 @@ class Searchable:
 
     Attributes
     ----------
-    texts : SearchTexts
     location : str
         The menu, the section of the panel, or the settings.
-    run : callable
     place : ManualPlace
         In the manual.
-    keys : str
     disabled_reason : str
         Why it cannot be run now; empty if it can.
     image : str
@@ -284,7 +281,6 @@ class SearchTexts(NamedTuple):
 
     Parameters
     ----------
-    title, tip : str
     synonyms : str
         Other words for the same.
     """

@@ -22,16 +22,13 @@ class ActionRow(QFrame):
 
     Parameters
     ----------
-    entry : ShortcutEntry
     title : str
         With the submenu that it is in.
 
     Attributes
     ----------
-    keys : ShortcutEditor
     back : QToolButton
         Gives it its standard keys; there while it has others.
-    symbol : QLabel
     """
 
     def __init__(self, entry: ShortcutEntry, title: str) -> None:
@@ -110,12 +107,7 @@ ShortcutRow = ActionRow | GestureRow
 
 
 class ShortcutGroup(QWidget):
-    """Rows under a heading, hidden together if no row matches.
-
-    Attributes
-    ----------
-    rows : list of ActionRow or GestureRow
-    """
+    """Rows under a heading, hidden together if no row matches."""
 
     def __init__(self, title: str, rows: list[ShortcutRow], column: QWidget) -> None:
         super().__init__(column)
@@ -150,7 +142,6 @@ class MouseGesture(NamedTuple):
         Of the tool, or of the way to paint.
     image : str
         Name of its icon.
-    text : str
     """
 
     title: str
@@ -191,13 +182,8 @@ _ALONE = (  # modifier keys, no shortcut by themselves
 class ShortcutEditor(QAbstractButton):
     """Shortcut of one action; click to record, Delete to clear, Esc to cancel.
 
-    Parameters
-    ----------
-    entry : ShortcutEntry
-
     Attributes
     ----------
-    recording_changed : Signal(bool)
     keys_chosen : Signal(str)
         Keys that were pressed.
     step_requested : Signal(int)

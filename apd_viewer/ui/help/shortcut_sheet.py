@@ -34,8 +34,6 @@ class ShortcutSheet(QFrame):
 
     Parameters
     ----------
-    canvas : Viewport
-    shortcuts : Shortcuts
     groups : callable
         Makes the groups of rows anew, in the widget that it is given.
 
@@ -43,11 +41,8 @@ class ShortcutSheet(QFrame):
     ----------
     dismissed : Signal()
         Esc, or the cross.
-    search : QLineEdit
     rows : dict of str to ActionRow
         By the names of the entries, while it is open.
-    head : SearchRow
-    groups : list of ShortcutGroup
     no_results : QLabel
         Said where nothing is found.
     """

@@ -87,19 +87,12 @@ class _Tip(QWidget):
 class TourCard(QFrame):
     """Card showing one step of the tour.
 
-    Parameters
-    ----------
-    window : QMainWindow
-
     Attributes
     ----------
     step_requested : Signal(int)
         1 asks for the next step, -1 for the one before.
     skipped : Signal()
         Skip, or Esc.
-    sentence : QLabel
-    next, back, skip : QPushButton
-    tip : QWidget
     """
 
     step_requested = Signal(int)

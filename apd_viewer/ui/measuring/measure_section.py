@@ -26,10 +26,8 @@ class MeasureSection(Section):
 
     Attributes
     ----------
-    list : PartList
     shown : CheckBox
         Whether they are drawn in the view.
-    copy, clear : QPushButton
     """
 
     def __init__(self) -> None:

@@ -19,19 +19,7 @@ _KINDS = {
 
 
 class ObstacleActions:
-    """Actions to add, reset and remove obstacles.
-
-    Parameters
-    ----------
-    maker : ActionMaker
-    obstacles : ObstacleController
-
-    Attributes
-    ----------
-    kinds : dict of ObstacleKind to QAction
-    floor, reset, remove : QAction
-    side_plates : list of QAction
-    """
+    """Actions to add, reset and remove obstacles."""
 
     def __init__(self, maker: ActionMaker, obstacles: ObstacleController) -> None:
         make = maker.make

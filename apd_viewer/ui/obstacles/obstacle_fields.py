@@ -39,15 +39,12 @@ class ObstacleFields(QWidget):
 
     Attributes
     ----------
-    place, axis, radius, length : TypedField
-    distance : TextField
     along : ComboBox
         What the distance is along: its axis, or one of the mesh.
     obstacle_entered : Signal(NamedObstacle)
         The obstacle as typed, to be placed anew.
     distance_entered : Signal(object, str)
         The axis of the mesh to move along, or None for its own, and the distance.
-    reset_requested : Signal()
     problem : ErrorBubble
         Why it cannot be moved as typed.
     """
@@ -181,13 +178,7 @@ def _positive_length(length: float) -> float:
 
 
 class TypedField(TextField):
-    """Line edit for a value; emits an edited one on Enter or loss of focus.
-
-    Attributes
-    ----------
-    value_entered : Signal()
-    error : ErrorBubble
-    """
+    """Line edit for a value; emits an edited one on Enter or loss of focus."""
 
     value_entered = Signal()
 

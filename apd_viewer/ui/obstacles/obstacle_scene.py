@@ -28,7 +28,6 @@ class DrawnObstacle:
 
     Attributes
     ----------
-    obstacle : NamedObstacle
     shift : (3,) float array
         How far it has come.
     requested_shift : (3,) float array or None
@@ -46,16 +45,7 @@ class DrawnObstacle:
 
 
 class ObstacleScene:
-    """VTK actors of the obstacles in a viewport.
-
-    Parameters
-    ----------
-    viewport : Viewport
-
-    Attributes
-    ----------
-    drawn_obstacles : tuple of DrawnObstacle
-    """
+    """VTK actors of the obstacles in a viewport."""
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport

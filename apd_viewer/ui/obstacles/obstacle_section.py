@@ -36,17 +36,12 @@ class ObstacleSection(Section):
 
     Attributes
     ----------
-    list : PartList
-    fields : ObstacleFields
-    kinds : dict of ObstacleKind to QPushButton
-    floor, sides : QPushButton
     contact : QPushButton
         Turns contact on where obstacles push nothing without it.
     note : QLabel
         Why they push nothing.
     sides_requested : Signal(int)
         Plates on both sides along axis 0, 1 or 2.
-    contact_requested : Signal()
     """
 
     sides_requested = Signal(int)

@@ -30,7 +30,6 @@ class CardStack(QWidget):
 
     Parameters
     ----------
-    canvas : Viewport
     below : sequence of QWidget
         On the canvas, at its bottom: they must not be covered.
     """
@@ -158,8 +157,6 @@ class ModeBar(QToolBar):
 
     Parameters
     ----------
-    canvas : Viewport
-    title : str
     groups : sequence of sequences of QAction
         Parted by lines.
     """

@@ -21,18 +21,10 @@ _SCALE = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _
 class CuttingPlane(QFrame):
     """Card with the plane's axis, position and side.
 
-    Parameters
-    ----------
-    canvas : Canvas
-
     Attributes
     ----------
-    dismissed : Signal()
     measure_requested : Signal(object, object)
         Point and normal (3,) of the plane, whose section is to be measured.
-    slider : Slider
-    axes : tuple of QToolButton
-    flip, measure : QToolButton
     place : QLabel
         Of the plane along its axis.
     """

@@ -57,8 +57,6 @@ class DeviationOverlay(QObject):
 
     Parameters
     ----------
-    canvas : Canvas
-    legend : Legend
     covered_rect : callable
         What lies over the canvas at its lower left.
     scales : dict of Measure to Scale
@@ -72,8 +70,6 @@ class DeviationOverlay(QObject):
         What is shown.
     offered_measures : tuple of Measure
         What can be shown.
-    reading : DeviationReading
-    extremes : ExtremeMarker
     mesh : Mesh or None
         Whose rest shape is compared with.
     rest_timer : QTimer
@@ -313,11 +309,6 @@ _READ = 250  # ms between two updates of the legend while the shape changes
 class DeviationReading(MouseTool, QObject):
     """Tool to update the legend's range and value under the cursor.
 
-    Parameters
-    ----------
-    canvas : Canvas
-    legend : Legend
-
     Attributes
     ----------
     enabled : bool
@@ -383,7 +374,6 @@ class DocumentMeasures(NamedTuple):
 
     Attributes
     ----------
-    settings : tuple
     calmness, pressure : callable
         See :class:`apd_viewer.geometry.analysis.deviation.Deviation`.
     """

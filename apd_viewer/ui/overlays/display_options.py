@@ -32,22 +32,13 @@ class DisplayOptions:
 
     Parameters
     ----------
-    canvas : Canvas
-    preferences : Preferences
     below : sequence of QWidget
         At the bottom of the canvas, which must not be covered.
 
     Attributes
     ----------
-    cards : CardStack
-    legend : Legend
-    overlay : DeviationOverlay
-    before_after : BeforeAfter
-    cutting_plane : CuttingPlane
     ghost, target_ghost : Ghost
         The rest shape and the target shape.
-    ground : Ground
-    turntable : Turntable
     shows_file_colors : bool
         Whether the vertex colours of the file are shown.
     shows_textures : bool
@@ -205,17 +196,7 @@ class _ReturningSlider(Slider):
 
 
 class BeforeAfter(QFrame):
-    """Card with a slider to blend the rest shape and the deformed shape.
-
-    Parameters
-    ----------
-    canvas : Canvas
-
-    Attributes
-    ----------
-    dismissed : Signal()
-    slider : Slider
-    """
+    """Card with a slider to blend the rest shape and the deformed shape."""
 
     dismissed = Signal()
 

@@ -42,16 +42,6 @@ class FindingsController(QObject):
 
     While the list is open the camera can be moved as ever. It closes, and the marks go, on Esc, on a
     click beside it, with the first stroke or drag of a handle, and when the keys go elsewhere.
-
-    Parameters
-    ----------
-    canvas : Canvas
-    badge : Badge
-    session : Session
-
-    Attributes
-    ----------
-    list : FindingList
     """
 
     def __init__(self, canvas: Canvas, badge: Badge, session: Session) -> None:
@@ -182,7 +172,6 @@ class FindingRow(QFrame):
 
     Attributes
     ----------
-    chosen : Signal()
     step_requested : Signal(int)
         The arrow keys ask for the row above, -1, or below, 1.
     stay_toggled : Signal(bool)
@@ -192,7 +181,6 @@ class FindingRow(QFrame):
 
     Parameters
     ----------
-    sentence : str
     components : tuple of int
         The loose parts that it is about: each may stay.
     weldable : bool
@@ -269,8 +257,6 @@ class FindingList(QFrame):
         The seams are to be welded.
     dismissed : Signal()
         Esc, or the cross.
-    rows : list of FindingRow
-    close_button : QToolButton
     """
 
     chosen = Signal(int)

@@ -34,7 +34,6 @@ class Legend(QFrame):
         A Measure, or None by the cross.
     scale_changed : Signal(float, float)
         The end of the scale and what counts for no change, as :class:`Scale` has them.
-    fit_requested, extreme_requested : Signal()
     """
 
     measure_chosen = Signal(object)

@@ -46,13 +46,11 @@ class Notice(QFrame):
 
     Parameters
     ----------
-    canvas : Viewport
     below : sequence of QWidget
         At the bottom of the canvas, which must not be covered.
 
     Attributes
     ----------
-    close_button : QToolButton
     timer : QTimer
         Hides a message once it can have been read.
     """
@@ -244,7 +242,6 @@ class NextStepHint:
 
     Parameters
     ----------
-    invitation : CanvasHint
     tools : mapping of Tool to QAction
         Whose keys are named.
 

@@ -27,15 +27,8 @@ class TextEntries:
 
     Parameters
     ----------
-    canvas : Canvas
-    session : Session
-    parts : ActiveParts
     cancel_drag : callable
         Takes back the drag that is under way; True if there was one.
-
-    Attributes
-    ----------
-    vertices, brush, pivot : TextEntryCard
     """
 
     def __init__(
@@ -175,7 +168,6 @@ class TextEntryCard(QFrame):
 
     Parameters
     ----------
-    canvas : Viewport
     title, name, example : str
         What stands before the line, what the line is called, and what could be typed.
     help : str
@@ -187,7 +179,6 @@ class TextEntryCard(QFrame):
         The text has changed.
     text_entered : Signal(str, object)
         The text, and the Act.
-    closed : Signal()
     message_label : QLabel
         What the text means, or what is wrong with it.
     """

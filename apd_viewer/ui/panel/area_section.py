@@ -75,10 +75,8 @@ class AreaSection(QWidget):
     ----------
     target : SliderField
         In percent.
-    unit : UnitButton
     keep_toggled : Signal(bool)
         "local" should keep the total area too, or not.
-    percent, area, verdict, unreached, local_change, activity : QLabel
     """
 
     keep_toggled = Signal(bool)
@@ -216,8 +214,6 @@ class VolumeSection(Section):
         In percent.
     target_changed : Signal(object)
         The volume to keep in percent, or None to leave it free.
-    volume, litres, pairs, least_gap, path_fraction : QLabel
-    crossings : CrossingsButton
     """
 
     target_changed = Signal(object)

@@ -38,11 +38,8 @@ class MethodSection(Section):
     ----------
     changed : Signal(str, object)
         Name of a setting and its value, but for contact.
-    contact_chosen : Signal(bool)
-    stiffness : SliderField
     numbers : dict of str to NumberField
         Of the other settings that are numbers, by their names; 0 shows an unset one.
-    convergence : ConvergenceFields
     """
 
     changed = Signal(str, object)
@@ -159,8 +156,6 @@ class ConvergenceFields(QWidget):
     Attributes
     ----------
     chosen : Signal(Convergence)
-    heading : Heading
-    most_iterations, energy, step, imperfection, seed : NumberField
     """
 
     chosen = Signal(object)

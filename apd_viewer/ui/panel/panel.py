@@ -38,13 +38,7 @@ _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
 class PaintSection(Section):
-    """Counts of base, handle and free vertices.
-
-    Attributes
-    ----------
-    base : PartButtons
-    clear_all : QPushButton
-    """
+    """Counts of base, handle and free vertices."""
 
     def __init__(self) -> None:
         super().__init__(tr("Vertices"))

@@ -32,13 +32,8 @@ class HandleSection(Section):
 
     Attributes
     ----------
-    list : PartList
-    motion : MotionField
-    symmetry : SymmetryRow
     falloff : SliderField
         In percent of the longest side.
-    add_requested, reset_all_requested, reset_handle_requested : Signal()
-    drift : QLabel
     crossing_signs : QLabel
         What tells that the surface has passed through itself; hidden without anything.
     """
@@ -153,8 +148,6 @@ class RegionSection(Section):
 
     Attributes
     ----------
-    list : PartList
-    add_requested : Signal()
     target_changed : Signal(int, object)
         A region and the area to keep in percent, or None to leave it free.
     """

@@ -28,9 +28,6 @@ class SizeSection(Section):
     Attributes
     ----------
     wall_entered : Signal(WallText)
-    extent, box, packed, compact, mass : QLabel
-    thickness, density : QLineEdit
-    two_walls : QLabel
     box_change, packed_change, compact_change : QLabel
         From rest.
     problem : QLabel

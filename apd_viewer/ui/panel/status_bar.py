@@ -43,11 +43,8 @@ class StatusBar(QStatusBar):
 
     Attributes
     ----------
-    cancel_requested, pause_requested, restart_requested : Signal()
     pause : QToolButton
         Stops the solver, or lets it go on; restarts it while it does not answer.
-    progress : ConvergenceProgress
-    compiling : CompilingProgress
     hint : ElidedLabel
         About the current tool.
     extent : QLabel

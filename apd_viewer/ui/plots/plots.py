@@ -72,15 +72,8 @@ class Plots(QWidget):
 
     Parameters
     ----------
-    preferences : Preferences
     notice : Notice
         Where to say what was written.
-    session : Session
-
-    Attributes
-    ----------
-    views : dict of str to ChartView
-    choices : dict of str to QToolButton
     """
 
     def __init__(self, preferences: Preferences, notice: Notice, session: Session) -> None:
@@ -303,7 +296,6 @@ class ChartView(QWidget):
 
     Parameters
     ----------
-    words : ChartTexts
     chart : callable
         What to draw, asked for at every drawing.
 

@@ -13,12 +13,7 @@ from apd_viewer.ui.widgets.theme import Theme, icon
 
 
 class PoseRow(NamedRow):
-    """Row of a named pose, with a button to update it.
-
-    Attributes
-    ----------
-    update_pose : QToolButton
-    """
+    """Row of a named pose, with a button to update it."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name, tr("Remove this pose"))
@@ -43,12 +38,7 @@ class PoseRow(NamedRow):
 
 
 class PoseList(NamedList[PoseRow]):
-    """List of the named poses.
-
-    Attributes
-    ----------
-    update_requested : Signal(int)
-    """
+    """List of the named poses."""
 
     update_requested = Signal(int)
 
@@ -66,7 +56,6 @@ class PoseSection(Section):
 
     Attributes
     ----------
-    list : PoseList
     keep_requested : Signal()
         The present pose is to be kept under a new name.
     """

@@ -22,7 +22,6 @@ class CameraController:
 
     Parameters
     ----------
-    viewport : QtInteractor
     pick : callable
         From a position in the widget to the point of the surface seen there, or None.
 

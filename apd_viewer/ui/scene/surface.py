@@ -41,10 +41,6 @@ class Hit(NamedTuple):
 class Surface:
     """Triangle mesh drawn in a viewport.
 
-    Parameters
-    ----------
-    viewport : Viewport
-
     Attributes
     ----------
     surface_index : SurfaceIndex, PreviewSurface or None
@@ -100,7 +96,6 @@ class Surface:
 
         Parameters
         ----------
-        surface_index : SurfaceIndex or PreviewSurface
         U : (n, 3) float array
         rgba : (n, 4) uint8 array
         """

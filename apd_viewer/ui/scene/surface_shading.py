@@ -189,7 +189,6 @@ class SurfaceArrays:
 
     Parameters
     ----------
-    rendered : RenderMesh or PreviewSurface
     rgba : (n, 4) uint8 array
         Of the vertices; see :attr:`Surface.shades` for the opacities.
     texture : Texture, optional
@@ -262,10 +261,6 @@ IDLE_DELAY = 120  # ms without a draw before a software renderer redraws with sm
 
 class Antialiasing:
     """Multisampling on a GPU; with software OpenGL, FXAA on an idle scene.
-
-    Parameters
-    ----------
-    viewport : QtInteractor
 
     Attributes
     ----------

@@ -40,11 +40,8 @@ class Viewport(QtInteractor):
         Called before each VTK draw.
     draw_count : int
         VTK draws so far: one for each paint after ``update()``, none for a paint of the overlay.
-    tool_layer : QWidget
     camera_controller : CameraController
         The camera.
-    mouse : MouseDispatcher
-    antialiasing : Antialiasing
     pick_point : callable or None
         From a position in the widget to the point of the surface seen there, or None.
     box : callable or None
@@ -55,7 +52,6 @@ class Viewport(QtInteractor):
         Whether the background is dark.
     opengl_info : str
         Vendor, renderer and version, the driver's among them; empty before the first draw.
-    resized : Signal()
     clicked : Signal(QPointF)
         A press that no tool wanted and that moved nothing, at its position in the widget.
     is_stale : bool
@@ -287,7 +283,6 @@ class ToolLayer(QWidget):
 
     Parameters
     ----------
-    viewport : QWidget
     tools : list
         Of the viewport; looked at in every paint.
     """
@@ -311,10 +306,8 @@ class MouseDispatcher:
 
     Parameters
     ----------
-    viewport : QWidget
     tools : list
         Of the viewport; looked at for every event.
-    navigation : Navigation
     """
 
     def __init__(self, viewport: QWidget, tools: list[MouseTool], navigation: Navigation) -> None:

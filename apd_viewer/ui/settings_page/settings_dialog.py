@@ -46,14 +46,8 @@ class SettingsDialog(QDialog):
 
     Parameters
     ----------
-    window : QWidget
-    values : PreferenceValues
     list_shortcuts : callable
         Shows the shortcuts, in the window behind.
-
-    Attributes
-    ----------
-    restore, shortcuts, close_ : QPushButton
     """
 
     def __init__(
@@ -132,14 +126,7 @@ def _align(grids: list[QGridLayout]) -> None:
 
 
 class SettingsPage(QObject):
-    """Opens the settings dialog, one at a time.
-
-    Parameters
-    ----------
-    window : QWidget
-    values : PreferenceValues
-    list_shortcuts : callable
-    """
+    """Opens the settings dialog, one at a time."""
 
     def __init__(
         self, window: QWidget, values: PreferenceValues, list_shortcuts: Callable[[], object]

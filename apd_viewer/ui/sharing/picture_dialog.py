@@ -65,8 +65,6 @@ class PictureDialog(QDialog):
 
     Parameters
     ----------
-    parent : QWidget
-    pictures : Pictures
     settings : PictureSettings
         To begin with.
 
@@ -76,8 +74,6 @@ class PictureDialog(QDialog):
         Multiples of the view, and a size of one's own.
     width_, height_ : NumberField
         Pixels.
-    transparent, legend, gizmo : CheckBox
-    save, copy : QPushButton
     """
 
     def __init__(self, parent: QWidget, pictures: Pictures, settings: PictureSettings) -> None:
@@ -235,15 +231,7 @@ class PictureSettings:
 
 
 class Pictures:
-    """Renders pictures of a canvas.
-
-    Parameters
-    ----------
-    canvas : Canvas
-    display_options : DisplayOptions
-    notice : Notice
-    jobs : Jobs
-    """
+    """Renders pictures of a canvas."""
 
     def __init__(self, canvas: Canvas, display_options: DisplayOptions, notice: Notice, jobs: Jobs) -> None:
         self._canvas, self._looks, self._notice, self._jobs = canvas, display_options, notice, jobs

@@ -60,10 +60,6 @@ class ColumnChoice(ComboBox):
         For those who do not see it.
     may_be_none : bool
         Whether no column can be chosen too.
-
-    Attributes
-    ----------
-    chosen : Signal()
     """
 
     chosen = Signal()
@@ -119,17 +115,7 @@ class ColumnChoice(ComboBox):
 
 
 class CaseCurves(QWidget):
-    """Chart of one reading along the motion, with a curve for each selected case.
-
-    Parameters
-    ----------
-    model : ResultModel
-
-    Attributes
-    ----------
-    reading : ColumnChoice
-    view : ChartView
-    """
+    """Chart of one reading along the motion, with a curve for each selected case."""
 
     def __init__(self, model: ResultModel) -> None:
         super().__init__()
@@ -201,17 +187,7 @@ class CaseCurves(QWidget):
 
 
 class ScatterPlot(QWidget):
-    """Scatter plot with the choice of its columns.
-
-    Parameters
-    ----------
-    model : ResultModel
-
-    Attributes
-    ----------
-    across, upright, color : ColumnChoice
-    view : ScatterView
-    """
+    """Scatter plot with the choice of its columns."""
 
     def __init__(self, model: ResultModel) -> None:
         super().__init__()

@@ -28,7 +28,6 @@ class EngineFields(QObject):
     ----------
     layout_, limit_layout : QHBoxLayout
         The rows of the fields.
-    check : SchedulerCheck
     engine_ready : Signal()
         There is somebody to run the cases.
     """
@@ -113,7 +112,6 @@ class SchedulerCheck(QObject):
 
     Attributes
     ----------
-    answered : Signal()
     failed : Signal(str)
         A sentence.
     timer : QTimer

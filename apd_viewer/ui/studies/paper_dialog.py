@@ -46,18 +46,7 @@ def _figures() -> dict[str, str]:
 
 
 class PaperDialog(RunDialog):
-    """Dialog to recompute the paper's tables, shown with their figures.
-
-    Parameters
-    ----------
-    window : QWidget
-    preferences : Preferences
-
-    Attributes
-    ----------
-    table : QGridLayout or None
-    figures : list of FigureView
-    """
+    """Dialog to recompute the paper's tables, shown with their figures."""
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:
         super().__init__(window, tr("The paper's tables"), RunBar(tr("Run"), "paper", preferences))

@@ -54,13 +54,10 @@ class PlanDialog(QDialog):
 
     Parameters
     ----------
-    window : QWidget
     session : Session
         On whose mesh the ends of ranges are shown.
     handle : int
         That typed motions move.
-    view : View
-    preferences : Preferences
     ghost : MotionGhost
         Shows handles at once where the mesh follows.
 
@@ -298,7 +295,6 @@ class RangeEndPreview:
 
     Parameters
     ----------
-    session : Session
     ghost : MotionGhost
         Shows the handles at once; the mesh follows.
     """
@@ -342,13 +338,8 @@ class RangeEndPreview:
 class MethodFields(QObject):
     """Check box for each method, with the document's method checked.
 
-    Parameters
-    ----------
-    document : Document
-
     Attributes
     ----------
-    changed : Signal()
     checks : dict of str to CheckBox
         By the names of methods.
     layout_ : QHBoxLayout

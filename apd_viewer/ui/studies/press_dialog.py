@@ -42,11 +42,8 @@ class PressDialog(RunDialog):
 
     Parameters
     ----------
-    window : QWidget
-    state : State
     view : View
         With the unit of lengths, as the user reads and types them.
-    preferences : Preferences
     """
 
     def __init__(self, window: QWidget, state: State, view: View, preferences: Preferences) -> None:

@@ -40,12 +40,6 @@ class ResultsPanel(QWidget):
     ----------
     case_requested : Signal(int)
         A row of the plan whose shape is to be opened.
-    continue_requested, retry_requested, stop_requested, open_requested : Signal()
-    model : ResultModel
-    table : ResultsView
-    scatter : ScatterPlot
-    curves : CaseCurves
-    folder : Path or None
     """
 
     case_requested = Signal(int)

@@ -43,18 +43,10 @@ class RunDialog(QDialog):
 
     Parameters
     ----------
-    window : QWidget
-    title : str
-    run : RunBar
     figure : str
         File name of the figure among the results.
     caption : str
         What is to be seen there, for those who do not see it.
-
-    Attributes
-    ----------
-    run : RunBar
-    figure : FigureView or None
     """
 
     def __init__(self, window: QWidget, title: str, run: RunBar, figure: str = "", caption: str = "") -> None:
@@ -169,7 +161,6 @@ class RunBar(QWidget):
         The file of the saved mesh, which is to be opened.
     busy_changed : Signal(bool)
         Work has begun, or is over.
-    command : CommandProcess
     scratch_folder : Path or None
         The temporary folder.
     """

@@ -40,13 +40,10 @@ class SweepDialog(RunDialog):
 
     Parameters
     ----------
-    window : QWidget
-    state : State
     handle : int
         Which a twist turns.
     view : View
         How an animation looks at the mesh.
-    preferences : Preferences
     """
 
     def __init__(
@@ -149,13 +146,10 @@ class AnimationDialog(RunDialog):
 
     Parameters
     ----------
-    window : QWidget
-    state : State
     motions : sequence of (str, Document)
         What can be exported, with its title; at least one.
     view : View
         How a film looks at the mesh.
-    preferences : Preferences
     """
 
     def __init__(

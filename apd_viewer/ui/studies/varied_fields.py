@@ -65,10 +65,8 @@ class QuantityRange(NamedTuple):
 
     Attributes
     ----------
-    quantity : VariedQuantity
     low : str
         Its number and unit, as a plan has it.
-    high : str or None
     """
 
     quantity: VariedQuantity
@@ -214,13 +212,11 @@ class VariedFields(QWidget):
 
     Parameters
     ----------
-    state : State
     unit : Unit
         In which lengths are typed.
 
     Attributes
     ----------
-    rows : dict of str to VariedRow
     changed : Signal()
         Another quantity, or another end.
     end_focused : Signal(str, bool)

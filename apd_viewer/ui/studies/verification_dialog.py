@@ -34,18 +34,7 @@ _Parent = QTreeWidget | QTreeWidgetItem
 
 
 class VerificationDialog(RunDialog):
-    """Dialog to run the cases, with their table and the figure of the chosen one.
-
-    Parameters
-    ----------
-    window : QWidget
-    preferences : Preferences
-
-    Attributes
-    ----------
-    table : VerificationTable
-    copy : QPushButton
-    """
+    """Dialog to run the cases, with their table and the figure of the chosen one."""
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:
         super().__init__(window, tr("Verify"), RunBar(tr("Run"), "verification", preferences))

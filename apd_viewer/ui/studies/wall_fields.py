@@ -26,7 +26,6 @@ class WallFields(QObject):
 
     Parameters
     ----------
-    owner : QObject
     unit : Unit
         Of the mesh.
     default_thickness : float

@@ -25,7 +25,6 @@ class TargetSection(Section):
 
     Attributes
     ----------
-    clear : QPushButton
     closest, vertex : tuple of QLabel
         Largest, RMS and mean distance from the closest points, and from the same vertices.
     name : QLabel

@@ -47,7 +47,6 @@ class GizmoAppearance:
         Whether the background is dark.
     hovered_handle : str or None
         Handle under the cursor.
-    drag : GizmoDrag or None
     """
 
     dark: bool

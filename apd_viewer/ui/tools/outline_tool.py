@@ -209,7 +209,6 @@ class SlabTool(SelectionTool):
     ----------
     axis : int
         0, 1 or 2.
-    axis_changed : Signal(int)
     planes_moved : Signal(float, float)
         Where the two planes are along the axis.
     preview_timer : QTimer

@@ -16,16 +16,7 @@ _LONGEST = 0.1  # s: longest time step, so that the camera does not jump after a
 
 
 class Turntable(MouseTool, QObject):
-    """Tool to orbit the camera until another tool is used.
-
-    Parameters
-    ----------
-    viewport : Viewport
-
-    Attributes
-    ----------
-    stopped : Signal()
-    """
+    """Tool to orbit the camera until another tool is used."""
 
     stopped = Signal()
 

@@ -124,10 +124,6 @@ class NumberField(QDoubleSpinBox):
         Whether a small number, typed without a sign of its own, could be meant as a factor.
     properties
         Of the spin box.
-
-    Attributes
-    ----------
-    error : ErrorBubble
     """
 
     def __init__(self, brief: bool = False, is_percentage: bool = False, **properties: Any) -> None:
@@ -329,12 +325,7 @@ _AFTER_LEAVING = 6_000  # ms
 
 
 class ErrorBubble(QLabel):
-    """Error message below a field, floating over the layout.
-
-    Parameters
-    ----------
-    field : QWidget
-    """
+    """Error message below a field, floating over the layout."""
 
     def __init__(self, field: QWidget) -> None:
         super().__init__(field, objectName="error", wordWrap=True, textFormat=Qt.TextFormat.PlainText)

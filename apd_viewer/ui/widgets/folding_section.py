@@ -68,13 +68,8 @@ class Heading(QAbstractButton):
 class Section(QWidget):
     """Section of a panel: rule, heading and folding content.
 
-    Parameters
-    ----------
-    title : str
-
     Attributes
     ----------
-    heading : Heading
     column : QVBoxLayout
         What the section consists of.
     """

@@ -13,12 +13,7 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon, set_style_property
 
 
 class NameField(QLineEdit):
-    """Name edited in place: Enter accepts, Esc restores the previous one.
-
-    Attributes
-    ----------
-    name_entered : Signal(str)
-    """
+    """Name edited in place: Enter accepts, Esc restores the previous one."""
 
     name_entered = Signal(str)
 
@@ -91,18 +86,13 @@ class NamedRow(QFrame):
 
     Parameters
     ----------
-    name : str
     remove : str
         What the button to remove it says.
 
     Attributes
     ----------
-    chosen, removed : Signal()
-    renamed : Signal(str)
     step_requested : Signal(int)
         The arrow keys ask for the row above, -1, or below, 1.
-    name : NameField
-    remove : QToolButton
     """
 
     chosen = Signal()
@@ -161,12 +151,6 @@ class NamedList(QWidget, Generic[Row]):
     ----------
     make : callable
         From a place and a name to a new row, connected to what only its kind has.
-
-    Attributes
-    ----------
-    chosen, removed : Signal(int)
-    renamed : Signal(int, str)
-    rows : list of NamedRow
     """
 
     chosen = Signal(int)

@@ -40,14 +40,7 @@ _SAID = {
 
 
 class PartRow(NamedRow):
-    """Row of a part: colour, name, reading, and details of the active one.
-
-    Attributes
-    ----------
-    reading : QLabel
-    buttons : PartButtons
-    details : QWidget
-    """
+    """Row of a part: colour, name, reading, and details of the active one."""
 
     def __init__(self, kind: str, name: str, color: tuple[int, int, int], details: QWidget) -> None:
         reading, remove = _SAID[kind]
@@ -88,13 +81,7 @@ class PartRow(NamedRow):
 
 
 class PartButtons(QWidget):
-    """Buttons to hide, lock and clear a part, in its row.
-
-    Attributes
-    ----------
-    hide_requested, lock_requested : Signal(bool)
-    clear_requested : Signal()
-    """
+    """Buttons to hide, lock and clear a part, in its row."""
 
     hide_requested = Signal(bool)
     lock_requested = Signal(bool)
@@ -151,14 +138,8 @@ class PartList(NamedList[PartRow]):
 
     Parameters
     ----------
-    colors : sequence of (int, int, int)
     make : callable
         From a name and a colour to a new row.
-
-    Attributes
-    ----------
-    hidden, locked : Signal(int, bool)
-    cleared : Signal(int)
     """
 
     hidden = Signal(int, bool)

@@ -21,15 +21,10 @@ class Pane(NamedTuple):
 class SideBySide(QSplitter):
     """Panes in a row, in a column, or one at a time on tabs.
 
-    Parameters
-    ----------
-    panes : sequence of Pane
-
     Attributes
     ----------
     tabs : QWidget
         A row of buttons, for its owner to place; hidden where all parts are shown.
-    buttons : list of QToolButton
     """
 
     def __init__(self, panes: Sequence[Pane]) -> None:

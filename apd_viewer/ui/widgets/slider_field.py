@@ -23,8 +23,6 @@ class SliderField(QWidget):
     ----------
     title : QLabel or QCheckBox
         Before the field; a check box also says whether the value counts at all.
-    scale : SliderScale
-    field : NumberField
     name : str
         For those who cannot see the title.
     ends : (str, str), optional
@@ -34,7 +32,6 @@ class SliderField(QWidget):
     ----------
     chosen : Signal(float)
         By the field, by a step of the keyboard, or many times within a sweep of the knob.
-    drag_began, drag_ended, drag_cancelled : Signal()
     """
 
     chosen = Signal(float)
@@ -148,7 +145,6 @@ class SliderScale(NamedTuple):
 
     Attributes
     ----------
-    steps : int
     value_at : callable
         From a step to its value.
     step_of : callable
