@@ -77,12 +77,7 @@ def _paper(options: argparse.Namespace) -> None:
 
 def _write_curves(folder: Path, progress: Progress) -> None:
     # Imported here: matplotlib is slow to import, and this function alone needs it.
-    from apd_viewer.figures.paper_curves import (
-        draw_handle_curves,
-        draw_loss_curves,
-        handle_curve,
-        loss_curve,
-    )
+    from apd_viewer.figures.paper_curves import draw_handle_curves, draw_loss_curves, handle_curve, loss_curve
 
     document = initial_document(*open_sample("bottle"))
     doing, where, before = tr("area loss by angle"), tr("handle drift with Eq. 8"), _TABLES + _LOSSES

@@ -13,11 +13,7 @@ from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.commands.terminal.setting_options import (
-    add_criteria,
-    add_setting_options,
-    given_criteria,
-)
+from apd_viewer.commands.terminal.setting_options import add_criteria, add_setting_options, given_criteria
 from apd_viewer.commands.terminal.weld_option import add_weld_option, naming_unit_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh

@@ -24,11 +24,7 @@ from apd_viewer.commands.result_output import (
     write_result,
     write_scalar_files,
 )
-from apd_viewer.commands.terminal.animation_options import (
-    add_animation_option,
-    is_film,
-    scratch_path_beside,
-)
+from apd_viewer.commands.terminal.animation_options import add_animation_option, is_film, scratch_path_beside
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError

@@ -9,11 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from apd_viewer.cases.case import CaseStep
-from apd_viewer.figures.style import (
-    METHOD_STYLES,
-    draw_figure,
-    zero_line,
-)
+from apd_viewer.figures.style import METHOD_STYLES, draw_figure, zero_line
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.geometry.solver.plate_press import PressStep
 from apd_viewer.geometry.solver.pressed_mesh import Pressed

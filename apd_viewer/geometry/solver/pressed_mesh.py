@@ -15,11 +15,7 @@ import numpy as np
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
-from apd_viewer.geometry.solver.methods import (
-    DEFAULT_AREA_STIFFNESS,
-    DEFAULT_METHOD,
-    DEFAULT_SHEAR_STIFFNESS,
-)
+from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_METHOD, DEFAULT_SHEAR_STIFFNESS
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress, PressStep
 
 # Estimated fraction of the time for closing, if the plates open again.

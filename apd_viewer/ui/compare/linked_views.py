@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen, QResizeEvent
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
 from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.language import tr
@@ -24,6 +24,7 @@ from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -276,18 +277,12 @@ class MethodView(QWidget):
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         head = QWidget(objectName="head")
         head.setFixedHeight(HEAD_HEIGHT)
-        row = QHBoxLayout(head, spacing=12)
-        row.setContentsMargins(12, 0, 12, 0)
-        row.addWidget(QLabel(title, objectName="title"))
-        row.addWidget(self._state, 1)
-        row.addWidget(self._value)
+        name = QLabel(title, objectName="title")
+        row_layout(name, (self._state, 1), self._value, spacing=12, margins=(12, 0, 12, 0), parent=head)
         self.viewport = Viewport(self)
         self.surface = Surface(self.viewport)
         self._note = CanvasHint(self.viewport)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(head)
-        column.addWidget(self.viewport, 1)
+        column_layout(head, (self.viewport, 1), spacing=0, parent=self)
         self.values: np.ndarray | None = None
         self._change: Deviation | None = None
         self._measured = -1

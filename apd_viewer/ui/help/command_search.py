@@ -15,12 +15,12 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QTreeWidget,
     QTreeWidgetItem,
-    QVBoxLayout,
 )
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.searchable import Searchable, SearchQuery, match_score
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 from apd_viewer.ui.widgets.wheel import block_mouse_events
@@ -56,14 +56,12 @@ class CommandSearch(QFrame):
         self._canvas, self._collect, self._search_manual = canvas, collect, search_manual
         self._known: list[Searchable] = []
         self._found: list[Searchable] = []
-        column = self._column = QVBoxLayout(self, spacing=8)
-        column.setContentsMargins(12, 8, 8, 10)
-        column.addLayout(self._make_head())
         self.list = SearchResultList()
         self.list.itemClicked.connect(self._run)
-        column.addWidget(self.list, 1)
         self._hint = QLabel(tr("Enter runs it, F1 explains it, Esc closes"), objectName="quiet")
-        column.addWidget(self._hint)
+        self._column = column_layout(
+            self._make_head(), (self.list, 1), self._hint, spacing=8, margins=(12, 8, 8, 10), parent=self
+        )
         self.hide()
         canvas.resized.connect(self._place)
 

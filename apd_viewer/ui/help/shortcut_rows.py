@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 from PySide6.QtCore import QEvent, QKeyCombination, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPaintEvent, QPalette, QPen
-from PySide6.QtWidgets import QAbstractButton, QFrame, QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
+from PySide6.QtWidgets import QAbstractButton, QFrame, QGridLayout, QLabel, QSizePolicy, QWidget
 
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native_keys, split_keys
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
+from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 
@@ -47,12 +48,8 @@ class ActionRow(QFrame):
             ),
             tr("Restore default: {standard}").format(standard=standard),
         )
-        row = QHBoxLayout(self, spacing=8)
-        row.setContentsMargins(*_EDGES)
-        row.addWidget(self.symbol)
-        row.addWidget(QLabel(title, wordWrap=True), 1)
-        row.addWidget(self.back)
-        row.addWidget(self.keys)
+        name = QLabel(title, wordWrap=True)
+        row_layout(self.symbol, (name, 1), self.back, self.keys, margins=_EDGES, parent=self)
         self.back.setVisible(entry.is_changed)
 
     def show_keys(self) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton
+from PySide6.QtWidgets import QLabel, QPushButton
 
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.widgets.box_layouts import add_parts, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
@@ -43,13 +44,8 @@ class MeasureSection(Section):
         self.copy.setAccessibleName(tr("Copy measurements"))
         self.clear = QPushButton(tr("Remove all"), toolTip=tr("Remove all measurements"))
         self.clear.setAccessibleName(tr("Remove all measurements"))
-        buttons = QHBoxLayout(spacing=8)
-        for button in (self.copy, self.clear):
-            buttons.addWidget(button)
-        for part in (self.empty, self.list, self.shown):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addLayout(buttons)
+        buttons = row_layout(self.copy, self.clear)
+        add_parts(self.column, self.empty, self.list, self.shown, 4, buttons)
         self.show_readings((), Unit.NONE, 0)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:

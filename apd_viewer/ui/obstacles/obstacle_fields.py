@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import checked_direction, frozen
@@ -17,6 +17,7 @@ from apd_viewer.notation import editable_number
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.presentation.obstacle_readings import coordinates_text
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.fields import ComboBox, ErrorBubble, TextField, return_focus, small_button
 from apd_viewer.ui.widgets.theme import Theme, icon
 
@@ -76,10 +77,7 @@ class ObstacleFields(QWidget):
         for row, (label, field) in enumerate(zip(self._labels, self._fields, strict=True)):
             grid.addWidget(label, row, 0)
             grid.addWidget(field, row, 1)
-        line = QHBoxLayout(spacing=8)
-        line.addWidget(self.distance, 1)
-        line.addWidget(self.along)
-        line.addWidget(self.reset)
+        line = row_layout((self.distance, 1), self.along, self.reset)
         grid.addWidget(QLabel(trc("amount", "Move by"), objectName="quiet"), len(self._fields), 0)
         grid.addLayout(line, len(self._fields), 1)
         grid.setColumnStretch(1, 1)

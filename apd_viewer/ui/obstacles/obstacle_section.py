@@ -14,6 +14,7 @@ from apd_viewer.presentation.palette import OBSTACLE_COLOR
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.obstacles.obstacle_fields import ObstacleFields
+from apd_viewer.ui.widgets.box_layouts import add_parts
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
 from apd_viewer.ui.widgets.theme import Theme, icon
@@ -63,11 +64,9 @@ class ObstacleSection(Section):
         self.note.setObjectName("unreached")
         self.contact = QPushButton(tr("Turn contact on"), toolTip=tr("Let the obstacles push the surface"))
         self.contact.clicked.connect(self.contact_requested)
-        for part in (self.empty, self.list, self.excess, self.fields, self.note, self.contact):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addLayout(self._make_buttons())
-        for part in (self.list, self.excess, self.fields, self.note, self.contact):
+        parts = self.list, self.excess, self.fields, self.note, self.contact
+        add_parts(self.column, self.empty, *parts, 4, self._make_buttons())
+        for part in parts:
             part.hide()
         self.heading.show_reading(trc("obstacles", "none"), only_folded=True)
 

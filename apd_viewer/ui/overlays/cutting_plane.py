@@ -2,13 +2,14 @@
 
 import numpy as np
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QHBoxLayout, QLabel, QToolButton
+from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QLabel, QToolButton
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_position
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
@@ -70,11 +71,7 @@ class CuttingPlane(QFrame):
         return button
 
     def _lay_out(self) -> None:
-        row = QHBoxLayout(spacing=4)
-        for button in (*self.axes, self.flip, self.measure):
-            row.addWidget(button)
-        row.addStretch(1)
-        row.addWidget(self.place)
+        row = row_layout(*self.axes, self.flip, self.measure, STRETCH, self.place, spacing=4)
         grid = QGridLayout(self, verticalSpacing=6)
         grid.setContentsMargins(12, 10, 12, 10)
         grid.addWidget(QLabel(tr("Section"), objectName="heading"), 0, 0)

@@ -28,6 +28,7 @@ from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, moved_above
 from apd_viewer.ui.preferences.shortcuts import with_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.tool_modes import Tool
+from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon, set_style_property
 
@@ -70,11 +71,7 @@ class Notice(QFrame):
         )
         self.close_button.setProperty(SECTION_PROPERTY, type(self).__name__)
         self.close_button.clicked.connect(self.hide)
-        row = self._row = QHBoxLayout(self)
-        row.setContentsMargins(12, 8, 8 + _CLOSE, 8)
-        row.setSpacing(8)
-        row.addWidget(self._symbol)
-        row.addWidget(self._text, 1)
+        self._row = row_layout(self._symbol, (self._text, 1), margins=(12, 8, 8 + _CLOSE, 8), parent=self)
         self.timer = QTimer(self, singleShot=True, interval=_READING_TIME)
         self.timer.timeout.connect(self.hide)
         self._kind = "message"

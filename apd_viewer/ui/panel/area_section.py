@@ -8,15 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QIcon, QPainter, QPaintEvent, QPixmap
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QStackedLayout,
-    QToolButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QGridLayout, QLabel, QStackedLayout, QToolButton, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.solver.convergence import stability_text
 from apd_viewer.language import tr
@@ -24,6 +16,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.unit_button import UnitButton
+from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.slider_field import PERCENT, SliderField
@@ -104,11 +97,9 @@ class AreaSection(QWidget):
     def _add_reading(self, column: QVBoxLayout) -> None:
         self.activity = QLabel("", objectName="quiet", accessibleName=tr("Solver status"))
         self._dot = StatusDot()
-        row = QHBoxLayout()
-        row.addWidget(QLabel(tr("Area"), objectName="heading"))
-        row.addStretch(1)
-        row.addWidget(self.activity)
-        row.addWidget(self._dot)
+        row = row_layout(
+            QLabel(tr("Area"), objectName="heading"), STRETCH, self.activity, self._dot, spacing=-1
+        )
         column.addLayout(row)
         self.percent = QLabel("–", accessibleName=tr("Area in percent of the rest area"))
         font = QFont(self.percent.font())
@@ -123,9 +114,7 @@ class AreaSection(QWidget):
         self.area = quiet_label(tr("Area, and rest area"))
         column.addWidget(self.verdict)
         self.unit = UnitButton()
-        row = QHBoxLayout(spacing=4)
-        row.addWidget(self.area, 1)
-        row.addWidget(self.unit)
+        row = row_layout((self.area, 1), self.unit, spacing=4)
         column.addLayout(row)
 
     def _add_target(self, column: QVBoxLayout) -> None:
@@ -229,8 +218,7 @@ class VolumeSection(Section):
         for part in (self.volume, self.litres, self.crossings):
             self.column.addWidget(part)
         self._add_contact()
-        self.column.addWidget(self.target)
-        self.column.addWidget(self.disabled_note)
+        add_parts(self.column, self.target, self.disabled_note)
         for later in (self.target.field, self.target.slider, self.disabled_note):
             later.hide()  # shown once the volume can be kept
         self.keep.toggled.connect(lambda on: self.target_changed.emit(self.target.value if on else None))

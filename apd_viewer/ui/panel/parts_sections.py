@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc, trn
@@ -14,6 +14,7 @@ from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.session.model.status_text import self_passing_warnings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
+from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
@@ -87,11 +88,8 @@ class HandleSection(Section):
         self.add.clicked.connect(self.add_requested)
         self.reset_handle.clicked.connect(self.reset_handle_requested)
         self.reset_all.clicked.connect(self.reset_all_requested)
-        buttons = QHBoxLayout(spacing=8)
-        for button in (self.add, self.reset_handle, self.reset_all):
-            buttons.addWidget(button)
-        self.column.addSpacing(4)
-        self.column.addLayout(buttons)
+        buttons = row_layout(self.add, self.reset_handle, self.reset_all)
+        add_parts(self.column, 4, buttons)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         details = quiet_label(tr("Displacement and rotation of {name}").format(name=name))
@@ -165,10 +163,7 @@ class RegionSection(Section):
         self.note.hide()
         self.add = QPushButton(tr("Add region"), toolTip=tr("Add another region to measure or keep its area"))
         self.add.clicked.connect(self.add_requested)
-        for part in (self.empty, self.list, self.note):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addWidget(self.add)
+        add_parts(self.column, self.empty, self.list, self.note, 4, self.add)
 
     def _row(self, k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         row = PartRow("region", name, color, RegionTargetField())
@@ -221,11 +216,7 @@ class RegionTargetField(QWidget):
             tr("Keep at"), toolTip=tr("Keep the area of the region exactly, or leave it free")
         )
         self.field: NumberField = percent_field(tr("Area target of the region"), tip)
-        line = QHBoxLayout(self, spacing=8)
-        line.setContentsMargins(22, 0, 0, 2)
-        line.addWidget(self.box)
-        line.addWidget(self.field)
-        line.addStretch(1)
+        row_layout(self.box, self.field, STRETCH, margins=(22, 0, 0, 2), parent=self)
         self.box.toggled.connect(lambda on: self.target_changed.emit(self.field.value() if on else None))
         self.field.valueChanged.connect(lambda percent: self.target_changed.emit(percent))
 

@@ -7,16 +7,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QSize, Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import (
-    QDialog,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QScrollArea,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QDialog, QGridLayout, QHBoxLayout, QLabel, QPushButton, QScrollArea, QWidget
 
 from apd_viewer.language import choose_language, tr
 from apd_viewer.session.session import Session
@@ -34,6 +25,7 @@ from apd_viewer.ui.settings_page.preference_table import (
 )
 from apd_viewer.ui.tools.brush_tool import BrushSize
 from apd_viewer.ui.tools.tool_choice import ToolChoice
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
@@ -58,20 +50,13 @@ class SettingsDialog(QDialog):
         self.setWindowTitle(tr("Settings"))
         self._values, self._list_shortcuts = values, list_shortcuts
         page = QWidget(objectName="page")
-        rows = QVBoxLayout(page, spacing=20)
-        rows.setContentsMargins(0, 0, 0, 0)
         groups = [self._group(group) for group in GROUPS]
-        for grid in groups:
-            rows.addLayout(grid)
         _align(groups)
-        rows.addStretch(1)
+        column_layout(*groups, STRETCH, spacing=20, parent=page)
         area = QScrollArea(widgetResizable=True, objectName="pages", focusPolicy=Qt.FocusPolicy.NoFocus)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         area.setWidget(page)
-        column = QVBoxLayout(self, spacing=20)
-        column.setContentsMargins(24, 20, 24, 20)
-        column.addWidget(area, 1)
-        column.addLayout(self._buttons())
+        column = column_layout((area, 1), self._buttons(), spacing=20, margins=(24, 20, 24, 20), parent=self)
         needed = page.sizeHint().height() + column.sizeHint().height() - area.sizeHint().height()
         resize_on_screen(self, QSize(_WIDTH, needed))
 
@@ -100,13 +85,7 @@ class SettingsDialog(QDialog):
         self._values.changed.connect(self._offer_restore)
         self._offer_restore()
         self.help = HelpButton()
-        row = QHBoxLayout(spacing=8)
-        row.addWidget(self.help)
-        row.addWidget(self.shortcuts)
-        row.addWidget(self.restore)
-        row.addStretch(1)
-        row.addWidget(self.close_)
-        return row
+        return row_layout(self.help, self.shortcuts, self.restore, STRETCH, self.close_)
 
     def _offer_restore(self) -> None:
         self.restore.setEnabled(any(self._values[row] != row.default for row in PREFERENCES))

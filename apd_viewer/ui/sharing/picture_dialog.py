@@ -8,7 +8,7 @@ from pathlib import Path
 from PySide6.QtCore import QByteArray, QPointF, QRect, QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter, QPaintEvent, QPen
 from PySide6.QtSvg import QSvgRenderer
-from PySide6.QtWidgets import QDialog, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QGridLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing_file
@@ -20,6 +20,7 @@ from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.scene.scene_picture import check_picture_size, picture_scale, scene_picture
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo import Gizmo
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
@@ -115,10 +116,7 @@ class PictureDialog(QDialog):
 
     def _lay_out(self) -> None:
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=12)
-        sides = QHBoxLayout(spacing=8)
-        for part in (self.width_, QLabel("×"), self.height_):
-            sides.addWidget(part)
-        sides.addStretch(1)
+        sides = row_layout(self.width_, QLabel("×"), self.height_, STRETCH)
         grid.addWidget(QLabel(tr("Size"), buddy=self.times), 0, 0)
         grid.addWidget(self.times, 0, 1)
         grid.addLayout(sides, 1, 1)
@@ -127,19 +125,10 @@ class PictureDialog(QDialog):
         self.problem = QLabel("", objectName="problem", wordWrap=True)
         grid.addWidget(self.problem, 5, 0, 1, 2)
         grid.setRowStretch(6, 1)
-        top = QHBoxLayout(spacing=20)
-        top.addWidget(self.preview)
-        top.addLayout(grid)
+        top = row_layout(self.preview, grid, spacing=20)
         self.help = HelpButton()
-        buttons = QHBoxLayout(spacing=8)
-        buttons.addWidget(self.help)
-        buttons.addStretch(1)
-        for button in (self._cancel, self.copy, self.save):
-            buttons.addWidget(button)
-        column = QVBoxLayout(self, spacing=16)
-        column.setContentsMargins(16, 16, 16, 16)
-        column.addLayout(top)
-        column.addLayout(buttons)
+        buttons = row_layout(self.help, STRETCH, self._cancel, self.copy, self.save)
+        column = column_layout(top, buttons, spacing=16, margins=(16, 16, 16, 16), parent=self)
         column.setSizeConstraint(QVBoxLayout.SizeConstraint.SetFixedSize)
 
     def _connect(self) -> None:

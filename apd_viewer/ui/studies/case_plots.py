@@ -5,13 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from apd_viewer.cases.case_file import DONE, FAILED, read_case
 from apd_viewer.errors import InputError
@@ -23,6 +17,7 @@ from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 from apd_viewer.ui.plots.scatter_view import ScatterView
 from apd_viewer.ui.studies.result_columns import ResultColumn, reading_texts
 from apd_viewer.ui.studies.result_table import ResultModel
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import ComboBox
 
 _NARROWEST, _AROUND = 72, 44  # px: smallest width of the box, and space around its title
@@ -133,15 +128,9 @@ class CaseCurves(QWidget):
         self.reading.chosen.connect(self._redraw)
         self.view = ChartView(ChartTexts(tr("Curves of the chosen cases"), ""), self._chart)
         self.view.setMinimumSize(_LOWEST)
-        head = QHBoxLayout(spacing=6)
-        head.setContentsMargins(8, 4, 8, 0)
-        head.addWidget(self.reading)
-        head.addWidget(QLabel(tr("by motion"), objectName="quiet"))
-        head.addStretch(1)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(head)
-        column.addWidget(self.view, 1)
+        abscissa = QLabel(tr("by motion"), objectName="quiet")
+        head = row_layout(self.reading, abscissa, STRETCH, spacing=6, margins=(8, 4, 8, 0))
+        column_layout(head, (self.view, 1), spacing=0, parent=self)
 
     def show_study(self, folder: Path) -> None:
         """Set the study folder and clear the cached curves."""
@@ -212,10 +201,7 @@ class ScatterPlot(QWidget):
             head.addWidget(label, 0, 2 * k)
             head.addWidget(choice, 0, 2 * k + 1)
         head.setColumnStretch(head.columnCount(), 1)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(head)
-        column.addWidget(self.view, 1)
+        column_layout(head, (self.view, 1), spacing=0, parent=self)
 
     def refresh(self) -> None:
         """Offer the columns of the model, and redraw the plot."""

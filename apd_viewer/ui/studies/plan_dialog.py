@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QLayout,
     QPushButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -31,7 +30,7 @@ from apd_viewer.session.session import Session
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.engine_fields import EngineFields
-from apd_viewer.ui.studies.run_dialog import add_titled_rows, count_field, widget_row
+from apd_viewer.ui.studies.run_dialog import add_titled_rows, count_field
 from apd_viewer.ui.studies.study_run import (
     PlanRows,
     StudyDesign,
@@ -40,6 +39,7 @@ from apd_viewer.ui.studies.study_run import (
     write_study,
 )
 from apd_viewer.ui.studies.varied_fields import TITLE_COLUMN_WIDTH, VariedFields
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
@@ -110,19 +110,22 @@ class PlanDialog(QDialog):
         self.move(there.right() + 1 - self.width(), there.center().y() - self.height() // 2)
 
     def _lay_out(self, folder: Path) -> None:
-        column = QVBoxLayout(self, spacing=12)
-        column.setContentsMargins(20, 16, 20, 16)
         about = tr(
             "Computes many variants of this deformation, each walked in steps, and collects their "
             "measurements in a table. While you edit an end of a range, the view shows it."
         )
-        column.addWidget(QLabel(about, objectName="quiet", wordWrap=True))
-        column.addWidget(QLabel(self._vary_heading, objectName="heading"))
-        column.addWidget(self.varied)
-        column.addWidget(QFrame(objectName="rule", frameShape=QFrame.Shape.HLine))
-        column.addLayout(self._make_rows(folder))
-        column.addStretch(1)
-        column.addLayout(self._make_foot())
+        column = column_layout(
+            QLabel(about, objectName="quiet", wordWrap=True),
+            QLabel(self._vary_heading, objectName="heading"),
+            self.varied,
+            QFrame(objectName="rule", frameShape=QFrame.Shape.HLine),
+            self._make_rows(folder),
+            STRETCH,
+            self._make_foot(),
+            spacing=12,
+            margins=(20, 16, 20, 16),
+            parent=self,
+        )
         column.activate()
         resize_on_screen(self, QSize(_WIDTH, column.totalHeightForWidth(_WIDTH)))
 
@@ -162,19 +165,14 @@ class PlanDialog(QDialog):
         self.count = QLabel(objectName="quiet")
         self._of_samples = QLabel()
         each = QLabel(tr("steps each"))
-        return widget_row(
-            self.samples, self._of_samples, self.design, self.count, self.steps, each, spacing=8
-        )
+        return row_layout(self.samples, self._of_samples, self.design, self.count, self.steps, each, STRETCH)
 
     def _make_folder(self, folder: Path) -> QHBoxLayout:
         self.folder = TextField(toolTip=tr("New folder of the plan and the results"))
         self.folder.setAccessibleName(tr("Folder"))
         self.folder.setText(str(folder))
         self.browse = QPushButton(tr("Choose…"), clicked=self._browse, autoDefault=False)
-        row = QHBoxLayout(spacing=8)
-        row.addWidget(self.folder, 1)
-        row.addWidget(self.browse)
-        return row
+        return row_layout((self.folder, 1), self.browse)
 
     def _make_foot(self) -> QHBoxLayout:
         self.message = QLabel(objectName="quiet", wordWrap=True)
@@ -182,12 +180,7 @@ class PlanDialog(QDialog):
         self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)
         self.start.setDefault(True)
         self.help = HelpButton()
-        row = QHBoxLayout(spacing=8)
-        row.addWidget(self.help)
-        row.addWidget(self.message, 1)
-        row.addWidget(self.cancel)
-        row.addWidget(self.start)
-        return row
+        return row_layout(self.help, (self.message, 1), self.cancel, self.start)
 
     # Choice of design, methods and ranges
 
@@ -359,7 +352,7 @@ class MethodFields(QObject):
             check.setEnabled(method.may_use_contact or not document.has_active_obstacles)
             check.setChecked(name == document.settings.method)
             check.toggled.connect(self.changed)
-        self.layout_: QHBoxLayout = widget_row(*self.checks.values())
+        self.layout_: QHBoxLayout = row_layout(*self.checks.values(), STRETCH, spacing=16)
 
     @property
     def chosen_count(self) -> int:

@@ -13,12 +13,7 @@ from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
-from apd_viewer.geometry.solver.plate_press import (
-    DEFAULT_ITERATIONS,
-    DEFAULT_STEPS,
-    MOST_STEPS,
-    plate_travel,
-)
+from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS, plate_travel
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
@@ -28,8 +23,9 @@ from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field, widget_row
+from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field
 from apd_viewer.ui.studies.wall_fields import WallFields
+from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 
@@ -82,21 +78,21 @@ class PressDialog(RunDialog):
         for axis, extent in zip(_AXES, self._extents, strict=True):
             self.direction.addItem(f"{axis.upper()} ({self._length_text(extent)})", axis)
         self.direction.currentIndexChanged.connect(self._show_distance)
-        return widget_row(self.direction)
+        return row_layout(self.direction, STRETCH, spacing=16)
 
     def _make_end(self) -> QHBoxLayout:
         self.to = count_field(tr("Distance of the plates in the end"), 1, 99, 50, " %")
         self.to.valueChanged.connect(self._show_distance)
         self.distance = QLabel()
         self._show_distance()
-        return widget_row(self.to, self.distance, spacing=8)
+        return row_layout(self.to, self.distance, STRETCH)
 
     def _make_steps(self) -> QHBoxLayout:
         self.steps = count_field(tr("Number of steps"), 1, MOST_STEPS, DEFAULT_STEPS)
         self.iterations = count_field(tr("Iterations per step"), 1, 100_000, DEFAULT_ITERATIONS)
         words = tr("with at most"), tr("iterations each")
         first, second = map(QLabel, words)
-        return widget_row(self.steps, first, self.iterations, second, spacing=8)
+        return row_layout(self.steps, first, self.iterations, second, STRETCH)
 
     def _make_method(self) -> QHBoxLayout:
         own = (
@@ -109,7 +105,7 @@ class PressDialog(RunDialog):
             if method.may_use_contact:
                 self.method.addItem(method.title, name)
         self.method.setCurrentIndex(self.method.findData(own))
-        return widget_row(self.method)
+        return row_layout(self.method, STRETCH, spacing=16)
 
     def _make_stiffness(self) -> QHBoxLayout:
         own = self._document.settings.stiffness
@@ -122,7 +118,7 @@ class PressDialog(RunDialog):
         self.stiffness.valueChanged.connect(self._show_stiffness)
         self.method.currentIndexChanged.connect(self._show_stiffness)
         self._show_stiffness()
-        return widget_row(self.stiffness, self.hint, spacing=8)
+        return row_layout(self.stiffness, self.hint, STRETCH)
 
     def _show_stiffness(self) -> None:
         """Show the expected load excess and the stiffness of the wall."""
@@ -152,7 +148,7 @@ class PressDialog(RunDialog):
         )
         self.from_current.setToolTip(tr("Without, the mesh at rest is pressed"))
         self.from_current.setEnabled(not self._state.is_at_rest)
-        return widget_row(self.from_current)
+        return row_layout(self.from_current, STRETCH, spacing=16)
 
     @property
     def _distance(self) -> float:

@@ -8,7 +8,6 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QFont, QGuiApplication, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QHBoxLayout,
     QHeaderView,
     QLabel,
     QPushButton,
@@ -22,6 +21,7 @@ from apd_viewer.presentation.verification_text import COLUMN_TITLES, row_cells
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog
+from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.verification.verification_run import VerificationRow
@@ -44,9 +44,7 @@ class VerificationDialog(RunDialog):
         self.table.currentItemChanged.connect(self._show_figure)
         self.summary = QLabel(wordWrap=True, objectName="verdict")
         self.copy = QPushButton(tr("Copy table"), clicked=self._copy)
-        below = QHBoxLayout(spacing=8)
-        below.addWidget(self.summary, 1)
-        below.addWidget(self.copy)
+        below = row_layout((self.summary, 1), self.copy)
         about = tr(
             "Runs cases with exact or published answers, from coarse to fine, and shows by how much this "
             "program is off. It takes a few minutes; you can keep working in the window."

@@ -12,7 +12,7 @@ from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import Wall, WallText, wall_from
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON, WALL_MATERIALS
-from apd_viewer.ui.studies.run_dialog import widget_row
+from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 
 _DIGITS, _AIR = 3, "1atm"
@@ -63,19 +63,17 @@ class WallFields(QObject):
     @property
     def rows(self) -> tuple[tuple[str, QHBoxLayout], ...]:
         """Titled rows of fields for a dialog."""
-        source = QHBoxLayout()
-        source.addWidget(self.source, 1)
         ratio, heavy = QLabel(tr("Poisson's ratio")), QLabel(tr("Density"))
         return (
-            (tr("Material"), widget_row(self.material)),
-            (tr("Source"), source),
-            (tr("Wall thickness"), widget_row(self.thickness)),
+            (tr("Material"), row_layout(self.material, STRETCH, spacing=16)),
+            (tr("Source"), row_layout((self.source, 1))),
+            (tr("Wall thickness"), row_layout(self.thickness, STRETCH, spacing=16)),
             (
                 tr("Young's modulus"),
-                widget_row(self.young, ratio, self.poisson, heavy, self.density, spacing=8),
+                row_layout(self.young, ratio, self.poisson, heavy, self.density, STRETCH),
             ),
-            (tr("Yield radius"), widget_row(self.radius, self.release)),
-            (tr("Inside"), widget_row(self.air)),
+            (tr("Yield radius"), row_layout(self.radius, self.release, STRETCH, spacing=16)),
+            (tr("Inside"), row_layout(self.air, STRETCH, spacing=16)),
         )
 
     def on_change(self, callback: Callable[[], object]) -> None:

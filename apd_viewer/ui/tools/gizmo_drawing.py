@@ -20,13 +20,7 @@ from apd_viewer.ui.tools.gizmo_drag import (
     axis_index,
     offset_in_plane,
 )
-from apd_viewer.ui.tools.polylines import (
-    chosen_runs,
-    convex_hull,
-    draw_polyline,
-    to_polygon,
-    with_opacity,
-)
+from apd_viewer.ui.tools.polylines import chosen_runs, convex_hull, draw_polyline, to_polygon, with_opacity
 
 # Rose, lime and violet differ in hue from the base blue and the handle vermilion, and in lightness
 # from one another, for any kind of colour vision. The letters identify the axes as well.

@@ -5,9 +5,10 @@ from typing import Generic, TypeVar
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent
-from PySide6.QtWidgets import QFrame, QLineEdit, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QLineEdit, QToolButton, QWidget
 
 from apd_viewer.language import tr
+from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon, set_style_property
 
@@ -162,8 +163,7 @@ class NamedList(QWidget, Generic[Row]):
         self._make = make
         self._theme = LIGHT
         self.rows: list[Row] = []
-        self._column = QVBoxLayout(self, spacing=2)
-        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column = column_layout(spacing=2, parent=self)
 
     def show_names(self, names: Sequence[str], active: int | None) -> None:
         """Show one row per name, and mark the active one, if any."""

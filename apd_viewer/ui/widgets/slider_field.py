@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QSlider, QStyle, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QSizePolicy, QSlider, QStyle, QWidget
 
 from apd_viewer.language import tr
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import NumberField, small_button
 from apd_viewer.ui.widgets.theme import Theme, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
@@ -64,18 +65,11 @@ class SliderField(QWidget):
         self.reset_button.setSizePolicy(kept)
         if isinstance(title, QLabel):
             title.setBuddy(field)
-        row = QHBoxLayout(spacing=0)
-        row.addWidget(title)
-        row.addStretch(1)
-        row.addWidget(self.reset_button)
-        row.addSpacing(4)
-        row.addWidget(self.field)
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(row)
-        column.addWidget(self.slider)
+        row = row_layout(title, STRETCH, self.reset_button, 4, self.field, spacing=0)
+        column = column_layout(row, self.slider, parent=self)
         if ends is not None:
-            column.addLayout(_end_labels(*ends))
+            left, right = (QLabel(text, objectName="quiet") for text in ends)
+            column.addLayout(row_layout(left, STRETCH, right, spacing=-1))
         self.show_value(self._neutral_value)
         self._connect()
 
@@ -124,14 +118,6 @@ class SliderField(QWidget):
     def _go_back(self) -> None:
         if self.value != self._neutral_value:
             self._choose(self._neutral_value)
-
-
-def _end_labels(left: str, right: str) -> QHBoxLayout:
-    row = QHBoxLayout()
-    row.addWidget(QLabel(left, objectName="quiet"))
-    row.addStretch(1)
-    row.addWidget(QLabel(right, objectName="quiet"))
-    return row
 
 
 _KNOB = 14
