@@ -15,14 +15,9 @@ from apd_viewer.session.model.handle_paths import with_rounded_poses
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.state import State
 from apd_viewer.session.part_operations import PartOperation, members_after
+from apd_viewer.session.posing import motion_path
 from apd_viewer.session.posing.mirror_partner import mirrored_handle, with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
-from apd_viewer.session.posing.motion_path import (
-    MotionStep,
-    motion_title,
-    motion_title_between,
-    moved_handle_names,
-)
 from apd_viewer.session.posing.regripping import has_moved
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.state_store import Listener, StateStore
@@ -50,7 +45,9 @@ class HandleEditor(DocumentEditor):
         """
         before, document = self._gestures.state_before, self._store.required_state().document
         if before is not None:  # another mesh may have ended the drag
-            self._gestures.end(motion_title_between(before.document, document, k, self._store.unit))
+            self._gestures.end(
+                motion_path.motion_title_between(before.document, document, k, self._store.unit)
+            )
             if document.has_half_turn:
                 self._solve_along_paths(document)
 
@@ -62,7 +59,7 @@ class HandleEditor(DocumentEditor):
 
     def plan_motion(
         self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
-    ) -> MotionStep:
+    ) -> motion_path.MotionStep:
         """Motion of a handle by or to a typed amount, without applying it.
 
         ``line`` (2, 3) is the axis of a bend about a line. Raises InputError if the text is none.
@@ -73,7 +70,7 @@ class HandleEditor(DocumentEditor):
             unambiguous_text(text), self._store.unit, document.mesh.named_lengths, now.at_rest
         )
         amount = kind.remaining(amount, motion, now) if is_total else amount
-        return MotionStep(k, motion, (amount,), line)
+        return motion_path.MotionStep(k, motion, (amount,), line)
 
     def move_by(
         self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
@@ -82,8 +79,8 @@ class HandleEditor(DocumentEditor):
         self._gestures.cancel()
         step, start = self.plan_motion(motion, text, k, line, is_total), self._store.required_state().document
         end = step.end_document(start)
-        names = moved_handle_names(start, end)
-        self.apply_poses(end, motion_title(motion, step.amounts[0], names, self._store.unit))
+        names = motion_path.moved_handle_names(start, end)
+        self.apply_poses(end, motion_path.motion_title(motion, step.amounts[0], names, self._store.unit))
 
     def reset_handle(self, k: int) -> None:
         """Reset one handle to its rest position, and solve."""

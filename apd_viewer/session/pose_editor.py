@@ -7,12 +7,7 @@ from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.handle_editor import HandleEditor
 from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NamedPose
-from apd_viewer.session.posing.named_poses import (
-    handle_placements,
-    is_in_pose,
-    missing_handles,
-    with_named_pose,
-)
+from apd_viewer.session.posing import named_poses
 from apd_viewer.session.state_store import Listener, StateStore
 
 _NO_HANDLE = tr("There is no handle whose pose could be kept; paint one first.")
@@ -30,14 +25,15 @@ class PoseEditor(DocumentEditor):
     def add(self) -> None:
         """Store the current poses of all handles under a new name."""
         document = self._gestures.state_without_gesture().document
-        if not handle_placements(document):
+        if not named_poses.handle_placements(document):
             self._listener.failed(_NO_HANDLE)
         elif len(document.poses) >= MOST_POSES:
             self._listener.failed(tr("The limit is {most} poses; remove one first.").format(most=MOST_POSES))
         else:
             name = next_name(tr("Pose"), [pose.name for pose in document.poses])
             self._replace(
-                tr("Keep pose"), poses=(*document.poses, NamedPose(name, handle_placements(document)))
+                tr("Keep pose"),
+                poses=(*document.poses, NamedPose(name, named_poses.handle_placements(document))),
             )
             # A message is needed, since the list of poses may be hidden.
             self._listener.message_sent(tr("Kept as “{pose}”.").format(pose=name))
@@ -46,7 +42,7 @@ class PoseEditor(DocumentEditor):
         """Move the handles to pose ``k``; handles not in the pose are not moved."""
         document = self._gestures.state_without_gesture().document
         pose = document.poses[k]
-        gone = missing_handles(document, pose)
+        gone = named_poses.missing_handles(document, pose)
         if len(gone) == len(pose.placements):
             self._listener.failed(
                 tr("The handles of “{pose}” are gone or empty; update or remove the pose.").format(
@@ -54,9 +50,9 @@ class PoseEditor(DocumentEditor):
                 )
             )
             return
-        if not is_in_pose(document, pose):
+        if not named_poses.is_in_pose(document, pose):
             self._handles.apply_poses(
-                with_named_pose(document, pose), tr("Go to “{pose}”").format(pose=pose.name)
+                named_poses.with_named_pose(document, pose), tr("Go to “{pose}”").format(pose=pose.name)
             )
         if gone:
             self._listener.message_sent(
@@ -68,7 +64,7 @@ class PoseEditor(DocumentEditor):
     def go_to_neighbour(self, offset: int) -> None:
         """Go to the next (1) or previous (-1) pose, wrapping around the list."""
         document = self._gestures.state_without_gesture().document
-        at = [is_in_pose(document, pose) for pose in document.poses]
+        at = [named_poses.is_in_pose(document, pose) for pose in document.poses]
         if not at:
             self._listener.failed(tr("No poses are kept yet; keep one first."))
         elif not all(at):
@@ -87,7 +83,7 @@ class PoseEditor(DocumentEditor):
     def update(self, k: int) -> None:
         """Replace pose ``k`` by the current poses of all handles."""
         document = self._gestures.state_without_gesture().document
-        if present := handle_placements(document):
+        if present := named_poses.handle_placements(document):
             self._set(tr("Update pose"), k, replace(document.poses[k], placements=present))
         else:
             self._listener.failed(_NO_HANDLE)

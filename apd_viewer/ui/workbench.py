@@ -12,6 +12,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.session_picture import PICTURE_SIDE
+from apd_viewer.ui import session_signals
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_controller import EditController, PartController
@@ -32,13 +33,6 @@ from apd_viewer.ui.posing.motion_ghost import MotionPreview
 from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.scene.scene_picture import small_picture
-from apd_viewer.ui.session_signals import (
-    SessionSignals,
-    connect_canvas,
-    connect_parts,
-    connect_settings,
-    connect_wheel,
-)
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
 from apd_viewer.ui.settings_page.settings_dialog import (
     SettingsPage,
@@ -70,7 +64,7 @@ class Workbench(QObject):
         super().__init__(shell)
         self.shell, self.canvas, self.panel = shell, shell.canvas, shell.panel
         self.preferences, self.docks, self.status = shell.preferences, shell.docks, shell.status
-        self.signals = SessionSignals(self)
+        self.signals = session_signals.SessionSignals(self)
         self.session = Session(self.signals.listener())
         self.parts = ActiveParts(self.session, self)
         self.tools = ToolChoice(self.canvas)
@@ -217,8 +211,8 @@ class Workbench(QObject):
         signals.changed.connect(self.obstacles.refresh)
         self.display_options.cutting_plane.measure_requested.connect(self.measurements.add_section)
         self.parts.changed.connect(self._show_parts)
-        connect_settings(self.panel, self.session)
-        connect_parts(self.panel, self.session, self.parts)
+        session_signals.connect_settings(self.panel, self.session)
+        session_signals.connect_parts(self.panel, self.session, self.parts)
         self.panel.area.unit.chosen.connect(self.choose_unit)
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
@@ -227,13 +221,15 @@ class Workbench(QObject):
 
     def _connect_canvas(self) -> None:
         canvas = self.canvas
-        connect_canvas(canvas, self.session, self.parts, self.notice.show_message, self.status.showMessage)
+        session_signals.connect_canvas(
+            canvas, self.session, self.parts, self.notice.show_message, self.status.showMessage
+        )
         canvas.strokes.began.connect(lambda: self.invitation.show_text(""))
         canvas.strokes.ended.connect(self._show_next_step)
         canvas.drag_began.connect(self.next_step.record_drag)
         self.obstacles.drag_moved.connect(self.next_step.record_drag)
         self.obstacles.placer.prompt_changed.connect(self.status.showMessage)
-        connect_wheel(canvas, self.session, self.status)
+        session_signals.connect_wheel(canvas, self.session, self.status)
         self.tools.tool_chosen.connect(self._show_tool)
         self.tools.mode_chosen.connect(lambda way: self.actions_.select.modes[way].setChecked(True))
         for change in (self.help.tour.began, self.help.tour.ended):

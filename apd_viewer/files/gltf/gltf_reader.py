@@ -14,14 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from apd_viewer.files.formats.polygon_mesh import ParsedMesh
-from apd_viewer.files.gltf.accessors import (
-    FAN,
-    STRIP,
-    TRIANGLES,
-    accessor_array,
-    accessor_numbers,
-    primitive_triangles,
-)
+from apd_viewer.files.gltf import accessors
 from apd_viewer.files.gltf.gltf_file import GltfFile, VertexBlock, with_offset
 from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles
 from apd_viewer.files.gltf.scene import (
@@ -89,7 +82,11 @@ class _Scene:
         """Append the triangles of a mesh instance in world coordinates."""
         blocks: dict[object, VertexBlock] = {}
         for part in mesh_primitives(self._document, place.mesh):
-            if (mode := part.get("mode", TRIANGLES)) not in (TRIANGLES, STRIP, FAN):
+            if (mode := part.get("mode", accessors.TRIANGLES)) not in (
+                accessors.TRIANGLES,
+                accessors.STRIP,
+                accessors.FAN,
+            ):
                 continue
             block = self._block(place, part)
             shares = block.matrix is place.matrix and block.position_shift is None
@@ -99,7 +96,7 @@ class _Scene:
                 self._add_block(block)
             block = blocks[key]
             F = _outward_triangles(
-                primitive_triangles(self._document, self._buffers, part, mode), block.matrix
+                accessors.primitive_triangles(self._document, self._buffers, part, mode), block.matrix
             )
             self.F.append(F + block.first_vertex)
             self.pieces.append(PrimitiveTriangles(block.first_vertex, len(F), part))
@@ -128,7 +125,7 @@ class _Scene:
         )
 
     def _add_block(self, block: VertexBlock) -> None:
-        local = accessor_numbers(self._document, self._buffers, block.position)
+        local = accessors.accessor_numbers(self._document, self._buffers, block.position)
         self.blocks.append(block)
         self.V.append(transformed_positions(block.matrix, with_offset(local, block.position_shift)))
         self._count += len(local)
@@ -195,7 +192,7 @@ class GltfInstance(NamedTuple):
             if not isinstance(target, dict):
                 raise ValueError(tr("a morph target has no attributes"))
             if weight and name in target:
-                more = weight * accessor_numbers(document, buffers, target[name])
+                more = weight * accessors.accessor_numbers(document, buffers, target[name])
                 if len(more) != whole_number(
                     document_entry(document, "accessors", primitive["attributes"].get(name)), "count"
                 ):
@@ -233,7 +230,7 @@ def _instances(document: dict[str, Any], buffers: list[Any], entry: dict[str, An
     given = entry.get("attributes")
     names: dict[str, Any] = given if isinstance(given, dict) else {}
     columns = [
-        accessor_numbers(document, buffers, names[name], width) if name in names else None
+        accessors.accessor_numbers(document, buffers, names[name], width) if name in names else None
         for name, width in (("TRANSLATION", 3), ("ROTATION", 4), ("SCALE", 3))
     ]
     counts = {len(column) for column in columns if column is not None}
@@ -256,7 +253,7 @@ def _joints(
     joints = np.array([world[name] for name in names])
     if "inverseBindMatrices" not in entry:
         return joints
-    inverse = accessor_numbers(document, buffers, entry["inverseBindMatrices"], 16)
+    inverse = accessors.accessor_numbers(document, buffers, entry["inverseBindMatrices"], 16)
     if len(inverse) < len(joints):
         raise ValueError(tr("its skin has fewer matrices than joints"))
     with np.errstate(all="ignore"):  # invalid positions are rejected later
@@ -269,8 +266,8 @@ def _influences(
     """Joint indices (n,) and weights (n,) of all vertices, one influence at a time."""
     count, k = whole_number(document_entry(document, "accessors", attributes.get("POSITION")), "count"), 0
     while f"JOINTS_{k}" in attributes:
-        J = accessor_array(document, buffers, attributes[f"JOINTS_{k}"], 4)
-        W = accessor_numbers(document, buffers, attributes.get(f"WEIGHTS_{k}"), 4)
+        J = accessors.accessor_array(document, buffers, attributes[f"JOINTS_{k}"], 4)
+        W = accessors.accessor_numbers(document, buffers, attributes.get(f"WEIGHTS_{k}"), 4)
         if not len(J) == len(W) == count or J.dtype.kind != "u":
             raise ValueError(tr("the joints of its vertices are damaged"))
         yield from zip(J.T, W.T, strict=True)

@@ -34,14 +34,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.storage.session_json import (
-    document_from_json,
-    document_to_json,
-    frame_from_json,
-    frame_to_json,
-    view_from_json,
-    view_to_json,
-)
+from apd_viewer.session.storage import session_json
 from apd_viewer.session.storage.session_picture import PICTURE_MEMBER, explaining_errors
 
 SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
@@ -110,9 +103,9 @@ def save_session(
         "mesh": told,
         **({"target": target} if target else {}),
         "arrays": list(arrays),
-        "document": document_to_json(document),
-        "frame": frame_to_json(state.frame),
-        "view": view_to_json(view),
+        "document": session_json.document_to_json(document),
+        "frame": session_json.frame_to_json(state.frame),
+        "view": session_json.view_to_json(view),
     }
     text = json.dumps(said, indent=1, allow_nan=False).encode()
     members = {f"{name}.npy": npy_content(array) for name, array in arrays.items()}
@@ -148,13 +141,13 @@ def open_session(path: str | Path) -> tuple[State, View]:
         mesh = _welded(find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
         state, arrays = initial_state(mesh), _arrays(said, archive, mesh)
         document = with_target(
-            document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
+            session_json.document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
         )
         if document.settings.volume is not None and not state.inspection.volume:
             raise ValueError(tr("its “volume” is damaged"))
         state = replace(state, document=document)
-        frame = frame_from_json(said.nested_fields("frame"), state, arrays["shape"])
-        return replace(state, frame=frame), view_from_json(said.nested_fields("view"))
+        frame = session_json.frame_from_json(said.nested_fields("frame"), state, arrays["shape"])
+        return replace(state, frame=frame), session_json.view_from_json(said.nested_fields("view"))
 
 
 def _content(path: Path) -> bytes:

@@ -29,15 +29,9 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.studies import study_run
 from apd_viewer.ui.studies.engine_fields import EngineFields
 from apd_viewer.ui.studies.run_dialog import add_titled_rows, count_field
-from apd_viewer.ui.studies.study_run import (
-    PlanRows,
-    StudyDesign,
-    document_with_values,
-    path_from_text,
-    write_study,
-)
 from apd_viewer.ui.studies.varied_fields import TITLE_COLUMN_WIDTH, VariedFields
 from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
@@ -205,7 +199,7 @@ class PlanDialog(QDialog):
         """Preview one end of a range on the mesh."""
         try:
             said = self.varied.values_at_end(name, upper)
-            document = document_with_values(self._state, Unit(self._view.unit), self._handle, said)
+            document = study_run.document_with_values(self._state, Unit(self._view.unit), self._handle, said)
         except InputError as error:
             self.message.setText(str(error))
             self._preview.hide()
@@ -239,11 +233,11 @@ class PlanDialog(QDialog):
         self.start.setEnabled(True)
         self.message.setText(sentence)
 
-    def _designed_study(self) -> tuple[Path, PlanRows, list[str]]:
+    def _designed_study(self) -> tuple[Path, study_run.PlanRows, list[str]]:
         """Folder, plan rows and command options as entered; raises InputError."""
-        folder = path_from_text(self.folder.text())
+        folder = study_run.path_from_text(self.folder.text())
         options = self.engine.options()
-        design = StudyDesign(
+        design = study_run.StudyDesign(
             self.varied.ranges(),
             self.methods.chosen_methods(),
             self.design.currentData(),
@@ -260,14 +254,14 @@ class PlanDialog(QDialog):
         self.start.setEnabled(True)
         folder, rows, options = self._asked
         try:
-            write_study(folder, rows, self._state, self._view)
+            study_run.write_study(folder, rows, self._state, self._view)
         except InputError as error:
             self.message.setText(str(error))
             return
         self.study_designed.emit(folder, options)
         self.accept()
 
-    def _check(self, folder: Path, design: StudyDesign) -> None:
+    def _check(self, folder: Path, design: study_run.StudyDesign) -> None:
         """Raise InputError for a missing or used folder, or without any motion."""
         if not self.folder.text().strip():
             raise InputError(tr("Enter a new folder for the plan and the results."))

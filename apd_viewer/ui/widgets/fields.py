@@ -27,12 +27,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.percentage import (
-    LEAST_PERCENTAGE,
-    MOST_PERCENTAGE,
-    PERCENT_SIGN,
-    check_no_factor,
-)
+from apd_viewer.geometry.goals import percentage
 from apd_viewer.language import tr
 from apd_viewer.notation import editable_number
 from apd_viewer.presentation.number_format import format_short
@@ -194,8 +189,10 @@ class NumberField(QDoubleSpinBox):
         """Question about an ambiguous number; empty if it is clear."""
         try:
             check_unambiguous(unambiguous_text(self._number_text(text)), ",")
-            if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(PERCENT_SIGN):
-                check_no_factor(value)
+            if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(
+                percentage.PERCENT_SIGN
+            ):
+                percentage.check_no_factor(value)
         except InputError as error:
             return str(error)
         return ""
@@ -293,8 +290,8 @@ def percent_field(name: str, tip: str) -> NumberField:
         is_percentage=True,
         accessibleName=name,
         toolTip=tip,
-        minimum=LEAST_PERCENTAGE,
-        maximum=MOST_PERCENTAGE,
+        minimum=percentage.LEAST_PERCENTAGE,
+        maximum=percentage.MOST_PERCENTAGE,
         value=100.0,
         decimals=2,
         suffix=" %",
