@@ -143,7 +143,7 @@ class PlanDialog(QDialog):
         add_titled_rows(grid, rows)
         return grid
 
-    def _make_design(self) -> QHBoxLayout:
+    def _make_design(self) -> QLayout:
         self.design = ComboBox(accessibleName=tr("Design"))
         for method, title, tip in (
             (LATIN, tr("Latin hypercube"), tr("Each range is covered evenly, by any number of cases")),
@@ -161,14 +161,14 @@ class PlanDialog(QDialog):
         each = QLabel(tr("steps each"))
         return row_layout(self.samples, self._of_samples, self.design, self.count, self.steps, each, STRETCH)
 
-    def _make_folder(self, folder: Path) -> QHBoxLayout:
+    def _make_folder(self, folder: Path) -> QLayout:
         self.folder = TextField(toolTip=tr("New folder of the plan and the results"))
         self.folder.setAccessibleName(tr("Folder"))
         self.folder.setText(str(folder))
         self.browse = QPushButton(tr("Choose…"), clicked=self._browse, autoDefault=False)
         return row_layout((self.folder, 1), self.browse)
 
-    def _make_foot(self) -> QHBoxLayout:
+    def _make_foot(self) -> QLayout:
         self.message = QLabel(objectName="quiet", wordWrap=True)
         self.cancel = QPushButton(tr("Cancel"), clicked=self.reject, autoDefault=False)
         self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)

@@ -12,14 +12,14 @@ _Box = TypeVar("_Box", bound=QBoxLayout)
 
 
 def row_layout(
-    *parts: Part, spacing: int = 8, margins: Margins = (0, 0, 0, 0), parent: QWidget | None = None
+    *parts: Part, spacing: int = 8, margins: Margins | None = (0, 0, 0, 0), parent: QWidget | None = None
 ) -> QHBoxLayout:
     """Parts from left to right; see :func:`column_layout`."""
     return _filled(QHBoxLayout(parent, spacing=spacing), margins, parts)
 
 
 def column_layout(
-    *parts: Part, spacing: int = 4, margins: Margins = (0, 0, 0, 0), parent: QWidget | None = None
+    *parts: Part, spacing: int = 4, margins: Margins | None = (0, 0, 0, 0), parent: QWidget | None = None
 ) -> QVBoxLayout:
     """Parts from top to bottom.
 
@@ -29,14 +29,15 @@ def column_layout(
         Of :func:`add_parts`.
     spacing : int
         Between the parts, px; -1 is that of the style.
-    margins : tuple of int
-        Left, top, right and bottom, px.
+    margins : tuple of int or None
+        Left, top, right and bottom, px; None for those of the style.
     """
     return _filled(QVBoxLayout(parent, spacing=spacing), margins, parts)
 
 
-def _filled(box: _Box, margins: Margins, parts: tuple[Part, ...]) -> _Box:
-    box.setContentsMargins(*margins)
+def _filled(box: _Box, margins: Margins | None, parts: tuple[Part, ...]) -> _Box:
+    if margins is not None:
+        box.setContentsMargins(*margins)
     add_parts(box, *parts)
     return box
 
