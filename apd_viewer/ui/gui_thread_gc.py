@@ -18,8 +18,7 @@ class GuiThreadGC(QObject):
         super().__init__(parent)
         gc.disable()
         self._threshold = gc.get_threshold()
-        self._timer = QTimer(self)
-        self._timer.timeout.connect(self._check)
+        self._timer = QTimer(self, timeout=self._check)
         self._timer.start(INTERVAL)
 
     def _check(self) -> None:

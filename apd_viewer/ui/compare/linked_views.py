@@ -60,8 +60,7 @@ class LinkedViews(QWidget):
         self._place: ProbedPoint | None = None
         self._grid = QGridLayout(self, spacing=1)
         self._grid.setContentsMargins(0, 1, 0, 1)
-        self._reading = QTimer(self, singleShot=True, interval=_READ)
-        self._reading.timeout.connect(self._read)
+        self._reading = QTimer(self, singleShot=True, interval=_READ, timeout=self._read)
         link_cameras([view.viewport.camera_controller for view in self.views.values()])
         for view in self.views.values():
             view.probe.hovered.connect(self.mark_point)
@@ -217,8 +216,7 @@ class SharedScale(QWidget):
         self.reach.setRange(1e-7, 1e9)
         self.reach.valueChanged.connect(lambda percent: self._rescale(percent / 100.0))
         tip = tr("Fit the scale to the largest change of all shapes")
-        self.fit = QPushButton(tr("Fit"), toolTip=tip)
-        self.fit.clicked.connect(self._fit)
+        self.fit = QPushButton(tr("Fit"), toolTip=tip, clicked=self._fit)
         grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=6)
         grid.setContentsMargins(0, 0, 0, 0)
         title = QLabel(scale.measure.traits.title, objectName="title", toolTip=scale.measure.traits.tip)

@@ -66,9 +66,7 @@ class RecoveryBar(QFrame):
         canvas.resized.connect(self._place)
 
     def _button(self, text: str, tip: str, pressed: Callable[[], None]) -> QPushButton:
-        button = QPushButton(text, toolTip=tip)
-        button.clicked.connect(pressed)
-        return button
+        return QPushButton(text, toolTip=tip, clicked=pressed)
 
     @property
     def text(self) -> str:

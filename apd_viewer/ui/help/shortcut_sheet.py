@@ -75,8 +75,7 @@ class ShortcutSheet(QFrame):
     def _make_foot(self) -> QHBoxLayout:
         self.status = QLabel(wordWrap=True, accessibleName=tr("Status"))
         self.status.setMinimumHeight(2 * self.status.fontMetrics().lineSpacing())
-        self.swap = QPushButton(tr("Swap"), objectName="primary")
-        self.swap.clicked.connect(self._swap)
+        self.swap = QPushButton(tr("Swap"), objectName="primary", clicked=self._swap)
         self.restore_all = QPushButton(tr("Restore all defaults"))
         self.restore_all.setToolTip(tr("Restore the default keys of all actions"))
         self.restore_all.clicked.connect(self._reset_all)

@@ -108,10 +108,8 @@ class Tour(QObject):
         self._holds: Callable[[], bool] = lambda: True
         self._turned = False
         self._pose: np.ndarray = np.eye(4)
-        self._looking = QTimer(self, singleShot=True, interval=_LOOK)
-        self._looking.timeout.connect(self.update_target)
-        self._reading = QTimer(self, singleShot=True, interval=_READING_TIME)
-        self._reading.timeout.connect(self._advance)
+        self._looking = QTimer(self, singleShot=True, interval=_LOOK, timeout=self.update_target)
+        self._reading = QTimer(self, singleShot=True, interval=_READING_TIME, timeout=self._advance)
         canvas.drag_began.connect(self._begin_drag)
         canvas.drag_ended.connect(self._end_drag)
 

@@ -78,8 +78,7 @@ class ObstacleSection(Section):
             button.setAccessibleName(tr("Add {kind}").format(kind=kind.word))
             self.kinds[kind] = button
             grid.addWidget(button, 0, 2 * column, 1, 2)
-        self.floor = QPushButton(tr("Floor"), toolTip=FLOOR_TIP)
-        self.floor.setAccessibleName(tr("Add floor"))
+        self.floor = QPushButton(tr("Floor"), toolTip=FLOOR_TIP, accessibleName=tr("Add floor"))
         self.sides = QPushButton(tr("Both sides"), toolTip=SIDES_TIP, objectName="choice")
         self.sides.setLayoutDirection(Qt.LayoutDirection.RightToLeft)  # places the chevron after the text
         self.sides.setAccessibleName(tr("Plates on both sides"))

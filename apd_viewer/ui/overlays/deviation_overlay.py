@@ -102,8 +102,7 @@ class DeviationOverlay(QObject):
         self.reading = DeviationReading(canvas, legend)
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
-        self.rest_timer = QTimer(self, singleShot=True, interval=_REST)
-        self.rest_timer.timeout.connect(self._measure_slowly)
+        self.rest_timer = QTimer(self, singleShot=True, interval=_REST, timeout=self._measure_slowly)
         legend.measure_chosen.connect(self.choose_measure)
         legend.scale_changed.connect(self._rescale)
         legend.fit_requested.connect(self._fit)
@@ -325,8 +324,7 @@ class DeviationReading(MouseTool, QObject):
         self.enabled = False
         self.values: np.ndarray | None = None
         self._cursor: QPointF | None = None
-        self.timer = QTimer(self, singleShot=True, interval=_READ)
-        self.timer.timeout.connect(self.update_legend)
+        self.timer = QTimer(self, singleShot=True, interval=_READ, timeout=self.update_legend)
         canvas.viewport.tools.insert(0, self)
 
     @property

@@ -63,8 +63,7 @@ class Notice(QFrame):
         self.close_button.setProperty(SECTION_PROPERTY, type(self).__name__)
         self.close_button.clicked.connect(self.hide)
         self._row = row_layout(self._symbol, (self._text, 1), margins=(12, 8, 8 + _CLOSE, 8), parent=self)
-        self.timer = QTimer(self, singleShot=True, interval=_READING_TIME)
-        self.timer.timeout.connect(self.hide)
+        self.timer = QTimer(self, singleShot=True, interval=_READING_TIME, timeout=self.hide)
         self._kind = "message"
         self._held = ""
         self.hide()

@@ -246,7 +246,6 @@ def _tolerance(name: str, tip: str) -> NumberField:
 def field_row(title: str, field: NumberField) -> QWidget:
     """Row with a title on the left and a field on the right."""
     row = QWidget()
-    label = QLabel(title, toolTip=field.toolTip())
-    label.setBuddy(field)
+    label = QLabel(title, toolTip=field.toolTip(), buddy=field)
     row_layout(label, STRETCH, field, parent=row, spacing=-1)
     return row

@@ -55,8 +55,7 @@ class StatusBar(QStatusBar):
         self.hint = ElidedLabel()
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_requested)
-        self.pause = QToolButton(text=tr("Pause"))
-        self.pause.clicked.connect(self._press_pause)
+        self.pause = QToolButton(text=tr("Pause"), clicked=self._press_pause)
         self._silence = ""
         policy = self.pause.sizePolicy()
         policy.setRetainSizeWhenHidden(True)  # keeps its space, so that nothing moves at every drag
@@ -201,8 +200,7 @@ class ConvergenceProgress(QWidget):
         self.time_left = QLabel()
         bar = self.bar, 0, Qt.AlignmentFlag.AlignVCenter
         row_layout(bar, self.time_left, spacing=0, margins=(8, 0, 0, 0), parent=self)
-        self._timer = QTimer(self, interval=_TICK)
-        self._timer.timeout.connect(self._show)
+        self._timer = QTimer(self, interval=_TICK, timeout=self._show)
         self.hide()
 
     def follow(self, frame: Frame | None, solving: bool) -> None:

@@ -275,8 +275,7 @@ class Antialiasing:
     def __init__(self, viewport: QtInteractor) -> None:
         self._viewport = viewport
         self.is_software = self.smooths_next_draw = False
-        self.idle_timer = QTimer(viewport, singleShot=True, interval=IDLE_DELAY)
-        self.idle_timer.timeout.connect(self._smooth)
+        self.idle_timer = QTimer(viewport, singleShot=True, interval=IDLE_DELAY, timeout=self._smooth)
 
     def choose_samples(self, renderer: str) -> None:
         """Set the number of samples for an OpenGL renderer, by its name."""

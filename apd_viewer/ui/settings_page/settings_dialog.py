@@ -66,12 +66,11 @@ class SettingsDialog(QDialog):
         self.shortcuts = QPushButton(tr("Keyboard shortcuts…"), autoDefault=False)
         self.restore = QPushButton(tr("Restore defaults"), autoDefault=False)
         # No default button: Enter in a field only ends its editing, and does not close the dialog.
-        self.close_ = QPushButton(tr("Close"), objectName="primary", autoDefault=False)
+        self.close_ = QPushButton(tr("Close"), objectName="primary", autoDefault=False, clicked=self.close)
         self.shortcuts.setToolTip(tr("View and change the keyboard shortcuts"))
         self.restore.setToolTip(tr("Return all settings of this page to their defaults"))
         self.shortcuts.clicked.connect(self._show_shortcuts)
         self.restore.clicked.connect(lambda: self._values.restore_defaults(preference_table.PREFERENCES))
-        self.close_.clicked.connect(self.close)
         self._values.changed.connect(self._offer_restore)
         self._offer_restore()
         self.help = HelpButton()

@@ -196,8 +196,7 @@ class ScatterPlot(QWidget):
         for k, (word, choice) in enumerate(
             ((tr("y"), self.upright), (tr("x"), self.across), (tr("colour"), self.color))
         ):
-            label = QLabel(word, objectName="quiet")
-            label.setBuddy(choice)
+            label = QLabel(word, objectName="quiet", buddy=choice)
             head.addWidget(label, 0, 2 * k)
             head.addWidget(choice, 0, 2 * k + 1)
         head.setColumnStretch(head.columnCount(), 1)

@@ -262,8 +262,7 @@ class FolderWatch(QObject):
         self._shown = True
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
-        self._timer = QTimer(self, interval=_EVERY)
-        self._timer.timeout.connect(self.check_folder)
+        self._timer = QTimer(self, interval=_EVERY, timeout=self.check_folder)
 
     def watch_folder(self, folder: Path) -> None:
         """Start watching a folder, even before it holds results."""

@@ -171,8 +171,7 @@ class PlanDialog(QDialog):
     def _make_foot(self) -> QLayout:
         self.message = QLabel(objectName="quiet", wordWrap=True)
         self.cancel = QPushButton(tr("Cancel"), clicked=self.reject, autoDefault=False)
-        self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)
-        self.start.setDefault(True)
+        self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin, default=True)
         self.help = HelpButton()
         return row_layout(self.help, (self.message, 1), self.cancel, self.start)
 

@@ -68,8 +68,7 @@ class SweepDialog(RunDialog):
     def _make_motion(self) -> QHBoxLayout:
         document = self._state.document
         name = document.handles[self._handle].name
-        self.motion = ComboBox()
-        self.motion.setAccessibleName(tr("Motion to sweep"))
+        self.motion = ComboBox(accessibleName=tr("Motion to sweep"))
         pushed = self._is_pushed
         if document.relative_to_rest.is_posed or pushed:
             words = tr("current motion of the handles and obstacles")
@@ -179,8 +178,7 @@ class AnimationDialog(RunDialog):
         self.lay_out(about, rows)
 
     def _make_motion(self, motions: Sequence[tuple[str, Document]]) -> QHBoxLayout:
-        self.motion = ComboBox()
-        self.motion.setAccessibleName(tr("Motion to export"))
+        self.motion = ComboBox(accessibleName=tr("Motion to export"))
         for title, document in motions:
             self.motion.addItem(title, document)
         return row_layout(self.motion, STRETCH, spacing=16)
@@ -244,8 +242,7 @@ def _file_identity(path: Path) -> tuple[int, int] | None:
 
 def format_choice(first: str) -> ComboBox:
     """Combo box of animation formats by suffix, with ``first`` selected."""
-    choice = ComboBox()
-    choice.setAccessibleName(tr("Format of the animation"))
+    choice = ComboBox(accessibleName=tr("Format of the animation"))
     for ending, title in ANIMATION_FORMATS.items():
         choice.addItem(title, ending)
     choice.setCurrentIndex(choice.findData(first))

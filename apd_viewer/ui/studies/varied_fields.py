@@ -311,8 +311,7 @@ class VariedFields(QWidget):
 
 
 def _end_field(name: str, text: str, tip: str) -> TextField:
-    field = TextField(toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
-    field.setAccessibleName(name)
+    field = TextField(toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight, accessibleName=name)
     field.setText(text)
     field.setFixedWidth(_WIDTH)
     return field

@@ -138,7 +138,4 @@ def _number_text(number: float | None) -> str:
 
 
 def _entry(name: str, tip: str, usual: str) -> TextField:
-    field = TextField(toolTip=tip, placeholderText=usual)
-    field.setAccessibleName(name)
-    field.setMaximumWidth(110)
-    return field
+    return TextField(toolTip=tip, placeholderText=usual, accessibleName=name, maximumWidth=110)

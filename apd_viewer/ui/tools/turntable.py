@@ -24,8 +24,7 @@ class Turntable(MouseTool, QObject):
         super().__init__(viewport)
         self._viewport = viewport
         self._last = 0.0
-        self._timer = QTimer(self, interval=_TICK)
-        self._timer.timeout.connect(self._turn)
+        self._timer = QTimer(self, interval=_TICK, timeout=self._turn)
         viewport.tools.insert(0, self)
 
     @property

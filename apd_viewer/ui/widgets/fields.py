@@ -327,8 +327,7 @@ class ErrorBubble(QLabel):
     def __init__(self, field: QWidget) -> None:
         super().__init__(field, objectName="error", wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self._field = field
-        self._leaving = QTimer(self, singleShot=True, interval=_AFTER_LEAVING)
-        self._leaving.timeout.connect(self.hide)
+        self._leaving = QTimer(self, singleShot=True, interval=_AFTER_LEAVING, timeout=self.hide)
         field.destroyed.connect(self.deleteLater)
         self.hide()
 
