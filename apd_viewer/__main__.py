@@ -1,10 +1,9 @@
 """Command line; only ``apd-viewer [FILE]`` opens a window and needs a display."""
 
-from __future__ import annotations
-
+import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import apd_viewer
 from apd_viewer.commands.terminal.parser import Parser
@@ -12,10 +11,6 @@ from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_formats import MESH_FORMATS
 from apd_viewer.language import comma_separated, tr
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Sequence
 
 _OF_DESKTOP = "desktop", "thumbnail"
 COMMANDS = (

@@ -4,8 +4,6 @@ It is safe from the end of this program as soon as the file is in its place, and
 it has been flushed.
 """
 
-from __future__ import annotations
-
 import logging
 import threading
 import time

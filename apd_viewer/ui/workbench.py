@@ -33,13 +33,9 @@ from apd_viewer.ui.posing.motion_ghost import MotionPreview
 from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.scene.scene_picture import small_picture
+from apd_viewer.ui.settings_page import settings_dialog
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
-from apd_viewer.ui.settings_page.settings_dialog import (
-    SettingsPage,
-    connect_language,
-    connect_menu,
-    connect_preferences,
-)
+from apd_viewer.ui.settings_page.settings_dialog import SettingsPage
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.studies.case_study_controller import CaseStudyController
@@ -75,7 +71,9 @@ class Workbench(QObject):
         self._connect_session()
         self._connect_canvas()
         self._connect_shell()
-        connect_preferences(self.preferences.values, self.session, self.tools, self.canvas.brush.size)
+        settings_dialog.connect_preferences(
+            self.preferences.values, self.session, self.tools, self.canvas.brush.size
+        )
         self.tools.choose_tool(self.canvas.tool)
         self._show_status()
         self.recovery.restore_requested.connect(self.files.restore)
@@ -241,8 +239,8 @@ class Workbench(QObject):
         self.shell.closed.connect(self._close)
         self.shell.escape_pressed.connect(self._escape)
         self.shell.activated.connect(self.session.saved_work.check_file)
-        connect_menu(self.preferences.values, self.actions_.view.schemes)
-        connect_language(self.preferences.values, self.notice.show_failure)
+        settings_dialog.connect_menu(self.preferences.values, self.actions_.view.schemes)
+        settings_dialog.connect_language(self.preferences.values, self.notice.show_failure)
         self.shell.theme_changed.connect(self._set_theme)
         self._set_theme(self.shell.theme)
 

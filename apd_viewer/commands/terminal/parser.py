@@ -1,15 +1,11 @@
 """Command-line parser in the user's language."""
 
-from __future__ import annotations
-
 import argparse
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import Any
 
 from apd_viewer.commands.terminal.columns import column_count, wrapped_lines
 from apd_viewer.language import tr, trn
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 # Texts of argparse in Python 3.10 to 3.13, listed for translation; argparse looks them up itself.
 _OF_ARGPARSE = (

@@ -7,14 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats import ply_elements
-from apd_viewer.files.formats.polygon_mesh import (
-    ParsedMesh,
-    colors_to_uint8,
-    concatenated,
-    trailing_bytes_remark,
-    updated_normals,
-)
+from apd_viewer.files.formats import ply_elements, polygon_mesh
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 from apd_viewer.files.formats.text import TextEdits, parse_numbers
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
 from apd_viewer.geometry.mesh.mesh import Mesh, Texture
@@ -51,7 +45,7 @@ class PlyFile:
         if not set(_COLORS) <= set(self._scalars):
             return None
         kind = np.dtype(self._scalars[_COLORS[0]])
-        return colors_to_uint8(
+        return polygon_mesh.colors_to_uint8(
             self.columns(self._at, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max)
         )
 
@@ -79,7 +73,7 @@ class PlyFile:
         new: dict[tuple[str, ...], np.ndarray] = {ply_elements.AXES: U}
         if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
             N = self.columns(at, _NORMAL)
-            new[_NORMAL] = updated_normals(mesh.V, U, mesh.F, N, mesh.F)
+            new[_NORMAL] = polygon_mesh.updated_normals(mesh.V, U, mesh.F, N, mesh.F)
         if not self.order:
             return self._text(at, new)
         body = bytearray(self.content)
@@ -187,4 +181,9 @@ def _read(file: PlyFile, start: int) -> ParsedMesh:
             for offsets in ply_elements.walk_rows(text, start, element, order):
                 start = offsets[""]
     rest = text[start:] if order else text[start:].strip()
-    return ParsedMesh(V, concatenated(faces).triangles(V), origin, trailing_bytes_remark(len(rest)))
+    return ParsedMesh(
+        V,
+        polygon_mesh.concatenated(faces).triangles(V),
+        origin,
+        polygon_mesh.trailing_bytes_remark(len(rest)),
+    )

@@ -1,7 +1,5 @@
 """Rows of the shortcut sheet: actions with a shortcut editor, mouse gestures."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from PySide6.QtCore import QEvent, QKeyCombination, QRectF, QSize, Qt, Signal
@@ -74,6 +72,22 @@ class ActionRow(QFrame):
             self.back.setIcon(icon("undo", self._theme))
 
 
+class MouseGesture(NamedTuple):
+    """Title, icon and text of a tool's mouse gestures.
+
+    Parameters
+    ----------
+    title : str
+        Of the tool, or of the way to paint.
+    image : str
+        Name of its icon.
+    """
+
+    title: str
+    image: str
+    text: str
+
+
 class GestureRow(QFrame):
     """Icon and title of a tool, and its mouse gestures below."""
 
@@ -128,22 +142,6 @@ class ShortcutGroup(QWidget):
             found += fits
         self.setVisible(bool(found))
         return found
-
-
-class MouseGesture(NamedTuple):
-    """Title, icon and text of a tool's mouse gestures.
-
-    Parameters
-    ----------
-    title : str
-        Of the tool, or of the way to paint.
-    image : str
-        Name of its icon.
-    """
-
-    title: str
-    image: str
-    text: str
 
 
 # Camera gestures of apd_viewer.ui.scene.navigation, available with every tool.

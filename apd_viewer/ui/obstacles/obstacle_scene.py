@@ -1,7 +1,5 @@
 """Obstacles in the scene: translucent surfaces with outlines."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Ghost of handles where a motion would bring them, as one is typed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Controller of a viewport's camera."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Number field combined with a slider."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -15,6 +13,25 @@ from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import NumberField, small_button
 from apd_viewer.ui.widgets.theme import Theme, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
+
+
+class SliderScale(NamedTuple):
+    """Conversion between slider steps and values.
+
+    Attributes
+    ----------
+    value_at : callable
+        From a step to its value.
+    step_of : callable
+        From a value to its step, not rounded.
+    neutral : int
+        The step that the knob falls into, and from which the bar is drawn.
+    """
+
+    steps: int
+    value_at: Callable[[int], float]
+    step_of: Callable[[float], float]
+    neutral: int
 
 
 class SliderField(QWidget):
@@ -124,25 +141,6 @@ _KNOB = 14
 
 
 _MAGNET = 3  # pixels around the neutral value within which the knob snaps to it
-
-
-class SliderScale(NamedTuple):
-    """Conversion between slider steps and values.
-
-    Attributes
-    ----------
-    value_at : callable
-        From a step to its value.
-    step_of : callable
-        From a value to its step, not rounded.
-    neutral : int
-        The step that the knob falls into, and from which the bar is drawn.
-    """
-
-    steps: int
-    value_at: Callable[[int], float]
-    step_of: Callable[[float], float]
-    neutral: int
 
 
 # Scales: half a percent per step from 0, the same around 100 %, and three decades with 0 below.

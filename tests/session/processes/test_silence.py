@@ -12,7 +12,7 @@ from driven_session import pose
 from new_threads import new_threads
 
 from apd_viewer.session.processes import solver_process
-from apd_viewer.session.processes.silence_watch import SilenceWatch
+from apd_viewer.session.processes.solver_process import SilenceWatch
 from apd_viewer.session.state_store import Activity
 
 SOON = 12.0  # s; it is told after 5
