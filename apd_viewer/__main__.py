@@ -91,9 +91,7 @@ def parse_arguments(words: list[str]) -> argparse.Namespace:
 
 def _view_parser() -> Parser:
     parser = Parser(
-        prog="apd-viewer",
-        usage=_USAGE,
-        description=tr("Area-preserving deformation of 3D objects."),
+        prog="apd-viewer", usage=_USAGE, description=tr("Area-preserving deformation of 3D objects.")
     )
     parser.add_argument(
         "file",

@@ -89,10 +89,6 @@ class Study:
         """Unfinished cases by key."""
         return {key: case for key, case in self._cases.items() if key not in self._done}
 
-    def _failed(self, table: ResultTable) -> int:
-        """Number of finished cases that failed."""
-        return sum(row.status == case_file.FAILED and row.key in self._done for row in table.rows)
-
     def run(
         self,
         engine: Engine,
@@ -121,7 +117,8 @@ class Study:
     def _round(
         self, engine: Engine, limit: float | None, on_progress: Callable[[CaseCounts], object]
     ) -> ResultTable:
-        failed = self._failed(self._store.results())
+        rows = self._store.results().rows
+        failed = sum(row.status == case_file.FAILED and row.key in self._done for row in rows)
         pace = ProgressMeter(len(self._cases), len(self._done), failed)
 
         def finished(content: bytes) -> None:

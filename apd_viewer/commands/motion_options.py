@@ -24,9 +24,7 @@ from apd_viewer.session.storage.session_file import open_session
 def add_input_options(parser: argparse.ArgumentParser) -> None:
     """Add options for a session, or a mesh with its paint, and for the motion."""
     parser.add_argument(
-        "file",
-        metavar="SESSION",
-        help=tr("session (.apd); or a mesh, painted and moved by:"),
+        "file", metavar="SESSION", help=tr("session (.apd); or a mesh, painted and moved by:")
     )
     add_option(parser, "--selection SEL", tr("of a mesh: base, handles and regions"))
     add_option(

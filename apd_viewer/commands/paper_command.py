@@ -29,10 +29,7 @@ _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (
 _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated fractions of the work; the rest is drawing
 TOLERANCE = 1e-3
 _METHODS = "arap", "paper"  # in column order
-TABLE_TITLES = {
-    "bottle": tr("Table 1: twisting a bottle"),
-    "duck": tr("Table 2: bending a duck"),
-}
+TABLE_TITLES = {"bottle": tr("Table 1: twisting a bottle"), "duck": tr("Table 2: bending a duck")}
 _HEADINGS = (
     tr("motion"),
     "",
@@ -100,19 +97,15 @@ def _draw_shapes(table: Sequence[PaperTableRow], folder: Path, progress: Progres
         own = [row for row in table if row.case.sample == sample]
         shapes, words = [mesh.V], [[tr("Rest")]]
         for row in own:
+            amount = row.case.title.rpartition(" by ")[2]
             for name, result in ((tr("ARAP"), row.arap), (tr("APD"), row.paper)):
                 shapes.append(result.U)
-                words.append([f"{_amount(row)}, {name}", *_readings(result)])
+                words.append([f"{amount}, {name}", *_readings(result)])
         size, look = _PICTURES[sample]
         picture = Picture(folder / f"{sample}.png", shapes, words, label_colors(labels))
         if not draw_shapes(mesh, [picture], size, view_direction=look):
             return False
     return True
-
-
-def _amount(row: PaperTableRow) -> str:
-    """Amount of the row's motion, from its title."""
-    return row.case.title.rpartition(" by ")[2]
 
 
 def _readings(result: Result) -> list[str]:

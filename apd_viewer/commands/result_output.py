@@ -55,12 +55,7 @@ def show_progress_line(
         last = frame.iteration == (iterations or most_iterations) or (frame.settled and not iterations)
         if frame.iteration % 20 and not last:
             return
-        print(
-            f"\r{frame_line(frame, iterations)}   ",
-            end="\n" if last else "",
-            file=sys.stderr,
-            flush=True,
-        )
+        print(f"\r{frame_line(frame, iterations)}   ", end="\n" if last else "", file=sys.stderr, flush=True)
 
     return show
 

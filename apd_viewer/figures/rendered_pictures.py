@@ -124,12 +124,7 @@ def _picture_job(picture: Picture, number: int, folder: Path) -> dict[str, objec
     if picture.first_colors is not None:
         paint = str(folder / f"{number}-paint.npy")
         np.save(paint, picture.first_colors)
-    return {
-        "path": str(folder / f"{number}.png"),
-        "shapes": paths,
-        "words": picture.captions,
-        "paint": paint,
-    }
+    return {"path": str(folder / f"{number}.png"), "shapes": paths, "words": picture.captions, "paint": paint}
 
 
 def _run(folder: Path, count: int, drawn: Callable[[int], object]) -> bool:

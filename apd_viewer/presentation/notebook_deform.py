@@ -34,10 +34,6 @@ P = ParamSpec("P")
 _SAME = [name for name in WRAPPER_ASSIGNMENTS if name != "__module__"]
 
 
-def _is_progress_wanted(progress: object) -> bool:
-    return isinstance(progress, bool | np.bool_) and bool(progress)
-
-
 def _wrap_deform(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     """Wrap ``deform`` with a progress line and a result with pictures."""
     signature = inspect.signature(deform)
@@ -45,11 +41,9 @@ def _wrap_deform(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     @wraps(deform, assigned=_SAME)
     def shown(*given: P.args, **named: P.kwargs) -> NotebookResult:
         arguments = signature.bind(*given, **named).arguments
-        line = (
-            ProgressLine(arguments.get("iterations"))
-            if _is_progress_wanted(arguments.get("progress"))
-            else None
-        )
+        asked = arguments.get("progress")
+        is_wanted = isinstance(asked, bool | np.bool_) and bool(asked)
+        line = ProgressLine(arguments.get("iterations")) if is_wanted else None
         if line is not None:
             named["progress"] = line
         try:

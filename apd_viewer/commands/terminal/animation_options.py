@@ -82,15 +82,13 @@ class AnimationTargets:
     def files(self, version: str) -> list[Path]:
         """Animation files of one version, without the films."""
         paths = [path for path in self._asked if not is_film(path)]
-        return [path.with_stem(f"{path.stem}-{version}") if self._several else path for path in paths]
+        if len(self._versions) == 1:
+            return paths
+        return [path.with_stem(f"{path.stem}-{version}") for path in paths]
 
     def all_files(self) -> list[Path]:
         """Animation files of all versions, without the films."""
         return [path for version in self._versions for path in self.files(version)]
-
-    @property
-    def _several(self) -> bool:
-        return len(self._versions) > 1
 
     def _is_in_output(self, path: Path) -> bool:
         """True if a path is in the output folder, whether or not that exists yet."""

@@ -34,11 +34,7 @@ class _Formatter(argparse.HelpFormatter):
     """Help text at the terminal's width, also in languages without spaces."""
 
     def _format_usage(
-        self,
-        usage: str | None,
-        actions: Iterable[argparse.Action],
-        groups: Iterable[Any],
-        prefix: str | None,
+        self, usage: str | None, actions: Iterable[argparse.Action], groups: Iterable[Any], prefix: str | None
     ) -> str:
         head = tr("usage: ") if prefix is None else prefix
         room = column_count(head)

@@ -13,7 +13,7 @@ from apd_viewer.geometry.mesh.components import face_components
 from apd_viewer.geometry.mesh.operators import face_areas, region_areas
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.pose import constraints
-from apd_viewer.geometry.pose.falloff import Graph, distances, edge_graph, soft_constraints, strengths
+from apd_viewer.geometry.pose.falloff import distances, edge_graph, soft_constraints, strengths
 
 T = TypeVar("T")
 
@@ -116,10 +116,7 @@ def triangle_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 cell_stiffness = memoised(cell_bending.cell_stiffness)
 
 
-@memoised
-def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
-    """Edge graph weighted by edge lengths, (n, n)."""
-    return edge_graph(V, F)
+_graph = memoised(edge_graph)
 
 
 @memoised

@@ -16,14 +16,9 @@ from typing import Any
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files import mesh_location
 from apd_viewer.files.known_file import FileState, KnownFile
-from apd_viewer.files.mesh_location import (
-    MissingMesh,
-    find_mesh,
-    is_mesh_in_file,
-    mesh_location_to_json,
-    mesh_members,
-)
+from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.files.storage.archive import Archive, npy_content, write_archive
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import open_regular, read_content
@@ -138,7 +133,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
         archive = Archive(_content(path))
         said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER)
         _check_version(said, path)
-        mesh = _welded(find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
+        mesh = _welded(mesh_location.find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
         state, arrays = initial_state(mesh), _arrays(said, archive, mesh)
         document = with_target(
             session_json.document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
@@ -261,8 +256,10 @@ def mesh_to_json(
     mesh: Mesh, session: Path, embed: bool, prefix: str = ""
 ) -> tuple[dict[str, Any], dict[str, bytes]]:
     """JSON location of a mesh, and the archive members of its copy, if any."""
-    copy = mesh_members(mesh, prefix) if embed or not is_mesh_in_file(mesh) else {}
-    return {**mesh_location_to_json(mesh, session), "embedded": list(copy) or None}, copy
+    copy = (
+        mesh_location.mesh_members(mesh, prefix) if embed or not mesh_location.is_mesh_in_file(mesh) else {}
+    )
+    return {**mesh_location.mesh_location_to_json(mesh, session), "embedded": list(copy) or None}, copy
 
 
 def target_to_json(
@@ -277,13 +274,16 @@ def target_to_json(
 
 def has_mesh(path: Path, mesh: Mesh) -> bool:
     """True if the session at ``path`` contains the mesh, or still finds it."""
-    if is_mesh_in_file(mesh):
+    if mesh_location.is_mesh_in_file(mesh):
         return True
     try:
         with open_regular(path) as stream:
             archive = Archive(stream)
             said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER).nested_fields("mesh")
-            return said.has_value("embedded") or find_mesh(said, path, archive).digest == mesh.digest
+            return (
+                said.has_value("embedded")
+                or mesh_location.find_mesh(said, path, archive).digest == mesh.digest
+            )
     except (OSError, ValueError):
         return False
 
@@ -294,7 +294,7 @@ def with_target(document: Document, fields: JsonFields, path: Path, archive: Arc
         return document
     told = fields.nested_fields("target")
     try:
-        target = TargetShape(find_mesh(told, path, archive, _OF_TARGET))
+        target = TargetShape(mesh_location.find_mesh(told, path, archive, _OF_TARGET))
     except InputError as error:
         return replace(document, missing_target_shape=MissingMesh(told.raw, str(error)))
     return replace(document, target_shape=target)

@@ -92,14 +92,11 @@ class ObstacleSection(Section):
         menu = QMenu(self.sides)
         for axis, letter in enumerate("XYZ"):
             asked = menu.addAction(tr("Along {axis}").format(axis=letter))
-            asked.triggered.connect(partial(self._ask_sides, axis))
+            asked.triggered.connect(partial(self.sides_requested.emit, axis))
         self.sides.setMenu(menu)
         grid.addWidget(self.floor, 1, 0, 1, 3)
         grid.addWidget(self.sides, 1, 3, 1, 3)
         return grid
-
-    def _ask_sides(self, axis: int) -> None:
-        self.sides_requested.emit(axis)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         details = quiet_label(tr("Motion of {name}").format(name=name))

@@ -118,10 +118,7 @@ class AreaSection(QWidget):
         column.addLayout(row)
 
     def _add_target(self, column: QVBoxLayout) -> None:
-        self.hold = CheckBox(
-            tr("Keep total area"),
-            toolTip=tr("Keep the total area exactly"),
-        )
+        self.hold = CheckBox(tr("Keep total area"), toolTip=tr("Keep the total area exactly"))
         self.hold.toggled.connect(self.keep_toggled)
         label = QLabel(tr("Target"), toolTip=_AREA_TIP)
         title = QWidget()
@@ -234,10 +231,7 @@ class VolumeSection(Section):
                 tr("Pairs of vertex and triangle, or of two edges, nearer than the distance that walls keep"),
             ),
             (tr("Least gap"), tr("Least distance of what is in contact")),
-            (
-                tr("Share of the way"),
-                tr("Share of its way from rest that contact has let the handle go"),
-            ),
+            (tr("Share of the way"), tr("Share of its way from rest that contact has let the handle go")),
         )
         values = []
         for row, (title, tip) in enumerate(rows):

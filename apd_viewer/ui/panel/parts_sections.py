@@ -48,9 +48,7 @@ class HandleSection(Section):
         self.list = PartList(HANDLE_COLORS, self._row)
         self.column.addWidget(self.list)
         self.crossing_signs = QLabel(
-            objectName="lost",
-            wordWrap=True,
-            accessibleName=tr("Signs of passing through itself"),
+            objectName="lost", wordWrap=True, accessibleName=tr("Signs of passing through itself")
         )
         self.crossing_signs.hide()
         self.column.addWidget(self.crossing_signs)
@@ -72,11 +70,7 @@ class HandleSection(Section):
         grid.addWidget(QLabel(tr("Drift"), objectName="quiet", toolTip=_DRIFT), 0, 0)
         grid.addWidget(self.drift, 0, 1, Qt.AlignmentFlag.AlignRight)
         self.column.addLayout(grid)
-        self.add = QPushButton(
-            tr("Add"),
-            accessibleName=tr("Add handle"),
-            toolTip=tr("Add another handle"),
-        )
+        self.add = QPushButton(tr("Add"), accessibleName=tr("Add handle"), toolTip=tr("Add another handle"))
         self.reset_handle = QPushButton(
             tr("Reset"), toolTip=tr("Return the active handle to its rest position")
         )

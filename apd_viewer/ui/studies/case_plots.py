@@ -125,8 +125,8 @@ class CaseCurves(QWidget):
             for name in _OFFERED
         ]
         self.reading.set_columns(offered, offered)
-        self.reading.chosen.connect(self._redraw)
         self.view = ChartView(ChartTexts(tr("Curves of the chosen cases"), ""), self._chart)
+        self.reading.chosen.connect(self.view.update)
         self.view.setMinimumSize(_LOWEST)
         abscissa = QLabel(tr("by motion"), objectName="quiet")
         head = row_layout(self.reading, abscissa, STRETCH, spacing=6, margins=(8, 4, 8, 0))
@@ -135,14 +135,11 @@ class CaseCurves(QWidget):
     def show_study(self, folder: Path) -> None:
         """Set the study folder and clear the cached curves."""
         self._folder, self._kept, self._shown = folder, {}, {}
-        self._redraw()
+        self.view.update()
 
     def show_cases(self, colors: Mapping[int, str]) -> None:
         """Show the curves of plan rows, given with their colours."""
         self._shown = dict(colors)
-        self._redraw()
-
-    def _redraw(self) -> None:
         self.view.update()
 
     def _curves(self, row: int) -> _Curves:
@@ -242,12 +239,7 @@ class ScatterPlot(QWidget):
             ramp, colors = ColorBar(axis, color_bar_colors()), dot_colors(axis, places)
         failed = np.array([row.status == FAILED for row in self._model.rows], dtype=bool)
         crosses = np.column_stack([at_x, np.where(np.isfinite(at_y), at_y, upright.low)])[failed]
-        dots = Dots(
-            at_x,
-            np.where(failed, np.nan, at_y),
-            colors,
-            crosses[np.isfinite(crosses).all(axis=1)],
-        )
+        dots = Dots(at_x, np.where(failed, np.nan, at_y), colors, crosses[np.isfinite(crosses).all(axis=1)])
         return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
 
     def _row_tooltip(self, row: int) -> str:

@@ -4,17 +4,7 @@ import math
 from pathlib import Path
 
 from PySide6.QtCore import QObject, QSize, Qt, Signal
-from PySide6.QtWidgets import (
-    QDialog,
-    QFileDialog,
-    QFrame,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QLayout,
-    QPushButton,
-    QWidget,
-)
+from PySide6.QtWidgets import QDialog, QFileDialog, QFrame, QGridLayout, QLabel, QLayout, QPushButton, QWidget
 
 from apd_viewer.cases.case import MOST_STEPS
 from apd_viewer.cases.design import GRID, LATIN, MOST_SAMPLES, SOBOL
@@ -328,7 +318,7 @@ class MethodFields(QObject):
     ----------
     checks : dict of str to CheckBox
         By the names of methods.
-    layout_ : QHBoxLayout
+    layout_ : QLayout
         The row of the boxes.
     """
 
@@ -345,7 +335,7 @@ class MethodFields(QObject):
             check.setEnabled(method.may_use_contact or not document.has_active_obstacles)
             check.setChecked(name == document.settings.method)
             check.toggled.connect(self.changed)
-        self.layout_: QHBoxLayout = row_layout(*self.checks.values(), STRETCH, spacing=16)
+        self.layout_: QLayout = row_layout(*self.checks.values(), STRETCH, spacing=16)
 
     @property
     def chosen_count(self) -> int:
