@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import apd_viewer
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals, prepare_streams, print_error
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_formats import MESH_FORMATS
@@ -103,11 +103,7 @@ def _view_parser() -> Parser:
     )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))
-    parser.add_argument(
-        "--clicked",
-        action="store_true",
-        help=tr("of desktops: the window opens, and says what is wrong with FILE"),
-    )
+    add_option(parser, "--clicked", tr("of desktops: the window opens, and says what is wrong with FILE"))
     parser.set_defaults(run=lambda options: apd_viewer.show_window(options.file, options.clicked))
     return parser
 

@@ -49,41 +49,24 @@ def deform_parser() -> Parser:
     """Parser of the command deform."""
     parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
     add_option(parser, "MESH")
-    add_option(
-        parser,
-        "--selection SEL",
-        tr(
-            "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
-        ),
+    about = tr(
+        "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
     )
-    add_option(
-        parser,
-        "--transform DEF",
-        tr("4x4 matrix that moves the handle; repeat for each handle"),
-        default=[],
-        action="append",
-    )
+    add_option(parser, "--selection SEL", about)
+    about = tr("4x4 matrix that moves the handle; repeat for each handle")
+    add_option(parser, "--transform DEF", about, default=[], action="append")
     add_motion_options(parser)
     add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
     setting_options.add_setting_options(parser, _SETTINGS)
     setting_options.add_contact_option(parser)
     add_option(parser, "--iterations N", tr("run exactly N iterations; default: until converged"), type=int)
-    add_option(
-        parser,
-        "--loose",
-        tr(
-            "connected parts without base or handle go along with the nearest surface, or stay; "
-            "default: %(default)s"
-        ),
-        choices=(GO, STAY),
-        default=GO,
+    about = tr(
+        "connected parts without base or handle go along with the nearest surface, or stay; "
+        "default: %(default)s"
     )
-    add_option(
-        parser,
-        "--obstacles FILE.json",
-        tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
-        type=Path,
-    )
+    add_option(parser, "--loose", about, choices=(GO, STAY), default=GO)
+    about = tr("plates, spheres and cylinders that push, as a session lists them; turns contact on")
+    add_option(parser, "--obstacles FILE.json", about, type=Path)
     add_weld_option(parser)
     parser.add_argument(
         "--region",
@@ -97,11 +80,8 @@ def deform_parser() -> Parser:
         ),
     )
     add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
-    add_option(
-        parser,
-        "--compare OTHER",
-        tr("target shape: put the distance from the surface of another mesh into report and scalars"),
-    )
+    about = tr("target shape: put the distance from the surface of another mesh into report and scalars")
+    add_option(parser, "--compare OTHER", about)
     result_output.add_scalar_options(parser)
     add_option(parser, "--picture P.png", tr("draw the mesh before and after"), type=Path)
     parser.set_defaults(run=_deform)

@@ -27,13 +27,8 @@ def add_input_options(parser: argparse.ArgumentParser) -> None:
         "file", metavar="SESSION", help=tr("session (.apd); or a mesh, painted and moved by:")
     )
     add_option(parser, "--selection SEL", tr("of a mesh: base, handles and regions"))
-    add_option(
-        parser,
-        "--transform DEF",
-        tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle"),
-        action="append",
-        default=[],
-    )
+    about = tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle")
+    add_option(parser, "--transform DEF", about, action="append", default=[])
     add_motion_options(parser)
 
 

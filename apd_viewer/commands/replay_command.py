@@ -52,11 +52,8 @@ def replay_parser() -> Parser:
     add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
     add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
     result_output.add_scalar_options(parser)
-    add_option(
-        parser,
-        "--from-rest",
-        tr("start from the rest shape; default: a saved shape that has converged is kept"),
-    )
+    about = tr("start from the rest shape; default: a saved shape that has converged is kept")
+    add_option(parser, "--from-rest", about)
     add_animation_option(parser, films=False)
     parser.set_defaults(run=_replay)
     return parser

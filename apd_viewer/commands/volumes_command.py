@@ -38,11 +38,10 @@ def volumes_parser() -> Parser:
     add_option(parser, "--rest REST", tr("mesh of the shape at rest, for the change"))
     add_option(parser, "--unit", tr("unit of length of both meshes"), choices=SYMBOLS, default="")
     add_option(parser, "--bag LITRES", tr("count the objects in a bag of this size; default: 45"))
-    for option, metavar, what in (
-        ("--thickness", "LENGTH", tr("of the wall, such as 0.3mm, for the material volume")),
-        ("--density", "D", tr("of the material, such as 1.38 (g/cm³), for the bulk density")),
-    ):
-        parser.add_argument(option, metavar=metavar, default="", help=what)
+    about = tr("of the wall, such as 0.3mm, for the material volume")
+    add_option(parser, "--thickness LENGTH", about, default="")
+    about = tr("of the material, such as 1.38 (g/cm³), for the bulk density")
+    add_option(parser, "--density D", about, default="")
     add_option(parser, "--json V.json", tr("write the readings as JSON"), type=Path)
     parser.set_defaults(run=_volumes)
     return parser
