@@ -33,10 +33,8 @@ class MeasureSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Measure"))
-        self.empty = quiet_label(tr("About measuring"))
-        self.empty.setText(
-            tr("Take the tool Measure and click the mesh: distances, angles, geodesics and sections.")
-        )
+        about = tr("Take the tool Measure and click the mesh: distances, angles, geodesics and sections.")
+        self.empty = quiet_label(tr("About measuring"), about)
         self.list = PartList([_COLOR], self._row)
         self.shown = CheckBox(tr("Show in the view"), toolTip=tr("Draw the measurements over the mesh"))
         self.shown.setChecked(True)
@@ -49,8 +47,7 @@ class MeasureSection(Section):
         self.show_readings((), Unit.NONE, 0)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet_label(tr("Values of {name}").format(name=name))
-        details.setIndent(22)
+        details = quiet_label(tr("Values of {name}").format(name=name), indent=22)
         row = PartRow("measurement", name, color, details)
         row.buttons.hide()
         return row

@@ -57,18 +57,15 @@ class ObstacleSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Obstacles"))
-        self.empty = quiet_label(tr("About obstacles"))
-        self.empty.setText(
-            tr(
-                "Plates, spheres and cylinders push the surface by contact, without friction; "
-                "nothing has to be held."
-            )
+        about = tr(
+            "Plates, spheres and cylinders push the surface by contact, without friction; "
+            "nothing has to be held."
         )
+        self.empty = quiet_label(tr("About obstacles"), about)
         self.list = PartList([OBSTACLE_COLOR], self._row)
         self.fields = ObstacleFields()
         self.excess = quiet_label(tr("Expected excess of the loads"))
-        self.note = quiet_label(tr("Why obstacles push nothing"))
-        self.note.setObjectName("unreached")
+        self.note = quiet_label(tr("Why obstacles push nothing"), style="unreached")
         self.contact = QPushButton(tr("Turn contact on"), toolTip=tr("Let the obstacles push the surface"))
         self.contact.clicked.connect(self.contact_requested)
         parts = self.list, self.excess, self.fields, self.note, self.contact
@@ -99,8 +96,7 @@ class ObstacleSection(Section):
         return grid
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet_label(tr("Motion of {name}").format(name=name))
-        details.setIndent(22)
+        details = quiet_label(tr("Motion of {name}").format(name=name), indent=22)
         row = PartRow("obstacle", name, color, details)
         row.buttons.hide()
         return row

@@ -86,8 +86,7 @@ class HandleSection(Section):
         add_parts(self.column, 4, buttons)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet_label(tr("Displacement and rotation of {name}").format(name=name))
-        details.setIndent(22)
+        details = quiet_label(tr("Displacement and rotation of {name}").format(name=name), indent=22)
         return PartRow("handle", name, color, details)
 
     def show_settings(self, state: State, unit: Unit, active: int) -> None:
@@ -149,11 +148,10 @@ class RegionSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Regions"))
-        self.empty = quiet_label(tr("About regions"))
-        self.empty.setText(tr("A region is a painted part whose area you can measure and keep."))
+        about = tr("A region is a painted part whose area you can measure and keep.")
+        self.empty = quiet_label(tr("About regions"), about)
         self.list = PartList(REGION_COLORS, self._row)
-        self.note = quiet_label(tr("Why regions are not kept"))
-        self.note.setText(tr("The method Paper only measures regions."))
+        self.note = quiet_label(tr("Why regions are not kept"), tr("The method Paper only measures regions."))
         self.note.hide()
         self.add = QPushButton(tr("Add region"), toolTip=tr("Add another region to measure or keep its area"))
         self.add.clicked.connect(self.add_requested)

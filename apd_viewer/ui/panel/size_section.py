@@ -67,8 +67,7 @@ class SizeSection(Section):
         self._add_wall()
         self.mass = self._row(tr("Mass"), tr("Area × thickness × density"), wide=True)
         add_parts(self.column, self._grid, 4)
-        self.problem = quiet_label(tr("Why there is no mass"))
-        self.problem.setObjectName("unreached")
+        self.problem = quiet_label(tr("Why there is no mass"), style="unreached")
         self.two_walls = quiet_label(tr("Material and capacity of the double wall"))
         for line in (self.problem, self.two_walls):
             line.hide()

@@ -63,8 +63,8 @@ class PoseSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Poses"))
-        self.empty = quiet_label(tr("About poses"))
-        self.empty.setText(tr("Keep where all handles are now, and return to it with a click."))
+        about = tr("Keep where all handles are now, and return to it with a click.")
+        self.empty = quiet_label(tr("About poses"), about)
         self.list = PoseList()
         self.add = QPushButton(
             tr("Keep pose"), toolTip=tr("Keep the present places of all handles under a name")

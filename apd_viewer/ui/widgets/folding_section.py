@@ -112,6 +112,6 @@ class Section(QWidget):
         self.heading.set_theme(theme)
 
 
-def quiet_label(name: str) -> QLabel:
-    """Wrapping label in a muted colour."""
-    return QLabel("", objectName="quiet", accessibleName=name, wordWrap=True)
+def quiet_label(name: str, text: str = "", style: str = "quiet", indent: int = -1) -> QLabel:
+    """Wrapping label in a muted colour, or another style; its indent in px."""
+    return QLabel(text, objectName=style, accessibleName=name, wordWrap=True, indent=indent)
