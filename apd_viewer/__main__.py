@@ -1,21 +1,16 @@
 """Command line; only ``apd-viewer [FILE]`` opens a window and needs a display."""
 
-from __future__ import annotations
-
+import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import apd_viewer
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals, prepare_streams, print_error
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_formats import MESH_FORMATS
 from apd_viewer.language import comma_separated, tr
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Sequence
 
 _OF_DESKTOP = "desktop", "thumbnail"
 COMMANDS = (
@@ -96,9 +91,7 @@ def parse_arguments(words: list[str]) -> argparse.Namespace:
 
 def _view_parser() -> Parser:
     parser = Parser(
-        prog="apd-viewer",
-        usage=_USAGE,
-        description=tr("Area-preserving deformation of 3D objects."),
+        prog="apd-viewer", usage=_USAGE, description=tr("Area-preserving deformation of 3D objects.")
     )
     parser.add_argument(
         "file",
@@ -110,11 +103,7 @@ def _view_parser() -> Parser:
     )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))
-    parser.add_argument(
-        "--clicked",
-        action="store_true",
-        help=tr("of desktops: the window opens, and says what is wrong with FILE"),
-    )
+    add_option(parser, "--clicked", tr("of desktops: the window opens, and says what is wrong with FILE"))
     parser.set_defaults(run=lambda options: apd_viewer.show_window(options.file, options.clicked))
     return parser
 

@@ -29,13 +29,8 @@ from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.handle_paths import document_at, handle_paths, handle_pose_sequences
 from apd_viewer.session.model.named_obstacle import NamedObstacle
 from apd_viewer.session.model.state import load_excess_of
-from apd_viewer.session.posing.motion_path import (
-    MotionPath,
-    MotionStep,
-    document_along,
-    motion_paths,
-    total_turn,
-)
+from apd_viewer.session.posing import motion_path
+from apd_viewer.session.posing.motion_path import MotionPath, MotionStep
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 
 MOST_STEPS = 1000
@@ -54,7 +49,6 @@ class CaseStep(NamedTuple):
 
     Attributes
     ----------
-    method : str
     number : int
         From 0, where nothing has moved yet.
     share : float
@@ -63,7 +57,6 @@ class CaseStep(NamedTuple):
         By how much the first handle that moves has turned.
     displacement : float
         How far its pivot is from where it was, mesh units.
-    frame : Frame
     volume_rest, volume_capped_rest : float or None
         With flat caps over its openings; None without any.
     energy : float
@@ -180,7 +173,7 @@ class Case:
     def has_small_turns(self) -> bool:
         """True if each step turns the handles by less than half a turn."""
         step = max(np.diff(self.shares, prepend=0.0))
-        return bool(step * max(total_turn(path) for path in self.paths) < np.pi)
+        return bool(step * max(motion_path.total_turn(path) for path in self.paths) < np.pi)
 
     def step_warnings(self, step: CaseStep) -> tuple[str, ...]:
         """Warnings about unreached targets and self-penetration at a step."""
@@ -202,7 +195,7 @@ class Case:
     @property
     def end_document(self) -> Document:
         """Document at the last step, including rotations of more than half a turn."""
-        return document_along(self.document_at(self.shares[-1]), self.paths, self.shares[-1])
+        return motion_path.document_along(self.document_at(self.shares[-1]), self.paths, self.shares[-1])
 
 
 def case_of(
@@ -216,7 +209,6 @@ def case_of(
 
     Parameters
     ----------
-    document : Document
     steps : int
         Beside the one at the start.
     last_share : float
@@ -244,7 +236,9 @@ def case_of(
     if document.paint_problem:
         raise InputError(document.paint_problem)
     document = document.relative_to_rest
-    paths: tuple[CasePath, ...] = motion_paths(document, motion) if motion else handle_paths(document)
+    paths: tuple[CasePath, ...] = (
+        motion_path.motion_paths(document, motion) if motion else handle_paths(document)
+    )
     if not any(path.has_motion for path in paths) and not obstacle_shifts(document).any():
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
@@ -276,7 +270,6 @@ def run(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterato
 
     Parameters
     ----------
-    case : Case
     tick : callable
         Called after every iteration with the share of the work that is done, at a guess; what it raises ends
         the case.
@@ -307,7 +300,7 @@ def _step(case: Case, solver: Deformation, number: int, frame: Frame) -> CaseSte
         solver.rest.volume_capped,
         solver.rest.energy(frame.U),
         tuple(np.linalg.norm(frame.loads, axis=1).tolist()),
-        document_turns(document_along(case.document, case.paths, share), frame.U),
+        document_turns(motion_path.document_along(case.document, case.paths, share), frame.U),
     )
 
 

@@ -33,7 +33,6 @@ class CaseResult:
 
     Attributes
     ----------
-    key : str
     case : dict
         Its inputs, as :attr:`StudyCase.said`.
     status : str

@@ -62,7 +62,6 @@ class CaseRunner:
     ----------
     cases : mapping of str to StudyCase
         By their keys.
-    engine : Engine
     on_result : callable
         Called with the bytes of each result, on the thread of :meth:`run`.
     limit : float or None

@@ -48,7 +48,6 @@ class CaseTask(NamedTuple):
 
     Attributes
     ----------
-    case : StudyCase
     time_limit : float or None
         Seconds that it may take.
     sent_inputs : mapping of str to bytes

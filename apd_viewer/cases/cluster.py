@@ -123,7 +123,6 @@ def connect_cluster(
         Such as ``tcp://host:8786`` or ``tls://host:8786``; None with a file.
     scheduler_file : Path or None
         What the scheduler has written about itself.
-    work : callable
 
     Raises
     ------

@@ -175,8 +175,6 @@ class DatabaseRow(NamedTuple):
     ----------
     size : int
         Of its file, in bytes.
-    status, sentence : str
-    readings : dict
     """
 
     size: int

@@ -134,12 +134,10 @@ def design_table(
     ----------
     constants : dict
         Cells that are the same in all rows, by column.
-    variables : sequence of DesignVariable
     design : str
         LATIN, SOBOL (of as many as the next power of 2 is best), or GRID: all combinations.
     samples : int
         Rows; of a grid, levels of each range.
-    seed : int
 
     Raises
     ------

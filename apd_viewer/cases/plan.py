@@ -9,14 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
 
-from apd_viewer.cases.plan_columns import (
-    COLUMNS,
-    LENGTH_COLUMNS,
-    NOTE_PREFIX,
-    SETTING_COLUMNS,
-    parse_steps,
-    parse_unit,
-)
+from apd_viewer.cases import plan_columns
 from apd_viewer.cases.study_case import CaseSetting, InputFiles, StudyCase
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_content
@@ -33,9 +26,9 @@ T = TypeVar("T")
 
 DEFAULT_STEPS = 10
 _READERS: dict[str, Callable[[str], CaseSetting]] = {
-    "unit": parse_unit,
-    "steps": parse_steps,
-    **{name: column.parse for name, column in SETTING_COLUMNS.items()},
+    "unit": plan_columns.parse_unit,
+    "steps": plan_columns.parse_steps,
+    **{name: column.parse for name, column in plan_columns.SETTING_COLUMNS.items()},
 }
 # Default settings of a mesh are left out, so that plans with and without them give equal keys. Contact is
 # always stored: plans without the column and new documents have different defaults.
@@ -56,7 +49,6 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
         Cells that are not empty, by their columns.
     folder : Path
         Where the files are that it names.
-    sources : InputFiles
     """
     settings = _settings(cells)
     unit = str(parse_cell("unit", cells["unit"])) if "unit" in cells else ""
@@ -81,7 +73,7 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
     motion = (
         _in_column("motion", lambda text: _motion(text, typed), cells["motion"]) if "motion" in cells else ()
     )
-    for column in LENGTH_COLUMNS & cells.keys():
+    for column in plan_columns.LENGTH_COLUMNS & cells.keys():
         _in_column(column, lambda text: _length(text, typed), cells[column])
     mesh = sources.mesh(folder / name)
     if not whole:
@@ -99,7 +91,7 @@ def parse_cell(name: str, text: str) -> CaseSetting:
 
 
 def _settings(cells: Mapping[str, str]) -> dict[str, CaseSetting]:
-    found = {name: parse_cell(name, cells[name]) for name in SETTING_COLUMNS if name in cells}
+    found = {name: parse_cell(name, cells[name]) for name in plan_columns.SETTING_COLUMNS if name in cells}
     method = str(found.get("method", DEFAULT_METHOD))
     if found.get("contact") is True and not METHODS[method].may_use_contact:
         raise InputError(tr("“{method}” knows no contact; choose another method.").format(method=method))
@@ -167,13 +159,7 @@ class PlanRow:
 
 @dataclass(frozen=True)
 class Plan:
-    """Rows of a plan, in the order of the file.
-
-    Attributes
-    ----------
-    columns : tuple of str
-    rows : tuple of PlanRow
-    """
+    """Rows of a plan, in the order of the file."""
 
     columns: tuple[str, ...]
     rows: tuple[PlanRow, ...]
@@ -261,10 +247,10 @@ def _columns(cells: Sequence[str], path: Path) -> tuple[str, ...]:
         names.pop()  # spreadsheets leave empty columns at the end
     where = {"name": path.name}
     for column in names:
-        if not column.startswith(NOTE_PREFIX) and column not in COLUMNS:
+        if not column.startswith(plan_columns.NOTE_PREFIX) and column not in plan_columns.COLUMNS:
             raise InputError(
                 tr("{name} has an unknown column “{column}”; use {known}, or # before a note.").format(
-                    column=column[:40], known=", ".join(COLUMNS), **where
+                    column=column[:40], known=", ".join(plan_columns.COLUMNS), **where
                 )
             )
     twice = [column for column, count in Counter(names).items() if count > 1]
@@ -292,7 +278,9 @@ def _checked(
                 ).format(cells=len(cells), columns=len(columns))
             )
         said = {
-            name: cell for name, cell in zip(columns, whole, strict=True) if cell and name[0] != NOTE_PREFIX
+            name: cell
+            for name, cell in zip(columns, whole, strict=True)
+            if cell and name[0] != plan_columns.NOTE_PREFIX
         }
         return PlanRow(line, whole, parse_case(said, folder, sources))
     except InputError as error:

@@ -6,15 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from apd_viewer.cases import database
 from apd_viewer.cases.case_file import DONE, FAILED, Curves
-from apd_viewer.cases.database import (
-    DATABASE_NAME,
-    checked_value,
-    read_error,
-    reading_database,
-    readings_from_json,
-    value_from_json,
-)
 from apd_viewer.cases.plan_columns import SEED_COLUMN
 from apd_viewer.cases.run_case import FINAL_READINGS
 from apd_viewer.files.storage.atomic_file import replacing_file
@@ -58,7 +51,6 @@ class ResultRow:
         In the order of the plan's columns.
     status : str
         "done", "failed", "waiting", "wrong" (no case can be made of the row) or "duplicate".
-    sentence : str
     readings : dict
         Numbers by name; empty unless it is done.
     """
@@ -79,7 +71,6 @@ class ResultTable:
     ----------
     columns : tuple of str
         Of the plan.
-    rows : tuple of ResultRow
     """
 
     columns: tuple[str, ...]
@@ -110,13 +101,13 @@ class ResultTable:
 
 def read_results(folder: Path) -> ResultTable:
     """Read the results so far; raises InputError without a study."""
-    with reading_database(folder) as base:
+    with database.reading_database(folder) as base:
         found = _found(base)
     # The table is built after the database is closed, because open reads block its writer.
     try:
         return _table(*found)
     except sqlite3.DatabaseError as error:
-        raise read_error(folder, error) from error
+        raise database.read_error(folder, error) from error
 
 
 def read_result_table(connection: sqlite3.Connection) -> ResultTable:
@@ -134,10 +125,14 @@ def _found(connection: sqlite3.Connection) -> tuple[Any, list[Any]]:
 
 
 def _table(columns: Any, rows: list[Any]) -> ResultTable:
-    names = tuple(checked_value(name, str) for name in value_from_json(columns[0], list)) if columns else ()
+    names = (
+        tuple(database.checked_value(name, str) for name in database.value_from_json(columns[0], list))
+        if columns
+        else ()
+    )
     found = tuple(_row(*row) for row in rows)
     if any(len(row.cells) != len(names) for row in found):
-        raise sqlite3.DatabaseError(DATABASE_NAME)
+        raise sqlite3.DatabaseError(database.DATABASE_NAME)
     return ResultTable(names, found)
 
 
@@ -153,20 +148,20 @@ def _row(
 ) -> ResultRow:
     if key is None:
         status, sentence = WRONG, mistake
-    elif not checked_value(key, str).isalnum():  # the key names a file
-        raise sqlite3.DatabaseError(DATABASE_NAME)
+    elif not database.checked_value(key, str).isalnum():  # the key names a file
+        raise sqlite3.DatabaseError(database.DATABASE_NAME)
     elif same_as is not None:
         status, sentence = DUPLICATE, mistake
-    found = readings_from_json(readings) if readings is not None else {}
-    said = tuple(checked_value(cell, str) for cell in value_from_json(cells, list))
+    found = database.readings_from_json(readings) if readings is not None else {}
+    said = tuple(database.checked_value(cell, str) for cell in database.value_from_json(cells, list))
     if (status or WAITING) not in _STATES:
-        raise sqlite3.DatabaseError(DATABASE_NAME)
+        raise sqlite3.DatabaseError(database.DATABASE_NAME)
     return ResultRow(
-        checked_value(line, int),
+        database.checked_value(line, int),
         key or "",
         said,
         status or WAITING,
-        checked_value(sentence or "", str),
+        database.checked_value(sentence or "", str),
         found,
     )
 

@@ -204,8 +204,6 @@ def run_case(case: StudyCase, documents: CaseDocuments, limit: float | None = No
 
     Parameters
     ----------
-    case : StudyCase
-    documents : CaseDocuments
     limit : float, optional
         Seconds that it may take.
 

@@ -16,26 +16,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
-from apd_viewer.cases.case_file import (
-    FAILED,
-    CaseResult,
-    Curves,
-    case_from_bytes,
-    case_path,
-    case_sizes,
-    write_case,
-)
+from apd_viewer.cases import case_file, database
 from apd_viewer.cases.case_runner import CaseRunner, Engine
-from apd_viewer.cases.database import (
-    DATABASE_ERRORS,
-    case_rows,
-    is_damage,
-    open_database,
-    rename_damaged,
-    write_error,
-    write_plan,
-    write_result,
-)
 from apd_viewer.cases.plan import Plan, read_plan
 from apd_viewer.cases.results import ResultTable, read_result_table, write_curves, write_results
 from apd_viewer.cases.run_case import INPUTS_FOLDER
@@ -73,7 +55,6 @@ class Study:
     ----------
     plan : Path
         Table to read.
-    folder : Path
     retry_failed : bool
         Whether failed cases are tried again.
 
@@ -108,10 +89,6 @@ class Study:
         """Unfinished cases by key."""
         return {key: case for key, case in self._cases.items() if key not in self._done}
 
-    def _failed(self, table: ResultTable) -> int:
-        """Number of finished cases that failed."""
-        return sum(row.status == FAILED and row.key in self._done for row in table.rows)
-
     def run(
         self,
         engine: Engine,
@@ -122,7 +99,6 @@ class Study:
 
         Parameters
         ----------
-        engine : Engine
         limit : float, optional
             Seconds that a case may take.
         on_progress : callable
@@ -141,13 +117,14 @@ class Study:
     def _round(
         self, engine: Engine, limit: float | None, on_progress: Callable[[CaseCounts], object]
     ) -> ResultTable:
-        failed = self._failed(self._store.results())
+        rows = self._store.results().rows
+        failed = sum(row.status == case_file.FAILED and row.key in self._done for row in rows)
         pace = ProgressMeter(len(self._cases), len(self._done), failed)
 
         def finished(content: bytes) -> None:
             result = self._store.add_result(content)
             self._done.add(result.key)
-            pace.count_case(result.status == FAILED)
+            pace.count_case(result.status == case_file.FAILED)
 
         def tick(running: int) -> None:
             on_progress(pace.counts(running))
@@ -232,7 +209,7 @@ class StudyStore:
         except OSError as error:
             raise folder_write_error(folder, error) from error
         try:
-            self._base = open_database(folder)
+            self._base = database.open_database(folder)
         except BaseException:
             self._lock.remove()
             raise
@@ -250,7 +227,7 @@ class StudyStore:
 
     def close(self) -> None:
         """Commit the results and release the folder for other programs."""
-        with suppress(*DATABASE_ERRORS):  # the files of the cases hold all results
+        with suppress(*database.DATABASE_ERRORS):  # the files of the cases hold all results
             self._base.commit()
         self._base.close()
         self._lock.remove()
@@ -259,48 +236,47 @@ class StudyStore:
         """Run a database operation, rebuilding a damaged database; raises InputError."""
         try:
             return act()
-        except DATABASE_ERRORS as error:
-            if not is_damage(error, self.folder):
-                raise write_error(self.folder, error) from error
+        except database.DATABASE_ERRORS as error:
+            if not database.is_damage(error, self.folder):
+                raise database.write_error(self.folder, error) from error
         try:
             self._make_anew()
             return act()
-        except DATABASE_ERRORS as error:
-            raise write_error(self.folder, error) from error
+        except database.DATABASE_ERRORS as error:
+            raise database.write_error(self.folder, error) from error
 
     def _make_anew(self) -> None:
         """Rebuild the database from the files of the cases."""
         self._base.close()
-        rename_damaged(self.folder)
-        self._base = open_database(self.folder)
+        database.rename_damaged(self.folder)
+        self._base = database.open_database(self.folder)
         if self._plan is not None:
             self._begun(self._plan)
 
     def _path(self, key: str) -> Path:
-        return case_path(self.folder, key)
+        return case_file.case_path(self.folder, key)
 
     def begin_plan(self, plan: Plan, retry_failed: bool = False) -> set[str]:
         """Store a plan; return the keys of its finished cases.
 
         Parameters
         ----------
-        plan : Plan
         retry_failed : bool
             Whether failed cases count as not done.
         """
         self._plan = plan
         done = self._safely(lambda: self._begun(plan))
         if retry_failed:  # results of failed cases stay until replaced
-            known = self._safely(lambda: case_rows(self._base))
-            done -= {key for key in done if known[key].status == FAILED}
+            known = self._safely(lambda: database.case_rows(self._base))
+            done -= {key for key in done if known[key].status == case_file.FAILED}
         return done
 
     def _begun(self, plan: Plan) -> set[str]:
         """Store a plan and its finished cases in the database; return their keys."""
-        write_plan(self._base, plan)
+        database.write_plan(self._base, plan)
         wanted = set(plan.cases)
-        sizes = case_sizes(self.folder)
-        known = {key: case.size for key, case in case_rows(self._base).items()}
+        sizes = case_file.case_sizes(self.folder)
+        known = {key: case.size for key, case in database.case_rows(self._base).items()}
         done = {key for key in wanted if sizes.get(key) == known.get(key, -1)}
         # Files written just before the program was killed, or damaged ones.
         done |= {key for key in (wanted & sizes.keys()) - done if self._read_again(key) is not None}
@@ -308,7 +284,7 @@ class StudyStore:
         self._base.commit()
         return done
 
-    def _read_again(self, key: str) -> CaseResult | None:
+    def _read_again(self, key: str) -> case_file.CaseResult | None:
         """Record the result of a case's file in the database; delete a damaged file.
 
         Raises InputError if it is there and cannot be read now.
@@ -316,17 +292,17 @@ class StudyStore:
         path = self._path(key)
         content = read_content(path) if path.exists() else b""
         try:
-            result = case_from_bytes(content, with_shape=False)
+            result = case_file.case_from_bytes(content, with_shape=False)
             if result.key != key:
                 raise ValueError
         except ValueError:
             self.damaged_count += path.exists()
             self._forget({key})
             return None
-        write_result(self._base, result, len(content))
+        database.write_result(self._base, result, len(content))
         return result
 
-    def curves(self, keys: Iterable[str]) -> dict[str, Curves]:
+    def curves(self, keys: Iterable[str]) -> dict[str, case_file.Curves]:
         """Curves of finished cases, read from their files; the database is updated, too.
 
         A case whose file is damaged is not among them, and no longer finished.
@@ -344,7 +320,7 @@ class StudyStore:
             self._path(key).unlink(missing_ok=True)
             self._base.execute("delete from cases where key = ?", (key,))
 
-    def add_result(self, content: bytes) -> CaseResult:
+    def add_result(self, content: bytes) -> case_file.CaseResult:
         """Write a finished case; return it without its shape.
 
         Raises
@@ -352,9 +328,9 @@ class StudyStore:
         InputError
             If it cannot be written.
         """
-        result = case_from_bytes(content, with_shape=False)
-        write_case(self._path(result.key), content)
-        self._safely(lambda: write_result(self._base, result, len(content)))
+        result = case_file.case_from_bytes(content, with_shape=False)
+        case_file.write_case(self._path(result.key), content)
+        self._safely(lambda: database.write_result(self._base, result, len(content)))
         if time.monotonic() - self._committed > _COMMIT:
             self.commit()
         return result

@@ -78,7 +78,6 @@ class StudyCase:
         Steps in words, each written in one way only; none for the motion of a session.
     unit : str
         Of the mesh; empty where that is not known, or a session says it.
-    steps : int
     settings : tuple of (str, setting)
         What differs from what is usual, or from the session, by name. Of a mesh always ``contact``, too: yes,
         no, or the number of vertices up to which.

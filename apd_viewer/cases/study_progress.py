@@ -27,10 +27,8 @@ class CaseCounts(NamedTuple):
         All different ones of the plan.
     finished : int
         The failed among them.
-    running, failed : int
     rate : float or None
         Cases a second; None while it is not known.
-    seconds_left : float or None
     """
 
     cases: int
@@ -51,7 +49,6 @@ class ProgressMeter:
 
     Parameters
     ----------
-    cases : int
     done, failed : int
         So many were there already.
     """

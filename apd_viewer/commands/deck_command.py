@@ -25,12 +25,8 @@ def deck_parser() -> Parser:
         ),
     )
     add_input_options(parser)
-    add_option(
-        parser,
-        "--steps N",
-        tr("of the way of the handles; default: one for each 30 degrees of a turn"),
-        type=int,
-    )
+    about = tr("of the way of the handles; default: one for each 30 degrees of a turn")
+    add_option(parser, "--steps N", about, type=int)
     _add_wall_options(parser)
     add_option(parser, "-o, --output OUT.inp", tr("deck to write"), required=True)
     parser.set_defaults(run=_deck)

@@ -9,25 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
+from apd_viewer.commands import result_output
 from apd_viewer.commands.motion_options import add_motion_options, motion_from
-from apd_viewer.commands.result_output import (
-    add_scalar_options,
-    check_scalar_options,
-    result_lines,
-    result_summary,
-    scalar_files,
-    show_progress_line,
-    write_result,
-    write_scalar_files,
-)
+from apd_viewer.commands.terminal import setting_options
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.setting_options import (
-    add_contact_option,
-    add_setting_options,
-    has_contact,
-    setting_arguments,
-)
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
@@ -63,41 +49,24 @@ def deform_parser() -> Parser:
     """Parser of the command deform."""
     parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
     add_option(parser, "MESH")
-    add_option(
-        parser,
-        "--selection SEL",
-        tr(
-            "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
-        ),
+    about = tr(
+        "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
     )
-    add_option(
-        parser,
-        "--transform DEF",
-        tr("4x4 matrix that moves the handle; repeat for each handle"),
-        default=[],
-        action="append",
-    )
+    add_option(parser, "--selection SEL", about)
+    about = tr("4x4 matrix that moves the handle; repeat for each handle")
+    add_option(parser, "--transform DEF", about, default=[], action="append")
     add_motion_options(parser)
     add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
-    add_setting_options(parser, _SETTINGS)
-    add_contact_option(parser)
+    setting_options.add_setting_options(parser, _SETTINGS)
+    setting_options.add_contact_option(parser)
     add_option(parser, "--iterations N", tr("run exactly N iterations; default: until converged"), type=int)
-    add_option(
-        parser,
-        "--loose",
-        tr(
-            "connected parts without base or handle go along with the nearest surface, or stay; "
-            "default: %(default)s"
-        ),
-        choices=(GO, STAY),
-        default=GO,
+    about = tr(
+        "connected parts without base or handle go along with the nearest surface, or stay; "
+        "default: %(default)s"
     )
-    add_option(
-        parser,
-        "--obstacles FILE.json",
-        tr("plates, spheres and cylinders that push, as a session lists them; turns contact on"),
-        type=Path,
-    )
+    add_option(parser, "--loose", about, choices=(GO, STAY), default=GO)
+    about = tr("plates, spheres and cylinders that push, as a session lists them; turns contact on")
+    add_option(parser, "--obstacles FILE.json", about, type=Path)
     add_weld_option(parser)
     parser.add_argument(
         "--region",
@@ -111,12 +80,9 @@ def deform_parser() -> Parser:
         ),
     )
     add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
-    add_option(
-        parser,
-        "--compare OTHER",
-        tr("target shape: put the distance from the surface of another mesh into report and scalars"),
-    )
-    add_scalar_options(parser)
+    about = tr("target shape: put the distance from the surface of another mesh into report and scalars")
+    add_option(parser, "--compare OTHER", about)
+    result_output.add_scalar_options(parser)
     add_option(parser, "--picture P.png", tr("draw the mesh before and after"), type=Path)
     parser.set_defaults(run=_deform)
     return parser
@@ -134,11 +100,11 @@ def _deform(options: argparse.Namespace) -> None:
     output = check_mesh_path(options.output)
     if options.picture:
         check_picture(options.picture)
-    check_scalar_options(options)
-    check_files([output, options.picture, options.report, *scalar_files(options)])
+    result_output.check_scalar_options(options)
+    check_files([output, options.picture, options.report, *result_output.scalar_files(options)])
     mesh = open_input_mesh(options.mesh, options.weld, options.unit)
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
-    contact = has_contact(options, len(mesh.V))
+    contact = setting_options.has_contact(options, len(mesh.V))
     if options.thickness is not None and not contact:
         raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
     selection = _selection(options, mesh)
@@ -160,21 +126,21 @@ def _deform(options: argparse.Namespace) -> None:
         iterations=options.iterations,
         handle=held.handles,
         loose=options.loose,
-        **setting_arguments(options) | {"contact": contact or options.contact},
+        **setting_options.setting_arguments(options) | {"contact": contact or options.contact},
         obstacles=pushing,
         shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
         regions=regions,
         weld=options.weld,
-        progress=show_progress_line(*last) if sys.stderr.isatty() else None,
+        progress=result_output.show_progress_line(*last) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
     with ExitStack() as beside:  # output files are replaced together, the mesh before the files beside it
         if picture:
             beside.enter_context(replacing_file(options.picture)).write_bytes(picture)
         painted = selection.labels, _member(regions, len(mesh.V))
-        write_scalar_files(beside, options, mesh, result.U, *painted, target)
-        written = write_result(beside, mesh, result, options.report, output, target)
-    print(result_summary(mesh, result, output, written))
+        result_output.write_scalar_files(beside, options, mesh, result.U, *painted, target)
+        written = result_output.write_result(beside, mesh, result, options.report, output, target)
+    print(result_output.result_summary(mesh, result, output, written))
     if options.picture and not picture:
         print(no_pictures_reason())
 
@@ -218,7 +184,7 @@ def _picture(mesh: Mesh, selection: Selection, result: Result) -> bytes | None:
     """Picture of the painted rest mesh and the result; None without OpenGL."""
     with tempfile.TemporaryDirectory(prefix="apd-viewer-") as folder:
         path = Path(folder) / "picture.png"
-        lines = [" ".join(line.split()) for line in result_lines(result)]
+        lines = [" ".join(line.split()) for line in result_output.result_lines(result)]
         words = [[tr("Rest")], [METHODS[result.method].short_title, *lines]]
         shapes = Picture(path, [mesh.V, result.U], words, label_colors(selection.labels))
         return path.read_bytes() if draw_shapes(mesh, [shapes], _PICTURE) else None

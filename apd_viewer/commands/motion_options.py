@@ -24,18 +24,11 @@ from apd_viewer.session.storage.session_file import open_session
 def add_input_options(parser: argparse.ArgumentParser) -> None:
     """Add options for a session, or a mesh with its paint, and for the motion."""
     parser.add_argument(
-        "file",
-        metavar="SESSION",
-        help=tr("session (.apd); or a mesh, painted and moved by:"),
+        "file", metavar="SESSION", help=tr("session (.apd); or a mesh, painted and moved by:")
     )
     add_option(parser, "--selection SEL", tr("of a mesh: base, handles and regions"))
-    add_option(
-        parser,
-        "--transform DEF",
-        tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle"),
-        action="append",
-        default=[],
-    )
+    about = tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle")
+    add_option(parser, "--transform DEF", about, action="append", default=[])
     add_motion_options(parser)
 
 
@@ -113,7 +106,6 @@ def motion_from(
 
     Parameters
     ----------
-    options : argparse.Namespace
     document : Document
         With its paint.
     unit_symbol : str

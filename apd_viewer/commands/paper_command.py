@@ -29,10 +29,7 @@ _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (
 _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated fractions of the work; the rest is drawing
 TOLERANCE = 1e-3
 _METHODS = "arap", "paper"  # in column order
-TABLE_TITLES = {
-    "bottle": tr("Table 1: twisting a bottle"),
-    "duck": tr("Table 2: bending a duck"),
-}
+TABLE_TITLES = {"bottle": tr("Table 1: twisting a bottle"), "duck": tr("Table 2: bending a duck")}
 _HEADINGS = (
     tr("motion"),
     "",
@@ -77,12 +74,7 @@ def _paper(options: argparse.Namespace) -> None:
 
 def _write_curves(folder: Path, progress: Progress) -> None:
     # Imported here: matplotlib is slow to import, and this function alone needs it.
-    from apd_viewer.figures.paper_curves import (
-        draw_handle_curves,
-        draw_loss_curves,
-        handle_curve,
-        loss_curve,
-    )
+    from apd_viewer.figures.paper_curves import draw_handle_curves, draw_loss_curves, handle_curve, loss_curve
 
     document = initial_document(*open_sample("bottle"))
     doing, where, before = tr("area loss by angle"), tr("handle drift with Eq. 8"), _TABLES + _LOSSES
@@ -105,19 +97,15 @@ def _draw_shapes(table: Sequence[PaperTableRow], folder: Path, progress: Progres
         own = [row for row in table if row.case.sample == sample]
         shapes, words = [mesh.V], [[tr("Rest")]]
         for row in own:
+            amount = row.case.title.rpartition(" by ")[2]
             for name, result in ((tr("ARAP"), row.arap), (tr("APD"), row.paper)):
                 shapes.append(result.U)
-                words.append([f"{_amount(row)}, {name}", *_readings(result)])
+                words.append([f"{amount}, {name}", *_readings(result)])
         size, look = _PICTURES[sample]
         picture = Picture(folder / f"{sample}.png", shapes, words, label_colors(labels))
         if not draw_shapes(mesh, [picture], size, view_direction=look):
             return False
     return True
-
-
-def _amount(row: PaperTableRow) -> str:
-    """Amount of the row's motion, from its title."""
-    return row.case.title.rpartition(" by ")[2]
 
 
 def _readings(result: Result) -> list[str]:
@@ -133,7 +121,6 @@ class PaperCase(NamedTuple):
 
     Attributes
     ----------
-    sample : str
     title : str
         Of the move.
     rest, arap, paper : float

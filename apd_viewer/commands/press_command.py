@@ -11,13 +11,9 @@ import numpy as np
 from apd_viewer.commands.press_output import press_report, press_rows, press_summary
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.commands.terminal.setting_options import (
-    add_criteria,
-    add_setting_options,
-    given_criteria,
-)
+from apd_viewer.commands.terminal.setting_options import add_criteria, add_setting_options, given_criteria
 from apd_viewer.commands.terminal.weld_option import add_weld_option, naming_unit_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
@@ -55,93 +51,50 @@ def press_parser() -> Parser:
             "not pass through each other, and at each step the mesh comes to rest."
         ),
     )
-    parser.add_argument(
-        "mesh", metavar="MESH", help=tr("mesh at rest, or a session: its shape springs back, and is pressed")
-    )
-    parser.add_argument(
-        "--axis", metavar="AXIS", default="x", help=tr('x, y, z or a direction such as "1 0 1"; default: x')
-    )
-    parser.add_argument(
-        "--to",
-        metavar="DISTANCE",
-        required=True,
-        help=tr(
-            "distance of the plates in the end, in mesh units, or such as 20%% of the extent of the mesh"
-        ),
-    )
-    parser.add_argument(
-        "--steps", metavar="N", type=int, default=DEFAULT_STEPS, help=tr("default: %(default)s")
-    )
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
-    parser.add_argument(
-        "--curve",
-        metavar="C.csv",
-        type=Path,
-        help=tr("write distance, loads, energy and volume of each step"),
-    )
-    parser.add_argument(
-        "--figure", metavar="F.png", type=Path, help=tr("draw load and volume, as F.png and F.svg")
-    )
-    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
-    parser.add_argument(
-        "--method",
-        choices=_PRESSING,
-        help=tr(
-            "default: 'wall' where thickness and Young's modulus are known and no stiffness is given, "
-            "otherwise '{method}'"
-        ).format(method=DEFAULT_METHOD),
-    )
+    add_option(parser, "MESH", tr("mesh at rest, or a session: its shape springs back, and is pressed"))
+    add_option(parser, "--axis AXIS", tr('x, y, z or a direction such as "1 0 1"; default: x'), default="x")
+    about = tr("distance of the plates in the end, in mesh units, or such as 20%% of the extent of the mesh")
+    add_option(parser, "--to DISTANCE", about, required=True)
+    add_option(parser, "--steps N", tr("default: %(default)s"), type=int, default=DEFAULT_STEPS)
+    add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
+    about = tr("write distance, loads, energy and volume of each step")
+    add_option(parser, "--curve C.csv", about, type=Path)
+    add_option(parser, "--figure F.png", tr("draw load and volume, as F.png and F.svg"), type=Path)
+    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
+    about = tr(
+        "default: 'wall' where thickness and Young's modulus are known and no stiffness is given, otherwise "
+        "'{method}'"
+    ).format(method=DEFAULT_METHOD)
+    add_option(parser, "--method", about, choices=_PRESSING)
     add_setting_options(parser, _SETTINGS)
     add_criteria(parser, DISTURBANCE)
     _add_wall_options(parser)
-    parser.add_argument(
-        "--release", action="store_true", help=tr("open the plates again in the end, and write what remains")
-    )
-    parser.add_argument(
-        "--iterations",
-        metavar="N",
-        type=int,
-        default=DEFAULT_ITERATIONS,
-        help=tr("at most so many a step; default: %(default)s"),
-    )
-    parser.add_argument(
-        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
-    )
+    add_option(parser, "--release", tr("open the plates again in the end, and write what remains"))
+    about = tr("at most so many a step; default: %(default)s")
+    add_option(parser, "--iterations N", about, type=int, default=DEFAULT_ITERATIONS)
+    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
     add_weld_option(parser)
     parser.set_defaults(run=_press)
     return parser
 
 
 def _add_wall_options(parser: Parser) -> None:
-    parser.add_argument(
-        "--unit", choices=SYMBOLS, default="", help=tr("unit of length of the mesh; of a session, its own")
-    )
+    about = tr("unit of length of the mesh; of a session, its own")
+    add_option(parser, "--unit", about, choices=SYMBOLS, default="")
     materials = ", ".join(material.name for material in WALL_MATERIALS)
-    for option, metavar, what in (
-        ("--material", "NAME", tr("material of the wall: {names}").format(names=materials)),
-        (
-            "--thickness",
-            "LENGTH",
-            tr("of the wall, and distance that walls keep, such as 0.3mm; default: 1/1000 of the diagonal"),
-        ),
-        (
-            "--gas",
-            "PRESSURE",
-            tr(
-                "gas that is enclosed, openings capped: 1atm where newtons are known, or pressure times "
-                "volume in areas of the surface; default: it leaves freely"
-            ),
-        ),
-        ("--density", "D", tr("of the material, such as 1.38 (g/cm³), for the mass")),
-        ("--young", "E", tr("Young's modulus, such as 2.8GPa, for loads in newtons")),
-        ("--poisson", "NU", tr("Poisson's ratio; default: 0.4, or that of the material")),
-        (
-            "--yield-radius",
-            "LENGTH",
-            tr("walls bent to less than this radius keep a crease; default: none do, or as of the material"),
-        ),
-    ):
-        parser.add_argument(option, metavar=metavar, help=what)
+    add_option(parser, "--material NAME", tr("material of the wall: {names}").format(names=materials))
+    about = tr("of the wall, and distance that walls keep, such as 0.3mm; default: 1/1000 of the diagonal")
+    add_option(parser, "--thickness LENGTH", about)
+    about = tr(
+        "gas that is enclosed, openings capped: 1atm where newtons are known, or pressure times "
+        "volume in areas of the surface; default: it leaves freely"
+    )
+    add_option(parser, "--gas PRESSURE", about)
+    add_option(parser, "--density D", tr("of the material, such as 1.38 (g/cm³), for the mass"))
+    add_option(parser, "--young E", tr("Young's modulus, such as 2.8GPa, for loads in newtons"))
+    add_option(parser, "--poisson NU", tr("Poisson's ratio; default: 0.4, or that of the material"))
+    about = tr("walls bent to less than this radius keep a crease; default: none do, or as of the material")
+    add_option(parser, "--yield-radius LENGTH", about)
 
 
 def parse_axis(text: str) -> np.ndarray:

@@ -15,29 +15,12 @@ from typing import Any
 import numpy as np
 
 from apd_viewer.cases.case import document_turns
-from apd_viewer.commands.result_output import (
-    add_scalar_options,
-    check_scalar_options,
-    result_summary,
-    scalar_files,
-    show_progress_line,
-    write_result,
-    write_scalar_files,
-)
-from apd_viewer.commands.terminal.animation_options import (
-    add_animation_option,
-    is_film,
-    scratch_path_beside,
-)
+from apd_viewer.commands import result_output
+from apd_viewer.commands.terminal.animation_options import add_animation_option, is_film, scratch_path_beside
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
-from apd_viewer.files.animations.animation_files import (
-    ANIMATION_FORMATS,
-    check_animation,
-    replacing_series,
-    write_animation,
-)
+from apd_viewer.files.animations import animation_files
 from apd_viewer.files.animations.animation_shapes import Animation, ShapeRecorder
 from apd_viewer.files.mesh_writing import check_mesh_path
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
@@ -68,12 +51,9 @@ def replay_parser() -> Parser:
     add_option(parser, "SESSION", tr("session file (.apd) saved by the window"))
     add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
     add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
-    add_scalar_options(parser)
-    add_option(
-        parser,
-        "--from-rest",
-        tr("start from the rest shape; default: a saved shape that has converged is kept"),
-    )
+    result_output.add_scalar_options(parser)
+    about = tr("start from the rest shape; default: a saved shape that has converged is kept")
+    add_option(parser, "--from-rest", about)
     add_animation_option(parser, films=False)
     parser.set_defaults(run=_replay)
     return parser
@@ -85,23 +65,25 @@ def _replay(options: argparse.Namespace) -> None:
             tr("{name} is not a session; give a .apd file.").format(name=Path(options.session).name)
         )
     output = check_mesh_path(options.output)
-    check_scalar_options(options)
+    result_output.check_scalar_options(options)
     _check_animations(options.animation)
-    check_files([output, options.report, *scalar_files(options), *options.animation])
-    progress = show_progress_line(None) if sys.stderr.isatty() else None
-    with replacing_series(options.animation), ExitStack() as beside:
+    check_files([output, options.report, *result_output.scalar_files(options), *options.animation])
+    progress = result_output.show_progress_line(None) if sys.stderr.isatty() else None
+    with animation_files.replacing_series(options.animation), ExitStack() as beside:
         shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None
         document, result = replay_session(
             options.session, options.from_rest, progress, None if shapes is None else shapes.add
         )
         mesh = document.mesh
         painted = document.labels, document.member
-        write_scalar_files(beside, options, mesh, result.U, *painted, document.target_shape)
+        result_output.write_scalar_files(beside, options, mesh, result.U, *painted, document.target_shape)
         more = measurements_report(document, result.U) if options.report else {}
         if shapes is not None:
             _write_animations(options.animation, document, shapes, beside)
-        written = write_result(beside, mesh, result, options.report, output, document.target_shape, more)
-    print(result_summary(mesh, result, output, written))
+        written = result_output.write_result(
+            beside, mesh, result, options.report, output, document.target_shape, more
+        )
+    print(result_output.result_summary(mesh, result, output, written))
     if missing := about_missing_target(document):
         print(missing)
 
@@ -115,10 +97,10 @@ def _check_animations(paths: Sequence[Path]) -> None:
         if is_film(path):
             raise InputError(
                 tr("{name} cannot show a replay; use {kinds}, or apd-viewer sweep.").format(
-                    name=path.name, kinds=", ".join(ANIMATION_FORMATS)
+                    name=path.name, kinds=", ".join(animation_files.ANIMATION_FORMATS)
                 )
             )
-        check_animation(path)
+        animation_files.check_animation(path)
 
 
 def _write_animations(
@@ -132,7 +114,7 @@ def _write_animations(
     painted = document.labels, document.member
     animation = Animation(document.mesh, *painted, shapes.files, shapes.numbers, document.target_shape)
     for path in paths:
-        write_animation(animation, scratch_path_beside(path, stack))
+        animation_files.write_animation(animation, scratch_path_beside(path, stack))
 
 
 def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dict[str, Any]]]:
@@ -184,7 +166,6 @@ def replay_session(
 
     Parameters
     ----------
-    path : path
     from_rest : bool
         Begin with the rest shape, and go to where the handles are.
     progress : callable, optional

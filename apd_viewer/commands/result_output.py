@@ -55,12 +55,7 @@ def show_progress_line(
         last = frame.iteration == (iterations or most_iterations) or (frame.settled and not iterations)
         if frame.iteration % 20 and not last:
             return
-        print(
-            f"\r{frame_line(frame, iterations)}   ",
-            end="\n" if last else "",
-            file=sys.stderr,
-            flush=True,
-        )
+        print(f"\r{frame_line(frame, iterations)}   ", end="\n" if last else "", file=sys.stderr, flush=True)
 
     return show
 
@@ -117,18 +112,10 @@ def _reading(value: float, rest: float) -> str:
 
 def add_scalar_options(parser: argparse.ArgumentParser) -> None:
     """Add the options for scalar files of vertices and triangles."""
-    add_option(
-        parser,
-        "--scalars S.ply",
-        tr("write area change, strain, displacement and labels: .ply, or .csv with a row per vertex"),
-        type=Path,
-    )
-    add_option(
-        parser,
-        "--triangle-scalars T.csv",
-        tr("write those of the triangles, with a row per triangle"),
-        type=Path,
-    )
+    about = tr("write area change, strain, displacement and labels: .ply, or .csv with a row per vertex")
+    add_option(parser, "--scalars S.ply", about, type=Path)
+    about = tr("write those of the triangles, with a row per triangle")
+    add_option(parser, "--triangle-scalars T.csv", about, type=Path)
 
 
 def scalar_files(options: argparse.Namespace) -> tuple[Path | None, Path | None]:

@@ -247,38 +247,17 @@ def design_parser() -> Parser:
     add_option(
         parser, "--motion WORDS", tr("such as “twist {twist}; move 0 {way} 0”: what is in braces varies")
     )
-    add_option(
-        parser,
-        "--vary NAME=RANGE",
-        tr(
-            "a column, a name in the motion, or twist, push, bend or scale: “twist=0..180deg”, "
-            "“push=0..40%%”, “stiffness=1e-4..0.1:log” (by factors), “method=arap,exact”"
-        ),
-        action="append",
-        default=[],
+    about = tr(
+        "a column, a name in the motion, or twist, push, bend or scale: “twist=0..180deg”, "
+        "“push=0..40%%”, “stiffness=1e-4..0.1:log” (by factors), “method=arap,exact”"
     )
-    add_option(
-        parser,
-        "--set COLUMN=TEXT",
-        tr("the same in all cases, such as steps=6"),
-        action="append",
-        default=[],
-        dest="given",
-    )
-    add_option(
-        parser,
-        "--samples N",
-        tr("cases, or of a grid levels of a range; default: %(default)s"),
-        type=int,
-        default=100,
-    )
-    add_option(
-        parser,
-        "--method",
-        tr("Latin hypercube, Sobol sequence or all combinations; default: %(default)s"),
-        choices=DESIGNS,
-        default=LATIN,
-    )
+    add_option(parser, "--vary NAME=RANGE", about, action="append", default=[])
+    about = tr("the same in all cases, such as steps=6")
+    add_option(parser, "--set COLUMN=TEXT", about, action="append", default=[], dest="given")
+    about = tr("cases, or of a grid levels of a range; default: %(default)s")
+    add_option(parser, "--samples N", about, type=int, default=100)
+    about = tr("Latin hypercube, Sobol sequence or all combinations; default: %(default)s")
+    add_option(parser, "--method", about, choices=DESIGNS, default=LATIN)
     add_option(parser, "--seed N", tr("of the samples; default: %(default)s"), type=int, default=0)
     add_option(parser, "-o, --output PLAN.csv", tr("table to write"), type=Path, required=True)
     parser.set_defaults(run=_design)

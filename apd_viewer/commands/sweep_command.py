@@ -55,14 +55,10 @@ def sweep_parser() -> Parser:
         parser, "--to PART", tr("of the motion, where to end; 1.5 goes past it"), type=float, default=1.0
     )
     add_option(parser, "--methods M,M,...", tr("default: %(default)s"), default=",".join(COMPARED_METHODS))
-    add_option(
-        parser,
-        "--iterations N",
-        tr("at most so many a step; default: {usual}, with obstacles {settling}").format(
-            usual=DEFAULT_ITERATIONS, settling=SETTLING_ITERATIONS
-        ),
-        type=int,
+    about = tr("at most so many a step; default: {usual}, with obstacles {settling}").format(
+        usual=DEFAULT_ITERATIONS, settling=SETTLING_ITERATIONS
     )
+    add_option(parser, "--iterations N", about, type=int)
     add_option(parser, "-o, --output DIR", tr("folder to write to"), type=Path, required=True)
     add_contact_option(parser)
     add_criteria(parser, DISTURBANCE, of_session=True)

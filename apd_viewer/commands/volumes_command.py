@@ -19,15 +19,7 @@ from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings, mesh_volumes
 from apd_viewer.language import tr
-from apd_viewer.presentation.volume_text import (
-    DEFAULT_BAG,
-    PUBLISHED_FIGURES,
-    TextWithRange,
-    VolumeRow,
-    bulk_density,
-    object_count,
-    volume_rows,
-)
+from apd_viewer.presentation import volume_text
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText, wall_from
@@ -46,11 +38,10 @@ def volumes_parser() -> Parser:
     add_option(parser, "--rest REST", tr("mesh of the shape at rest, for the change"))
     add_option(parser, "--unit", tr("unit of length of both meshes"), choices=SYMBOLS, default="")
     add_option(parser, "--bag LITRES", tr("count the objects in a bag of this size; default: 45"))
-    for option, metavar, what in (
-        ("--thickness", "LENGTH", tr("of the wall, such as 0.3mm, for the material volume")),
-        ("--density", "D", tr("of the material, such as 1.38 (g/cm³), for the bulk density")),
-    ):
-        parser.add_argument(option, metavar=metavar, default="", help=what)
+    about = tr("of the wall, such as 0.3mm, for the material volume")
+    add_option(parser, "--thickness LENGTH", about, default="")
+    about = tr("of the material, such as 1.38 (g/cm³), for the bulk density")
+    add_option(parser, "--density D", about, default="")
     add_option(parser, "--json V.json", tr("write the readings as JSON"), type=Path)
     parser.set_defaults(run=_volumes)
     return parser
@@ -72,7 +63,7 @@ def _volumes(options: argparse.Namespace) -> None:
         report = volumes_report(names, now, rest, unit, wall.density, litres)
         with replacing_file(options.json) as scratch:
             scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    rows = tuple(volume_rows(rest or now, now, unit, wall.density, litres))
+    rows = tuple(volume_text.volume_rows(rest or now, now, unit, wall.density, litres))
     print(volume_lines(mesh.name, rows, rest is not None))
     for each, found in ((mesh, now), (before, rest)):
         if each is None or found is None:
@@ -89,7 +80,7 @@ def _volumes(options: argparse.Namespace) -> None:
 def _bag(text: str | None, unit: Unit) -> float:
     """Volume of a bag in litres from its text; raises InputError."""
     if text is None:
-        return DEFAULT_BAG
+        return volume_text.DEFAULT_BAG
     if unit is Unit.NONE:
         raise InputError(tr("A bag in litres needs the unit of the mesh; add --unit mm, cm, m, in or ft."))
     litres = parse_number(text, {})
@@ -101,7 +92,7 @@ def _bag(text: str | None, unit: Unit) -> float:
 _WIDTH, _GAP = 28, 2
 
 
-def volume_lines(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
+def volume_lines(name: str, rows: Sequence[volume_text.VolumeRow], has_rest: bool) -> str:
     """Terminal lines on all volume quantities."""
     lines = [name]
     width = max([_WIDTH, *(column_count(row.title) + _GAP for row in rows)])
@@ -117,7 +108,7 @@ def volume_lines(name: str, rows: Sequence[VolumeRow], has_rest: bool) -> str:
     return "\n".join(lines)
 
 
-def _reading_text(reading: TextWithRange) -> str:
+def _reading_text(reading: volume_text.TextWithRange) -> str:
     value, spread = reading
     return f"{value} ({spread})" if spread else value
 
@@ -136,7 +127,6 @@ def volumes_report(
     ----------
     names : tuple of str
         Of the mesh and of the rest shape, if there is one.
-    now, rest : VolumeReadings
     unit, density, bag
         See :func:`~apd_viewer.presentation.volume_text.volume_rows`.
     """
@@ -155,17 +145,17 @@ def volumes_report(
 
 
 def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float) -> dict[str, Any]:
-    counts = [object_count(bag, found, unit, packing) for packing in (LOOSEST, DENSEST)]
-    densities = [bulk_density(density, found, packing) for packing in (LOOSEST, DENSEST)]
+    counts = [volume_text.object_count(bag, found, unit, packing) for packing in (LOOSEST, DENSEST)]
+    densities = [volume_text.bulk_density(density, found, packing) for packing in (LOOSEST, DENSEST)]
     return {
         "area": found.area,
         "enclosed_volume": found.enclosed,
         "openings": found.openings,
         "packed_volume": found.hull.box,
         **hull_fields(found.hull),
-        "objects_in_bag": object_count(bag, found, unit),
+        "objects_in_bag": volume_text.object_count(bag, found, unit),
         "objects_in_bag_range": counts,
-        "bulk_density": bulk_density(density, found),
+        "bulk_density": volume_text.bulk_density(density, found),
         "bulk_density_range": densities,
         "material_volume": found.material,
         "capacity": found.capacity,
@@ -178,5 +168,5 @@ def _published_figures() -> dict[str, list[dict[str, Any]]]:
             {name: None if value == math.inf else value for name, value in figure._asdict().items()}
             for figure in figures
         ]
-        for quantity, figures in PUBLISHED_FIGURES.items()
+        for quantity, figures in volume_text.PUBLISHED_FIGURES.items()
     }

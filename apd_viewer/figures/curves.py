@@ -9,11 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from apd_viewer.cases.case import CaseStep
-from apd_viewer.figures.style import (
-    METHOD_STYLES,
-    draw_figure,
-    zero_line,
-)
+from apd_viewer.figures.style import METHOD_STYLES, draw_figure, zero_line
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.geometry.solver.plate_press import PressStep
 from apd_viewer.geometry.solver.pressed_mesh import Pressed
@@ -28,7 +24,6 @@ def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float]
 
     Parameters
     ----------
-    pressed : Pressed
     path : Path
         Of the picture; its ending is replaced.
     newtons : two floats, optional
@@ -94,10 +89,8 @@ def draw_sweep_curves(
 
     Parameters
     ----------
-    steps : sequence of CaseStep
     abscissa : str
         What tells the steps apart: see :attr:`apd_viewer.cases.case.Case.abscissa`.
-    folder : Path
     obstacles : sequence of str
         Names of the obstacles; each has a curve of its load.
     """

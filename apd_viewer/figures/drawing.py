@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
-from matplotlib.colors import Colormap, LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap
 
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.presentation.color_maps import DIVERGING
@@ -35,11 +35,6 @@ def main(job: str) -> None:
     F, rest = np.load(folder / "faces.npy"), np.load(folder / "rest.npy")
     shapes = [np.load(path) for picture in description["pictures"] for path in picture["shapes"]]
     _draw(description, F, rest, shapes)
-
-
-def _color_map() -> Colormap:
-    """Colour map of local area change, as in the window."""
-    return LinearSegmentedColormap.from_list("change", np.array(DIVERGING.knots) / 255.0)
 
 
 def _draw(job: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.ndarray]) -> None:
@@ -78,7 +73,8 @@ def _show(plotter: Any, F: np.ndarray, U: np.ndarray, scalars: np.ndarray, **set
 def _show_change(plotter: Any, F: np.ndarray, U: np.ndarray, areas: np.ndarray) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         change = np.nan_to_num(100 * np.log(face_areas(U, F) / areas))
-    _show(plotter, F, U, change, cmap=_color_map(), clim=(-_LIMIT, _LIMIT))
+    colors = LinearSegmentedColormap.from_list("change", np.array(DIVERGING.knots) / 255.0)
+    _show(plotter, F, U, change, cmap=colors, clim=(-_LIMIT, _LIMIT))
 
 
 def _write(plotter: Any, words: Sequence[str], most: int, high: int, font: str | None) -> None:

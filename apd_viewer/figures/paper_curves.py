@@ -37,10 +37,8 @@ class LossCurvePoint(NamedTuple):
 
     Attributes
     ----------
-    degrees : float
     iterations : int
         Plain ones from rest; 0 is a shape that was left to settle, twisted from the one before.
-    area_error : float
     """
 
     degrees: float
@@ -129,10 +127,8 @@ def draw_loss_curves(
 
     Parameters
     ----------
-    points : sequence of LossCurvePoint
     published : sequence of (float, float)
         Degrees, and change of the area as a share.
-    folder : Path
     """
 
     def fill(figure: Figure) -> None:

@@ -78,7 +78,6 @@ def draw_shapes(
     ----------
     mesh : Mesh
         Whose triangles these are, and with which the area of each is compared.
-    pictures : sequence of Picture
     size : (int, int)
         Pixels.
     view_direction, up : (float, float, float)
@@ -125,12 +124,7 @@ def _picture_job(picture: Picture, number: int, folder: Path) -> dict[str, objec
     if picture.first_colors is not None:
         paint = str(folder / f"{number}-paint.npy")
         np.save(paint, picture.first_colors)
-    return {
-        "path": str(folder / f"{number}.png"),
-        "shapes": paths,
-        "words": picture.captions,
-        "paint": paint,
-    }
+    return {"path": str(folder / f"{number}.png"), "shapes": paths, "words": picture.captions, "paint": paint}
 
 
 def _run(folder: Path, count: int, drawn: Callable[[int], object]) -> bool:

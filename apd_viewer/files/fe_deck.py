@@ -30,7 +30,6 @@ class DeckWall(NamedTuple):
         Mesh units.
     young : float
         Young's modulus, newtons per square mesh unit.
-    poisson : float
     density : float or None
         Newtons times s² per mesh unit to the fourth.
     notes : tuple of str
@@ -72,11 +71,8 @@ class Deck(NamedTuple):
         Triangles without seams.
     used_faces : (k,) int array
         Those of ``F`` that become elements.
-    held_sets : sequence of NodeSet
-    regions : sequence of DeckRegion
     steps : sequence of sequences of (k, 3) float arrays
         Displacements of each of the sets ``held_sets`` at the end of each step, mesh units.
-    wall : DeckWall
     notes : tuple of str
         Comments on the surface.
     """

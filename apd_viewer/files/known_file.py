@@ -29,13 +29,11 @@ class KnownFile:
 
     Parameters
     ----------
-    path : Path
     scratch : Path or None
         What is about to be moved there; None takes what is there.
 
     Attributes
     ----------
-    path : Path
     state : FileState
         By the last look; whoever knows its format says whether it is incomplete.
     """

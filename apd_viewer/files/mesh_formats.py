@@ -21,7 +21,6 @@ class MeshFormat(NamedTuple):
 
     Attributes
     ----------
-    name : str
     opening : bytes
         Pattern of its beginning, by which a misnamed file is known.
     writing : Writing
@@ -30,7 +29,6 @@ class MeshFormat(NamedTuple):
         No trial need show that it can store a deformed shape.
     has_digits : bool
         Export takes a number of decimals.
-    is_in_metres : bool
     has_parts : bool
         It refers to files beside it.
     """

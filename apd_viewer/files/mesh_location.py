@@ -101,7 +101,6 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
     ----------
     description : JsonFields
         What :func:`mesh_location_to_json` wrote, and in "embedded" the members that hold the copy.
-    session : Path
     archive : Archive
         Read from there.
     prefix : str

@@ -1,39 +1,30 @@
 """Opening of mesh files, and error messages for unreadable ones."""
 
-from __future__ import annotations
-
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.obj import read_obj
-from apd_viewer.files.formats.off import read_off
-from apd_viewer.files.formats.package_3mf import read_3mf
-from apd_viewer.files.formats.ply import read_ply
+from apd_viewer.files.formats import obj, off, package_3mf, ply, stl
 from apd_viewer.files.formats.polygon_mesh import EncodedMeshOrigin, ParsedMesh
-from apd_viewer.files.formats.stl import is_binary_stl, read_stl
 from apd_viewer.files.formats.text import decoded_text
 from apd_viewer.files.gltf.gltf_reader import read_gltf
 from apd_viewer.files.mesh_formats import MESH_FORMATS, XML_PROLOG
 from apd_viewer.files.storage.regular_files import one_line_message, read_bytes, without_library_warnings
-from apd_viewer.files.vtk.legacy import read_vtk
-from apd_viewer.files.vtk.xml_surface import read_vtp, read_vtu
+from apd_viewer.files.vtk import legacy, xml_surface
 from apd_viewer.geometry.mesh.arrays import checked
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import alternatives, tr
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
 _OF_OTHER_FILES = (".pvd", ".pvtp", ".pvtu", ".pvtk", ".vtm", ".vtmb")
 LARGEST_COORDINATE = 1e38  # larger coordinates exceed single precision, and their areas overflow
-_READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
-_READERS |= {".vtp": read_vtp, ".vtu": read_vtu, ".vtk": read_vtk}
+_READERS = {".obj": obj.read_obj, ".off": off.read_off, ".ply": ply.read_ply, ".stl": stl.read_stl}
+_READERS |= {".3mf": package_3mf.read_3mf, ".vtk": legacy.read_vtk}
+_READERS |= {".vtp": xml_surface.read_vtp, ".vtu": xml_surface.read_vtu}
 
 
 @checked
@@ -212,7 +203,6 @@ def other_format_message(content: bytes, path: Path) -> str | None:
     ----------
     content : bytes
         Text in UTF-8.
-    path : Path
     """
     suffix, name = path.suffix.lower(), path.name
     if _begins(content, _WEB_PAGE):
@@ -221,7 +211,7 @@ def other_format_message(content: bytes, path: Path) -> str | None:
     if kept:
         said = tr("{name} only points to a mesh that {program} keeps elsewhere; get it with “{command}”.")
         return said.format(name=name, program=kept[0], command=kept[1])
-    own = ".stl" if is_binary_stl(content) else _first(content, _OPENED)
+    own = ".stl" if stl.is_binary_stl(content) else _first(content, _OPENED)
     if own:
         said = tr("The content of {name} is {format}; rename it to end in {suffix}.")
         return None if own == suffix else said.format(name=name, format=own[1:].upper(), suffix=own)

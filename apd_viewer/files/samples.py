@@ -22,7 +22,6 @@ class Sample:
 
     Attributes
     ----------
-    title, tip : str
     settings : mapping
         Fields of the document that begin otherwise than those of any mesh.
     pivot : (3,) tuple of floats or None

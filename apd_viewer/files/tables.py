@@ -27,7 +27,6 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
 
     Parameters
     ----------
-    path : Path
     columns : sequence of str
         Names, for the first line.
     rows : (r, c) float array, or sequence of rows that have words too

@@ -18,7 +18,6 @@ class Axis:
 
     Attributes
     ----------
-    low, high : float
     ticks : callable
         At most so many places on the axis, each with what is written there.
     """

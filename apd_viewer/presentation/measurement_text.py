@@ -118,13 +118,11 @@ def measurement_report_rows(
     readings: Sequence[MeasurementReading], unit: Unit
 ) -> tuple[tuple[str, str, str], ...]:
     """Rows of name, current value and change from rest, for a static report page."""
+    changed = tr("{change} from {rest}")
     return tuple(
-        (name, here, _change_text(there, by)) for name, here, there, by in value_rows(readings, unit)
+        (name, here, changed.format(change=by, rest=there) if by else "")
+        for name, here, there, by in value_rows(readings, unit)
     )
-
-
-def _change_text(at_rest: str, change: str) -> str:
-    return tr("{change} from {rest}").format(change=change, rest=at_rest) if change else ""
 
 
 def value_table(readings: Sequence[MeasurementReading], unit: Unit) -> str:

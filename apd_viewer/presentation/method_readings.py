@@ -8,14 +8,7 @@ from typing import NamedTuple
 from apd_viewer.cases.comparison import MethodOutcome
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import (
-    format_exact,
-    format_grouped,
-    format_length,
-    format_signed,
-    format_significant,
-    superscript,
-)
+from apd_viewer.presentation import number_format
 from apd_viewer.presentation.readings import volumes
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
@@ -63,7 +56,7 @@ class ReadingColumn(NamedTuple):
 def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
     """Columns of the comparison table of a document, with lengths in ``unit``."""
     size = float(max(state.inspection.size))
-    asked = format_exact(state.document.settings.area)
+    asked = number_format.format_exact(state.document.settings.area)
     energy = tr(
         "Deviation from rigidity: Eq. 1 of the paper for every method, each edge counted twice,"
         " whichever energy the method minimises"
@@ -72,7 +65,7 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
         ReadingColumn(
             tr("Area"),
             tr("Total area in percent of the rest area"),
-            lambda x: f"{format_grouped(100.0 * x['area'] / x['area_rest'], 4)}\u00a0%",
+            lambda x: f"{number_format.format_grouped(100.0 * x['area'] / x['area_rest'], 4)}\u00a0%",
         ),
         ReadingColumn(
             tr("Area error"),
@@ -83,33 +76,36 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
             tr("Volume"),
             _about_volume(state),
             lambda x: _text_or_dash(
-                x["volume"] / x["volume_rest"], lambda v: f"{format_grouped(100.0 * v, 3)}\u00a0%"
+                x["volume"] / x["volume_rest"],
+                lambda v: f"{number_format.format_grouped(100.0 * v, 3)}\u00a0%",
             ),
         ),
         ReadingColumn(
             tr("Energy"),
             energy,
-            lambda x: _text_or_dash(x["energy"], lambda v: unit.format_area(format_significant(v, 5))),
+            lambda x: _text_or_dash(
+                x["energy"], lambda v: unit.format_area(number_format.format_significant(v, 5))
+            ),
         ),
         ReadingColumn(
             tr("Handle drift"),
             tr("Distance between the handle and the position you gave it"),
-            lambda x: unit.format_length(format_length(x["handle_drift"], size)),
+            lambda x: unit.format_length(number_format.format_length(x["handle_drift"], size)),
         ),
         ReadingColumn(
             tr("Local change"),
             tr("Largest area change of any triangle, up or down"),
-            lambda x: f"{format_grouped(100.0 * x['local_change'], 2)}\u00a0%",
+            lambda x: f"{number_format.format_grouped(100.0 * x['local_change'], 2)}\u00a0%",
         ),
         ReadingColumn(
             tr("Iterations"),
             tr("Iterations from the rest shape to convergence"),
-            lambda x: format_grouped(x["iterations"], 0),
+            lambda x: number_format.format_grouped(x["iterations"], 0),
         ),
         ReadingColumn(
             tr("Time"),
             tr("Time for factoring and iterations on this computer"),
-            lambda x: _text_or_dash(x["seconds"], lambda v: f"{format_grouped(v, 2)}\u00a0s"),
+            lambda x: _text_or_dash(x["seconds"], lambda v: f"{number_format.format_grouped(v, 2)}\u00a0s"),
         ),
     ]
 
@@ -129,11 +125,11 @@ def _text_or_dash(value: float, written: Callable[[float], str]) -> str:
 
 def _error(value: float) -> str:
     if abs(value) >= _FINEST:
-        return f"{format_signed(100.0 * value, 4)}\u00a0%"
+        return f"{number_format.format_signed(100.0 * value, 4)}\u00a0%"
     if abs(value) < _ROUNDING:
         return "0\u00a0%"
     mantissa, exponent = f"{abs(100.0 * value):.0e}".split("e")
-    return f"{'+' if value > 0.0 else '−'}{mantissa}·10{superscript(int(exponent))}\u00a0%"
+    return f"{'+' if value > 0.0 else '−'}{mantissa}·10{number_format.superscript(int(exponent))}\u00a0%"
 
 
 def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, MethodOutcome]]) -> None:

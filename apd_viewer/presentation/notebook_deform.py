@@ -18,13 +18,8 @@ from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.solver.deformation_result import Result, deform as quietly_deform
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
+from apd_viewer.presentation import number_format
 from apd_viewer.presentation.color_maps import DIVERGING
-from apd_viewer.presentation.number_format import (
-    format_length,
-    format_short,
-    format_signed,
-    format_significant,
-)
 from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.progress_line import ProgressLine
 from apd_viewer.presentation.shape_picture import shape_picture
@@ -34,10 +29,6 @@ P = ParamSpec("P")
 _SAME = [name for name in WRAPPER_ASSIGNMENTS if name != "__module__"]
 
 
-def _is_progress_wanted(progress: object) -> bool:
-    return isinstance(progress, bool | np.bool_) and bool(progress)
-
-
 def _wrap_deform(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     """Wrap ``deform`` with a progress line and a result with pictures."""
     signature = inspect.signature(deform)
@@ -45,11 +36,9 @@ def _wrap_deform(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
     @wraps(deform, assigned=_SAME)
     def shown(*given: P.args, **named: P.kwargs) -> NotebookResult:
         arguments = signature.bind(*given, **named).arguments
-        line = (
-            ProgressLine(arguments.get("iterations"))
-            if _is_progress_wanted(arguments.get("progress"))
-            else None
-        )
+        asked = arguments.get("progress")
+        is_wanted = isinstance(asked, bool | np.bool_) and bool(asked)
+        line = ProgressLine(arguments.get("iterations")) if is_wanted else None
         if line is not None:
             named["progress"] = line
         try:
@@ -103,7 +92,7 @@ class NotebookResult(Result):
         pixels = shape_picture([self.rest, self.U], self.triangles, [FREE_COLOR, change_colors(self)], _SIDE)
         source = base64.b64encode(png_content(pixels)).decode()
         said = tr("Rest shape and deformed shape, coloured by its local area change up to ±{end} %")
-        caption = escape(said.format(end=format_short(100 * _END)))
+        caption = escape(said.format(end=number_format.format_short(100 * _END)))
         return f'<img src="data:image/png;base64,{source}" alt="{caption}" title="{caption}">'
 
 
@@ -118,21 +107,18 @@ def change_colors(result: NotebookResult) -> np.ndarray:
 def result_rows(result: NotebookResult) -> list[tuple[str, str]]:
     """Names and texts of the readings of a result."""
     ended = tr("{n:,} iterations, converged") if result.converged else tr("{n:,} iterations, not converged")
-    region = tr("Region “{name}”")
+    region, seconds = tr("Region “{name}”"), number_format.format_significant(result.seconds, 3)
     return [
         (tr("Method"), METHODS[result.method].short_title),
-        (
-            tr("Effort"),
-            f"{ended.format(n=result.iterations)}, {format_significant(result.seconds, 3)}\u00a0s",
-        ),
+        (tr("Effort"), f"{ended.format(n=result.iterations)}, {seconds}\u00a0s"),
         (tr("Area"), _change_text(result.area, result.area_rest)),
         *_volume_rows(result),
         *(
             (region.format(name=part.name), _change_text(part.area, part.area_rest))
             for part in result.regions
         ),
-        (tr("Largest local area change"), f"{format_short(100 * result.local_change)}\u00a0%"),
-        (tr("Handle drift"), format_length(result.handle_drift, diagonal(result.rest))),
+        (tr("Largest local area change"), f"{number_format.format_short(100 * result.local_change)}\u00a0%"),
+        (tr("Handle drift"), number_format.format_length(result.handle_drift, diagonal(result.rest))),
         *((tr("Warning"), sentence) for sentence in result.warnings),
     ]
 
@@ -147,9 +133,11 @@ def _volume_rows(result: Result) -> list[tuple[str, str]]:
 
 
 def _change_text(value: float, rest: float) -> str:
-    change = format_signed(100.0 * (value / rest - 1.0), 3) if rest else "0.000"
+    change = number_format.format_signed(100.0 * (value / rest - 1.0), 3) if rest else "0.000"
     return tr("{now} of {rest} ({change} %)").format(
-        now=format_significant(value), rest=format_significant(rest), change=change
+        now=number_format.format_significant(value),
+        rest=number_format.format_significant(rest),
+        change=change,
     )
 
 

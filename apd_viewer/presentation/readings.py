@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.hull_readings import compactness
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
+from apd_viewer.geometry.pose.frame import TARGET_ACCURACY, Frame
 from apd_viewer.geometry.pose.waypoint_path import signed_angle
 from apd_viewer.language import comma_separated, tr, trc
 from apd_viewer.presentation.number_format import (
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.inspection import Inspection
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.geometry.analysis.surface_distance import SurfaceDistance
-    from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit

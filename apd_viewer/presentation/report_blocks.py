@@ -51,7 +51,6 @@ class ReportReadings:
 
     Attributes
     ----------
-    change : LocalChange
     file : Fingerprint or None
         None where the mesh came from no file.
     session : bytes

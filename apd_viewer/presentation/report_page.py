@@ -20,27 +20,13 @@ from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation import measurement_text, readings
+from apd_viewer.presentation import measurement_text, readings, report_blocks
 from apd_viewer.presentation.number_format import format_length, format_short
-from apd_viewer.presentation.report_blocks import (
-    ReportReadings,
-    handle_rows,
-    mesh_blocks,
-    obstacle_blocks,
-    region_blocks,
-    reproduction_blocks,
-    settings_blocks,
-    version_of,
-    version_rows,
-)
+from apd_viewer.presentation.report_blocks import ReportReadings
 from apd_viewer.presentation.volume_text import volume_rows
 from apd_viewer.session.measurement_readings import MeasurementReading
+from apd_viewer.session.model import status_text
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.status_text import (
-    crossing_findings,
-    exempt_zone_findings,
-    self_passing_warnings,
-)
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, typed_mass
 
@@ -51,14 +37,10 @@ class ReportSubject:
 
     Attributes
     ----------
-    state : State
-    unit : Unit
-    wall : WallText
     shape_check, rest_check : ShapeCheck
         Of the shape, and of the mesh at rest.
     requested_at : datetime
         When it was asked for.
-    measurements : sequence of MeasurementReading
     """
 
     state: State
@@ -84,18 +66,22 @@ def report_page(
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
-        PageSection(tr("Settings and targets"), tuple(settings_blocks(state, unit))),
-        PageSection(tr("Handles"), (PageTable(tuple(handle_rows(state, unit, subject.shape_check))),)),
-        PageSection(tr("Obstacles"), tuple(obstacle_blocks(state, unit))),
-        PageSection(tr("Regions"), tuple(region_blocks(state, unit))),
+        PageSection(tr("Settings and targets"), tuple(report_blocks.settings_blocks(state, unit))),
+        PageSection(
+            tr("Handles"), (PageTable(tuple(report_blocks.handle_rows(state, unit, subject.shape_check))),)
+        ),
+        PageSection(tr("Obstacles"), tuple(report_blocks.obstacle_blocks(state, unit))),
+        PageSection(tr("Regions"), tuple(report_blocks.region_blocks(state, unit))),
         PageSection(
             tr("Volume reduction"), (volumes_block(state, unit, subject.wall, checks),), is_wide=True
         ),
         PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), is_wide=True),
         PageSection(tr("Mesh check"), tuple(_findings(subject)), is_wide=True),
-        PageSection(tr("Mesh and file"), tuple(mesh_blocks(state, unit, evidence.file))),
-        PageSection(tr("Versions"), (PageTable(tuple(version_rows())),)),
-        PageSection(tr("How to reproduce it"), tuple(reproduction_blocks(state, evidence)), is_wide=True),
+        PageSection(tr("Mesh and file"), tuple(report_blocks.mesh_blocks(state, unit, evidence.file))),
+        PageSection(tr("Versions"), (PageTable(tuple(report_blocks.version_rows())),)),
+        PageSection(
+            tr("How to reproduce it"), tuple(report_blocks.reproduction_blocks(state, evidence)), is_wide=True
+        ),
     ]
     name = state.document.mesh.name
     return Page(
@@ -106,7 +92,9 @@ def report_page(
             tr("area: {verdict}").format(verdict=readings.area_verdict(state)),
         ),
         sections=tuple(parts),
-        footer=tr("Created with APD Viewer {version}.").format(version=version_of("apd-viewer")),
+        footer=tr("Created with APD Viewer {version}.").format(
+            version=report_blocks.version_of("apd-viewer")
+        ),
     )
 
 
@@ -117,7 +105,7 @@ def _warnings(state: State, found: ShapeCheck | None) -> Iterator[PageBlock]:
         yield PageNote(tr("The shape is not stable: it rests on a saddle of its energy."), is_warning=True)
     if state.frame.unreached:
         yield PageNote(state.frame.unreached, is_warning=True)
-    for sentence in self_passing_warnings(state, found):
+    for sentence in status_text.self_passing_warnings(state, found):
         yield PageNote(sentence, is_warning=True)
 
 
@@ -213,9 +201,13 @@ def _local_change(change: LocalChange, histogram: PageDrawing | None) -> Iterato
 
 def _findings(subject: ReportSubject) -> Iterator[PageBlock]:
     state, found = subject.state, subject.shape_check
-    crossings = crossing_findings(state.document.mesh, found.crossing)
+    crossings = status_text.crossing_findings(state.document.mesh, found.crossing)
     rest = subject.rest_check.crossing if state.is_contact_active else None
-    findings = *state.inspection.findings, *exempt_zone_findings(state.document.mesh, rest), *crossings
+    findings = (
+        *state.inspection.findings,
+        *status_text.exempt_zone_findings(state.document.mesh, rest),
+        *crossings,
+    )
     for finding in findings:
         yield PageNote(finding.sentence)
     if not findings:

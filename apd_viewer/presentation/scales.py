@@ -209,7 +209,6 @@ class Scale:
 
     Attributes
     ----------
-    measure : Measure
     reach : float
         The end of the scale: of a ratio what is gained there, 0.1 for 10 %, at the other end the ratio is one
         over that; else a length or a curvature, in mesh units.

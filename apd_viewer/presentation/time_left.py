@@ -43,7 +43,6 @@ class TimeLeftEstimate:
 
         Parameters
         ----------
-        moment : float
         gap : float or None
             Measure of convergence in multiples of its tolerance; None while it is not known.
         expected : float or None

@@ -10,12 +10,7 @@ from typing import NamedTuple, TypeAlias
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import (
-    format_exact,
-    format_grouped,
-    format_short,
-    format_significant,
-)
+from apd_viewer.presentation import number_format
 from apd_viewer.presentation.readings import NO_VALUE, change_percent
 from apd_viewer.session.model.status_text import caps_phrase
 from apd_viewer.session.quantities.units import Unit
@@ -49,8 +44,6 @@ def volume_rows(
 
     Parameters
     ----------
-    rest, now : VolumeReadings
-    unit : Unit
     density : float or None
         That of the material, g/cm³.
     bag : float
@@ -78,9 +71,12 @@ def _single_object_rows(rest: VolumeReadings, now: VolumeReadings, unit: Unit) -
     values = rest.hull.volume, now.hull.volume
     yield _volumes(VolumeName.HULL, tr("Convex hull volume"), "", values, unit)
     yield _volumes(VolumeName.BOX, tr("Smallest box volume"), "", (rest.hull.box, now.hull.box), unit)
-    sides = [unit.format_length(" × ".join(format_short(side) for side in hull.sides)) for hull in hulls]
+    sides = [
+        unit.format_length(" × ".join(number_format.format_short(side) for side in hull.sides))
+        for hull in hulls
+    ]
     yield _row(VolumeName.SIDES, tr("Sides of the smallest box"), "", sides)
-    widths = [unit.format_length(format_significant(hull.width, _DIGITS)) for hull in hulls]
+    widths = [unit.format_length(number_format.format_significant(hull.width, _DIGITS)) for hull in hulls]
     about = tr("between two parallel planes, in any direction")
     yield _row(VolumeName.WIDTH, tr("Least width"), about, widths, (rest.hull.width, now.hull.width))
 
@@ -98,13 +94,13 @@ def _bulk_rows(
         VolumeName.BULK, title, about, _spreads(bulks, lambda x: _volume(x, unit)), _first_readings(bulks)
     )
     counts = [[object_count(bag, found, unit, packing) for packing in _PACKINGS] for found in pair]
-    title = tr("Objects in a bag of {litres} l").format(litres=format_short(bag))
+    title = tr("Objects in a bag of {litres} l").format(litres=number_format.format_short(bag))
     about = tr("needs the unit of length") if unit.to_litres(1.0) is None else ""
     yield _row(
         VolumeName.COUNT,
         title,
         about,
-        _spreads(counts, lambda n: format_grouped(n, 0)),
+        _spreads(counts, lambda n: number_format.format_grouped(n, 0)),
         _first_readings(counts),
     )
     densities = [[bulk_density(density, found, packing) for packing in _PACKINGS] for found in pair]
@@ -114,7 +110,7 @@ def _bulk_rows(
         VolumeName.DENSITY,
         title,
         about,
-        _spreads(densities, lambda x: f"{format_exact(x, 3)}\u00a0kg/m³"),
+        _spreads(densities, lambda x: f"{number_format.format_exact(x, 3)}\u00a0kg/m³"),
         _first_readings(densities),
     )
 
@@ -140,7 +136,7 @@ def _volume(value: float | None, unit: Unit) -> str:
     if value is None:
         return NO_VALUE
     larger, factor = unit.legible_unit(value, 3)
-    return larger.format_volume(format_significant(factor * value, _DIGITS))
+    return larger.format_volume(number_format.format_significant(factor * value, _DIGITS))
 
 
 def _first_readings(readings: Sequence[Sequence[float | None]]) -> RestAndCurrent:
@@ -182,7 +178,6 @@ class PublishedVolume(NamedTuple):
 
     Attributes
     ----------
-    words, source : str
     unit : str
         Of ``low`` and ``high``; "of rest" for a ratio.
     low, high : float
@@ -230,11 +225,7 @@ PUBLISHED_FIGURES: dict[VolumeName, tuple[PublishedVolume, ...]] = {
     ),
     VolumeName.DENSITY: (
         PublishedVolume(
-            tr("PET, uncompacted: 18 to 24 kg/m³ (30 to 40 lb/yd³)"),
-            _EPA,
-            _KG_M3,
-            30 * _LB,
-            40 * _LB,
+            tr("PET, uncompacted: 18 to 24 kg/m³ (30 to 40 lb/yd³)"), _EPA, _KG_M3, 30 * _LB, 40 * _LB
         ),
         PublishedVolume(tr("PET, compacted: 71 kg/m³ (120 lb/yd³)"), _EPA, _KG_M3, 120 * _LB, 120 * _LB),
         PublishedVolume(tr("bales: at least 160 kg/m³ (10 lb/ft³)"), _ISRI, _KG_M3, 270 * _LB, math.inf),
@@ -267,7 +258,6 @@ def bulk_density(density: float | None, readings: VolumeReadings, packing: float
     ----------
     density : float or None
         That of the material, g/cm³.
-    readings : VolumeReadings
     packing : float
         Share of the bag that the hulls fill.
     """

@@ -4,8 +4,6 @@ It is safe from the end of this program as soon as the file is in its place, and
 it has been flushed.
 """
 
-from __future__ import annotations
-
 import logging
 import threading
 import time
@@ -37,14 +35,6 @@ _MOMENT = 0.25  # maximum wait in seconds
 
 class Autosave:
     """Autosave of each finished step and its converged shape; inactive until started.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    saved_work : SavedWork
-    file_jobs : FileJobs
-    listener : Listener
 
     Attributes
     ----------

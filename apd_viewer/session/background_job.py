@@ -32,10 +32,8 @@ class Job:
     ----------
     title : str
         What is being done, for people: "Opening bunny.obj".
-    work : callable
     on_done : callable
         Called by the owner with the value, on the owner's thread.
-    deliver : callable
     can_be_cancelled : bool
         Whether the owner may forget it: what writes is to be whole.
     """

@@ -40,8 +40,6 @@ def deck_of(
 
     Parameters
     ----------
-    document : Document
-    wall : DeckWall
     steps : int or None
         Into which the way of the handles is divided, each straight for every node; without, one for each 30°.
     motion : sequence of MotionStep
@@ -127,7 +125,6 @@ def deck_wall(text: WallText, unit: Unit, size: float) -> DeckWall:
 
     Parameters
     ----------
-    text : WallText
     unit : Unit
         Of the mesh.
     size : float

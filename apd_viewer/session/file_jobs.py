@@ -21,18 +21,10 @@ from apd_viewer.language import tr
 from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.model import status_text
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import selection_of, with_selection
 from apd_viewer.session.model.state import State, initial_state
-from apd_viewer.session.model.status_text import (
-    about_deck,
-    about_export,
-    about_findings,
-    about_loaded_selection,
-    about_missing_target,
-    about_selection,
-    about_session,
-)
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
@@ -41,16 +33,7 @@ from apd_viewer.session.storage.session_file import ChangedFileError, open_sessi
 
 
 class FileJobs:
-    """Background jobs opening or writing meshes, sessions and selections.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    saved_work : SavedWork
-    jobs : Jobs
-    listener : Listener
-    """
+    """Background jobs opening or writing meshes, sessions and selections."""
 
     def __init__(
         self, store: StateStore, gestures: Gestures, saved_work: SavedWork, jobs: Jobs, listener: Listener
@@ -114,8 +97,8 @@ class FileJobs:
         if view is not None:
             self._listener.view_opened(view)
         about = (
-            about_findings(state.inspection.findings),
-            about_missing_target(state.document),
+            status_text.about_findings(state.inspection.findings),
+            status_text.about_missing_target(state.document),
             "" if found is not state else _contact_warning(state.document),
             state.document.mesh.texture[1],
         )
@@ -132,7 +115,7 @@ class FileJobs:
         def write() -> str:
             known = "" if unit.is_guess else unit.symbol
             file = save_mesh(state.document.mesh, state.frame.U, check_mesh_path(path), known)
-            return about_export(path.name, file.area, state.inspection.area, unit)
+            return status_text.about_export(path.name, file.area, state.inspection.area, unit)
 
         self._write(tr("Writing {name}").format(name=path.name), write, on_success)
 
@@ -160,7 +143,7 @@ class FileJobs:
             size, unit = diagonal(document.mesh.V), Unit(view.unit)
             deck = deck_of(document, deck_wall(view.wall, unit, size))
             write_deck(path, deck)
-            return about_deck(path.name, deck)
+            return status_text.about_deck(path.name, deck)
 
         self._write(tr("Writing {name}").format(name=path.name), write)
 
@@ -183,7 +166,6 @@ class FileJobs:
         ----------
         path, view, embed
             See :func:`apd_viewer.session.storage.session_file.save_session`.
-        on_success : callable
         picture : bytes
             A PNG file of it, if there is one.
         on_file_changed : callable
@@ -205,7 +187,7 @@ class FileJobs:
             if isinstance(done, tuple):
                 embedded, file = done
                 self._saved_work.mark_saved(SavedDocument(state.document, file, embed))
-                self._listener.message_sent(about_session(path.name, embedded))
+                self._listener.message_sent(status_text.about_session(path.name, embedded))
                 on_success()
             elif on_file_changed is None:
                 self._listener.failed(str(done))
@@ -228,7 +210,7 @@ class FileJobs:
             elif state.document.mesh is mesh:  # another mesh may have been opened meanwhile
                 self._gestures.record(tr("Load selection"), state)
                 self._store.regrip(state.document, with_selection(state.document, selection))
-                self._listener.message_sent(about_loaded_selection(path.name, selection))
+                self._listener.message_sent(status_text.about_loaded_selection(path.name, selection))
 
         self._jobs.run(
             tr("Loading {name}").format(name=path.name), lambda: read_selection_file(path, mesh), loaded
@@ -239,7 +221,9 @@ class FileJobs:
         path, document = Path(path), self._store.required_state().document
 
         def work() -> str:
-            return about_selection(path.name, write_selection(path, document.mesh, selection_of(document)))
+            return status_text.about_selection(
+                path.name, write_selection(path, document.mesh, selection_of(document))
+            )
 
         self._write(tr("Saving {name}").format(name=path.name), work)
 

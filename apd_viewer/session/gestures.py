@@ -16,16 +16,10 @@ _TOGETHER = 1.0
 class Gestures:
     """Recorder of gestures on a store, with undo and redo.
 
-    Parameters
-    ----------
-    store : StateStore
-    listener : Listener
-
     Attributes
     ----------
     state_before : State or None
         Where the gesture under way began.
-    history : History
     """
 
     def __init__(self, store: StateStore, listener: Listener) -> None:
@@ -105,14 +99,7 @@ class Gestures:
 
 
 class DocumentEditor:
-    """Base of editors changing the document in undo steps or within a gesture.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
-    """
+    """Base of editors changing the document in undo steps or within a gesture."""
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
         self._store = store

@@ -1,4 +1,4 @@
-"""Editor of handle poses and pivots: drag, type, nudge, reset and mirror."""
+"""Editors of handle poses and pivots, and of poses kept under names."""
 
 from dataclasses import replace
 
@@ -7,22 +7,17 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES, transform
-from apd_viewer.language import tr
+from apd_viewer.language import comma_separated, in_quotes, tr
 from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import PaintedPart, next_name
+from apd_viewer.session.model.document_parts import PaintedPart, next_name, unique_name
 from apd_viewer.session.model.handle_paths import with_rounded_poses
-from apd_viewer.session.model.handles_and_regions import Handle
+from apd_viewer.session.model.handles_and_regions import MOST_POSES, Handle, NamedPose
 from apd_viewer.session.model.state import State
 from apd_viewer.session.part_operations import PartOperation, members_after
+from apd_viewer.session.posing import motion_path, named_poses
 from apd_viewer.session.posing.mirror_partner import mirrored_handle, with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
-from apd_viewer.session.posing.motion_path import (
-    MotionStep,
-    motion_title,
-    motion_title_between,
-    moved_handle_names,
-)
 from apd_viewer.session.posing.regripping import has_moved
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.state_store import Listener, StateStore
@@ -31,14 +26,7 @@ _MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_
 
 
 class HandleEditor(DocumentEditor):
-    """Editor of the handle poses; the shape is solved after each change.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
-    """
+    """Editor of the handle poses; the shape is solved after each change."""
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
         super().__init__(store, gestures, listener)
@@ -57,7 +45,9 @@ class HandleEditor(DocumentEditor):
         """
         before, document = self._gestures.state_before, self._store.required_state().document
         if before is not None:  # another mesh may have ended the drag
-            self._gestures.end(motion_title_between(before.document, document, k, self._store.unit))
+            self._gestures.end(
+                motion_path.motion_title_between(before.document, document, k, self._store.unit)
+            )
             if document.has_half_turn:
                 self._solve_along_paths(document)
 
@@ -69,7 +59,7 @@ class HandleEditor(DocumentEditor):
 
     def plan_motion(
         self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
-    ) -> MotionStep:
+    ) -> motion_path.MotionStep:
         """Motion of a handle by or to a typed amount, without applying it.
 
         ``line`` (2, 3) is the axis of a bend about a line. Raises InputError if the text is none.
@@ -80,7 +70,7 @@ class HandleEditor(DocumentEditor):
             unambiguous_text(text), self._store.unit, document.mesh.named_lengths, now.at_rest
         )
         amount = kind.remaining(amount, motion, now) if is_total else amount
-        return MotionStep(k, motion, (amount,), line)
+        return motion_path.MotionStep(k, motion, (amount,), line)
 
     def move_by(
         self, motion: Motion, text: str, k: int, line: np.ndarray | None = None, is_total: bool = False
@@ -89,8 +79,8 @@ class HandleEditor(DocumentEditor):
         self._gestures.cancel()
         step, start = self.plan_motion(motion, text, k, line, is_total), self._store.required_state().document
         end = step.end_document(start)
-        names = moved_handle_names(start, end)
-        self.apply_poses(end, motion_title(motion, step.amounts[0], names, self._store.unit))
+        names = motion_path.moved_handle_names(start, end)
+        self.apply_poses(end, motion_path.motion_title(motion, step.amounts[0], names, self._store.unit))
 
     def reset_handle(self, k: int) -> None:
         """Reset one handle to its rest position, and solve."""
@@ -181,3 +171,91 @@ def _unpainted_image(state: State, k: int) -> np.ndarray:
         return np.empty(0, dtype=int)
     both = members_after(state, part, _MIRRORS[document.mirror_axis])
     return np.flatnonzero(both & ~part.mask(document))
+
+
+_NO_HANDLE = tr("There is no handle whose pose could be kept; paint one first.")
+
+
+class PoseEditor(DocumentEditor):
+    """Editor storing handle poses under names and restoring them."""
+
+    def __init__(
+        self, store: StateStore, gestures: Gestures, handles: HandleEditor, listener: Listener
+    ) -> None:
+        super().__init__(store, gestures, listener)
+        self._handles = handles
+
+    def add(self) -> None:
+        """Store the current poses of all handles under a new name."""
+        document = self._gestures.state_without_gesture().document
+        if not named_poses.handle_placements(document):
+            self._listener.failed(_NO_HANDLE)
+        elif len(document.poses) >= MOST_POSES:
+            self._listener.failed(tr("The limit is {most} poses; remove one first.").format(most=MOST_POSES))
+        else:
+            name = next_name(tr("Pose"), [pose.name for pose in document.poses])
+            self._replace(
+                tr("Keep pose"),
+                poses=(*document.poses, NamedPose(name, named_poses.handle_placements(document))),
+            )
+            # A message is needed, since the list of poses may be hidden.
+            self._listener.message_sent(tr("Kept as “{pose}”.").format(pose=name))
+
+    def go_to(self, k: int) -> None:
+        """Move the handles to pose ``k``; handles not in the pose are not moved."""
+        document = self._gestures.state_without_gesture().document
+        pose = document.poses[k]
+        gone = named_poses.missing_handles(document, pose)
+        if len(gone) == len(pose.placements):
+            self._listener.failed(
+                tr("The handles of “{pose}” are gone or empty; update or remove the pose.").format(
+                    pose=pose.name
+                )
+            )
+            return
+        if not named_poses.is_in_pose(document, pose):
+            self._handles.apply_poses(
+                named_poses.with_named_pose(document, pose), tr("Go to “{pose}”").format(pose=pose.name)
+            )
+        if gone:
+            self._listener.message_sent(
+                tr("“{pose}” also places {handles}, which is gone or empty; the others are there.").format(
+                    pose=pose.name, handles=comma_separated(map(in_quotes, gone))
+                )
+            )
+
+    def go_to_neighbour(self, offset: int) -> None:
+        """Go to the next (1) or previous (-1) pose, wrapping around the list."""
+        document = self._gestures.state_without_gesture().document
+        at = [named_poses.is_in_pose(document, pose) for pose in document.poses]
+        if not at:
+            self._listener.failed(tr("No poses are kept yet; keep one first."))
+        elif not all(at):
+            k = at.index(True) if any(at) else -1 if offset > 0 else len(at)
+            while at[k := (k + offset) % len(at)]:
+                pass
+            self.go_to(k)
+
+    def rename(self, k: int, name: str) -> None:
+        """Rename pose ``k``; a name in use gets a number."""
+        poses = self._store.required_state().document.poses
+        name = unique_name(name, poses[k].name, [pose.name for pose in poses])
+        if name != poses[k].name:
+            self._set(tr("Rename"), k, replace(poses[k], name=name))
+
+    def update(self, k: int) -> None:
+        """Replace pose ``k`` by the current poses of all handles."""
+        document = self._gestures.state_without_gesture().document
+        if present := named_poses.handle_placements(document):
+            self._set(tr("Update pose"), k, replace(document.poses[k], placements=present))
+        else:
+            self._listener.failed(_NO_HANDLE)
+
+    def remove(self, k: int) -> None:
+        """Remove pose ``k``; the handles do not move."""
+        poses = self._store.required_state().document.poses
+        self._replace(tr("Remove pose"), poses=poses[:k] + poses[k + 1 :])
+
+    def _set(self, gesture: str, k: int, pose: NamedPose) -> None:
+        poses = self._store.required_state().document.poses
+        self._replace(gesture, poses=(*poses[:k], pose, *poses[k + 1 :]))

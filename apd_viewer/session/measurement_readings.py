@@ -50,8 +50,6 @@ class MeasurementReadings:
 
     Parameters
     ----------
-    store : StateStore
-    gestures : Gestures
     listener : Listener
         Its ``measured`` is called when a geodesic becomes known.
     """

@@ -13,14 +13,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import next_name, unique_name
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import State
-from apd_viewer.session.posing.obstacle_placement import (
-    contact_distance,
-    is_clear,
-    moved_clear,
-    obstacle_name,
-    proposed_obstacle,
-    touching_plate,
-)
+from apd_viewer.session.posing import obstacle_placement
 from apd_viewer.session.quantities.units import Unit
 
 _NOWHERE = frozen(np.zeros(3))
@@ -50,10 +43,10 @@ class ObstacleEditor(DocumentEditor):
         in the way, the obstacle is moved back, but for a first look ``is_preview``, unless it is a plate.
         """
         state, apart = self._store.required_state(), self._contact_distance(thickness)
-        obstacle = proposed_obstacle(kind, point, normal, state, apart)
+        obstacle = obstacle_placement.proposed_obstacle(kind, point, normal, state, apart)
         if is_preview and kind is not ObstacleKind.PLATE:
             return obstacle
-        return moved_clear(obstacle, state, apart)
+        return obstacle_placement.moved_clear(obstacle, state, apart)
 
     def add(self, obstacle: NamedObstacle, thickness: float | None = None) -> int | None:
         """Add an obstacle with a unique name and turn on contact; return its index.
@@ -68,7 +61,7 @@ class ObstacleEditor(DocumentEditor):
         state = self._gestures.state_without_gesture()
         taken = [each.name for each in state.document.obstacles]
         name = tr("Floor") if tr("Floor") not in taken else next_name(tr("Floor"), taken, first=2)
-        plate = touching_plate(name, up, state, self._contact_distance(thickness))
+        plate = obstacle_placement.touching_plate(name, up, state, self._contact_distance(thickness))
         return self._add(tr("Add floor"), (plate,), thickness)
 
     def add_plates(self, axis: np.ndarray, thickness: float | None = None) -> int | None:
@@ -76,9 +69,9 @@ class ObstacleEditor(DocumentEditor):
         state, apart = self._gestures.state_without_gesture(), self._contact_distance(thickness)
         taken, plates = [each.name for each in state.document.obstacles], []
         for side in (1.0, -1.0):
-            name = obstacle_name(ObstacleKind.PLATE, taken)
+            name = obstacle_placement.obstacle_name(ObstacleKind.PLATE, taken)
             taken.append(name)
-            plates.append(touching_plate(name, side * np.asarray(axis), state, apart))
+            plates.append(obstacle_placement.touching_plate(name, side * np.asarray(axis), state, apart))
         return self._add(tr("Put plates on both sides"), tuple(plates), thickness)
 
     def _add(self, gesture: str, new: tuple[NamedObstacle, ...], thickness: float | None) -> int | None:
@@ -104,12 +97,12 @@ class ObstacleEditor(DocumentEditor):
 
     def _with_new_name(self, obstacle: NamedObstacle) -> NamedObstacle:
         taken = [each.name for each in self._store.required_state().document.obstacles]
-        return replace(obstacle, name=obstacle_name(obstacle.kind, taken), shift=_NOWHERE)
+        return replace(obstacle, name=obstacle_placement.obstacle_name(obstacle.kind, taken), shift=_NOWHERE)
 
     def _contact_distance(self, thickness: float | None = None) -> float:
         state = self._store.required_state()
         own = state.document.settings.thickness if state.document.settings.contact else thickness
-        return contact_distance(state, own)
+        return obstacle_placement.contact_distance(state, own)
 
     # Changing obstacles
 
@@ -138,10 +131,10 @@ class ObstacleEditor(DocumentEditor):
         """
         state, apart = self._store.required_state(), self._contact_distance()
         obstacle = replace(obstacle, shift=_NOWHERE, axis=frozen(np.array(obstacle.axis, dtype=float)))
-        if not is_clear(obstacle, state, apart):
+        if not obstacle_placement.is_clear(obstacle, state, apart):
             if obstacle.kind is not ObstacleKind.PLATE:
                 raise InputError(_inside_sentence(obstacle, state, apart, self._store.unit))
-            obstacle = moved_clear(obstacle, state, apart)
+            obstacle = obstacle_placement.moved_clear(obstacle, state, apart)
             self._listener.message_sent(
                 tr("{name} would cut the shape; it was moved back to touch it.").format(name=obstacle.name)
             )
@@ -207,7 +200,7 @@ def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Uni
 
 def _inside_sentence(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
     """Sentence about an obstacle inside the shape, with the nearest free position."""
-    free = moved_clear(obstacle, state, distance).place
+    free = obstacle_placement.moved_clear(obstacle, state, distance).place
     return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(
         kind=obstacle.kind.word,
         place=comma_separated(unit.format_length(localized_number(f"{x:.5g}")) for x in free),

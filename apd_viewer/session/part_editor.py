@@ -8,17 +8,9 @@ from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import DocumentEditor
+from apd_viewer.session.model import document_parts
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import (
-    PaintedPart,
-    has_region_targets,
-    next_name,
-    unique_name,
-    with_next_region,
-    without_handle,
-    without_paint,
-    without_region,
-)
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.part_operations import PartOperation, members_after
@@ -38,7 +30,7 @@ class PartEditor(DocumentEditor):
             )
             return len(handles) - 1
         self._gestures.record(tr("Add handle"), state)
-        name = next_name(tr("Handle"), [handle.name for handle in handles])
+        name = document_parts.next_name(tr("Handle"), [handle.name for handle in handles])
         self._store.set_document(state.document.with_handle(len(handles), Handle(name)))
         return len(handles)
 
@@ -48,12 +40,12 @@ class PartEditor(DocumentEditor):
         if self._refuse_if_locked(PaintedPart(HANDLE + k)):
             return
         self._gestures.record(tr("Remove handle"), state)
-        self._store.regrip(state.document, without_handle(state.document, k))
+        self._store.regrip(state.document, document_parts.without_handle(state.document, k))
 
     def rename_handle(self, k: int, name: str) -> None:
         """Rename handle ``k``; a name in use gets a number."""
         handles = self._store.required_state().document.handles
-        name = unique_name(name, handles[k].name, [handle.name for handle in handles])
+        name = document_parts.unique_name(name, handles[k].name, [handle.name for handle in handles])
         if name != handles[k].name:
             document = self._record_state(tr("Rename")).document
             handle = document.handles[k]
@@ -70,7 +62,7 @@ class PartEditor(DocumentEditor):
             )
             return len(regions) - 1
         self._gestures.record(tr("Add region"), state)
-        self._store.set_document(with_next_region(state.document))
+        self._store.set_document(document_parts.with_next_region(state.document))
         return len(regions)
 
     def remove_region(self, k: int) -> None:
@@ -80,12 +72,14 @@ class PartEditor(DocumentEditor):
             return
         self._gestures.record(tr("Remove region"), state)
         asked = state.document.regions[k].area is not None
-        (self._store.solve if asked else self._store.set_document)(without_region(state.document, k))
+        (self._store.solve if asked else self._store.set_document)(
+            document_parts.without_region(state.document, k)
+        )
 
     def rename_region(self, k: int, name: str) -> None:
         """Rename region ``k``; a name in use gets a number."""
         regions = self._store.required_state().document.regions
-        name = unique_name(name, regions[k].name, [region.name for region in regions])
+        name = document_parts.unique_name(name, regions[k].name, [region.name for region in regions])
         if name != regions[k].name:
             document = self._record_state(tr("Rename")).document
             region = replace(document.regions[k], name=name)
@@ -134,9 +128,11 @@ class Painting(DocumentEditor):
         if self._gestures.state_before is not None:
             document = state.document
             if number > len(document.regions):
-                document = with_next_region(document)
+                document = document_parts.with_next_region(document)
             document = document.with_region_number(ids, number)
-            (self._store.solve if has_region_targets(document) else self._store.set_document)(document)
+            (self._store.solve if document_parts.has_region_targets(document) else self._store.set_document)(
+                document
+            )
 
     def end_stroke(self, gesture: str) -> None:
         """End a stroke; relabelled base and handles are regripped at the current shape."""
@@ -165,12 +161,14 @@ class Painting(DocumentEditor):
 
     def clear_all(self) -> None:
         """Erase all paint except on locked parts."""
-        self._repaint(without_paint(self._gestures.state_without_gesture().document), tr("Clear all"))
+        self._repaint(
+            document_parts.without_paint(self._gestures.state_without_gesture().document), tr("Clear all")
+        )
 
     def _repaint(self, document: Document, gesture: str) -> None:
         before = self._store.required_state().document
         self._gestures.begin()
-        asks = document.member is not before.member and has_region_targets(document)
+        asks = document.member is not before.member and document_parts.has_region_targets(document)
         (self._store.solve if asks else self._store.set_document)(document)
         self.end_stroke(gesture)
 

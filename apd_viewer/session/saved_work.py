@@ -22,7 +22,6 @@ class SavedDocument(NamedTuple):
 
     Attributes
     ----------
-    document : Document
     file : KnownFile or None
         None where it came from a mesh and has never been saved.
     embeds_mesh : bool
@@ -39,12 +38,6 @@ class SavedWork:
 
     The shape is no work of its own: it follows from the document. Undo leads back to other meshes, so the
     last saved document of each opened mesh is kept; baking makes another mesh with the same triangles.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
     """
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:

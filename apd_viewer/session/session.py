@@ -10,11 +10,10 @@ from apd_viewer.session.autosave import Autosave
 from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.file_jobs import FileJobs
 from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.handle_editor import HandleEditor
+from apd_viewer.session.handle_editor import HandleEditor, PoseEditor
 from apd_viewer.session.measurement_readings import MeasurementEditor, MeasurementReadings
 from apd_viewer.session.obstacle_editor import ObstacleEditor
 from apd_viewer.session.part_editor import Painting, PartEditor
-from apd_viewer.session.pose_editor import PoseEditor
 from apd_viewer.session.processes.freed_memory import release_freed_memory
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.saved_work import SavedWork
@@ -28,31 +27,12 @@ from apd_viewer.session.typed_values import TypedValues
 class Session:
     """Parts of a session, constructed together and closed together.
 
-    Parameters
-    ----------
-    listener : Listener
-
     Attributes
     ----------
     store : StateStore
         The state on screen and the activity of the solver.
     gestures : Gestures
         Steps of undo.
-    painting : Painting
-    handles : HandleEditor
-    obstacles : ObstacleEditor
-    poses : PoseEditor
-    parts : PartEditor
-    settings : SettingsEditor
-    measurements : MeasurementEditor
-    measurement_readings : MeasurementReadings
-    typed_values : TypedValues
-    shapes : ShapeEditor
-    jobs : Jobs
-    saved_work : SavedWork
-    files : FileJobs
-    autosave : Autosave
-    shape_checks : ShapeChecks
     """
 
     def __init__(self, listener: Listener) -> None:

@@ -33,7 +33,6 @@ class SettingsEditor(DocumentEditor):
 
         Parameters
         ----------
-        on : bool
         thickness : float, optional
             Distance to keep, mesh units; a thousandth of the size of the mesh without it.
         """
@@ -68,7 +67,6 @@ class SettingsEditor(DocumentEditor):
         ----------
         components : sequence of int
             The lowest vertex of each.
-        on : bool
         """
         staying = set(self._store.required_state().document.staying_components)
         staying = staying.union(components) if on else staying.difference(components)

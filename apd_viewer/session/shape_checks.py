@@ -11,12 +11,6 @@ from apd_viewer.session.state_store import Activity, Listener, StateStore
 class ShapeChecks:
     """Checks of the displayed shape while the solver is idle.
 
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    listener : Listener
-
     Attributes
     ----------
     shape_check : ShapeCheck or None

@@ -19,15 +19,7 @@ from apd_viewer.session.state_store import Listener, StateStore
 
 
 class ShapeEditor(DocumentEditor):
-    """Editor of the rest shape and the target shape.
-
-    Parameters
-    ----------
-    store : StateStore
-    gestures : Gestures
-    jobs : Jobs
-    listener : Listener
-    """
+    """Editor of the rest shape and the target shape."""
 
     def __init__(self, store: StateStore, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
         super().__init__(store, gestures, listener)

@@ -43,17 +43,10 @@ def silence_text(seconds: int) -> str:
 class StateStore:
     """Displayed state, and activity of the solver.
 
-    Parameters
-    ----------
-    listener : Listener
-    worker : SolverWorker
-
     Attributes
     ----------
     state : State or None
         None until a mesh is open.
-    activity : Activity
-    seconds_per_iteration : float
     trace : Trace
         The readings on the way to the shape on screen.
     unit : Unit

@@ -13,12 +13,7 @@ from apd_viewer.session.state_store import StateStore
 
 
 class TypedValues:
-    """Parser of typed values on the open document; methods raise InputError.
-
-    Parameters
-    ----------
-    store : StateStore
-    """
+    """Parser of typed values on the open document; methods raise InputError."""
 
     def __init__(self, store: StateStore) -> None:
         self._store = store

@@ -20,20 +20,7 @@ os.environ["QT_API"] = "pyside6"
 # drawing, especially while the solver occupies the cores.
 os.environ.setdefault("QT_NO_GUI_THREADPOOL", "1")
 
-from PySide6.QtCore import (
-    QCoreApplication,
-    QLibraryInfo,
-    QLocale,
-    QMessageLogContext,
-    QSettings,
-    QStandardPaths,
-    Qt,
-    QTimer,
-    QtMsgType,
-    QTranslator,
-    qFormatLogMessage,
-    qInstallMessageHandler,
-)
+from PySide6 import QtCore
 from PySide6.QtGui import QSurfaceFormat
 from PySide6.QtWidgets import QApplication
 
@@ -58,11 +45,11 @@ LOAD_DELAY = 1000  # ms; loading starts then even if no frame is drawn, as in a 
 
 _LOGGER = logging.getLogger(__name__)
 _LEVELS = {
-    QtMsgType.QtDebugMsg: logging.DEBUG,
-    QtMsgType.QtInfoMsg: logging.INFO,
-    QtMsgType.QtWarningMsg: logging.WARNING,
-    QtMsgType.QtCriticalMsg: logging.ERROR,
-    QtMsgType.QtFatalMsg: logging.CRITICAL,
+    QtCore.QtMsgType.QtDebugMsg: logging.DEBUG,
+    QtCore.QtMsgType.QtInfoMsg: logging.INFO,
+    QtCore.QtMsgType.QtWarningMsg: logging.WARNING,
+    QtCore.QtMsgType.QtCriticalMsg: logging.ERROR,
+    QtCore.QtMsgType.QtFatalMsg: logging.CRITICAL,
 }
 
 SWITCH_INTERVAL = 0.001  # s; shortens the GUI thread's waits for workers that hold the interpreter lock
@@ -82,10 +69,10 @@ def make_application(argv: list[str]) -> QApplication:
     keep_freed_memory()
     share_freed_memory()
     # Lets a viewport keep its OpenGL context, with all VTK resources, when Qt moves it to another window.
-    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
+    QtCore.QCoreApplication.setAttribute(QtCore.Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     QSurfaceFormat.setDefaultFormat(_surface_format())
-    qInstallMessageHandler(log_qt_message)
-    QLocale.setDefault(QLocale.c())  # the program formats its numbers itself
+    QtCore.qInstallMessageHandler(log_qt_message)
+    QtCore.QLocale.setDefault(QtCore.QLocale.c())  # the program formats its numbers itself
     localize_numbers()
     application = QApplication(argv)
     application.setApplicationName("apd-viewer")
@@ -100,8 +87,10 @@ def make_application(argv: list[str]) -> QApplication:
 
 def _translate(application: QApplication) -> None:
     """Load Qt's own texts, such as button labels, in the program's language."""
-    words = QTranslator(application)
-    if words.load(f"qtbase_{LANGUAGE}", QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)):
+    words = QtCore.QTranslator(application)
+    if words.load(
+        f"qtbase_{LANGUAGE}", QtCore.QLibraryInfo.path(QtCore.QLibraryInfo.LibraryPath.TranslationsPath)
+    ):
         application.installTranslator(words)
 
 
@@ -117,11 +106,11 @@ def _surface_format() -> QSurfaceFormat:
     return surface
 
 
-def log_qt_message(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
+def log_qt_message(kind: QtCore.QtMsgType, context: QtCore.QMessageLogContext, message: str) -> None:
     """Log and print a Qt message, except the known harmless one."""
     if HARMLESS_MESSAGE not in message:
         _LOGGER.log(_LEVELS[kind], message)
-        print(qFormatLogMessage(kind, context, message), file=sys.stderr)  # noqa: T201
+        print(QtCore.qFormatLogMessage(kind, context, message), file=sys.stderr)  # noqa: T201
 
 
 def run(mesh: object = None, shows_errors: bool = False) -> None:
@@ -164,8 +153,8 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
     imports.loaded.connect(
         lambda: shell.close() if imports.error else build_workbench(shell, recovery_folder(), shown is None)
     )
-    shell.canvas.viewport.frameSwapped.connect(imports.begin, Qt.ConnectionType.SingleShotConnection)
-    QTimer.singleShot(LOAD_DELAY, imports.begin)
+    shell.canvas.viewport.frameSwapped.connect(imports.begin, QtCore.Qt.ConnectionType.SingleShotConnection)
+    QtCore.QTimer.singleShot(LOAD_DELAY, imports.begin)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
     for name in ("SIGTERM", "SIGHUP"):  # quit without asking: unsaved work is offered at the next start
         number = getattr(signal, name, None)
@@ -181,21 +170,23 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
         raise SystemExit(status)
 
 
-def user_settings() -> QSettings:
+def user_settings() -> QtCore.QSettings:
     """The user's settings; anything but a file in their place is renamed first."""
-    folder = Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericConfigLocation))
-    name = f"{QCoreApplication.applicationName()}.conf"
-    for path in (folder / name, folder / QCoreApplication.organizationName() / name):
+    folder = Path(
+        QtCore.QStandardPaths.writableLocation(QtCore.QStandardPaths.StandardLocation.GenericConfigLocation)
+    )
+    name = f"{QtCore.QCoreApplication.applicationName()}.conf"
+    for path in (folder / name, folder / QtCore.QCoreApplication.organizationName() / name):
         with contextlib.suppress(OSError):
             if path.exists() and not path.is_file():
                 path.rename(path.with_name(f"{name}.damaged"))
-    return QSettings()
+    return QtCore.QSettings()
 
 
 def recovery_folder() -> Path:
     """Folder of the autosaved sessions."""
-    place = QStandardPaths.StandardLocation.AppLocalDataLocation
-    return Path(QStandardPaths.writableLocation(place)) / "recovery"
+    place = QtCore.QStandardPaths.StandardLocation.AppLocalDataLocation
+    return Path(QtCore.QStandardPaths.writableLocation(place)) / "recovery"
 
 
 def build_workbench(shell: Shell, recovery: Path | None, opens_sample: bool) -> Workbench | None:
@@ -203,7 +194,6 @@ def build_workbench(shell: Shell, recovery: Path | None, opens_sample: bool) -> 
 
     Parameters
     ----------
-    shell : Shell
     recovery : Path or None
         Folder for autosaves; None keeps nothing.
     opens_sample : bool
@@ -219,7 +209,7 @@ def build_workbench(shell: Shell, recovery: Path | None, opens_sample: bool) -> 
     workbench.help.plan_first_tour(opens_sample)
     if refusal := shell.preferences.storage_problem:
         # Shown after the first document has opened, which hides earlier notices.
-        once = Qt.ConnectionType.SingleShotConnection
+        once = QtCore.Qt.ConnectionType.SingleShotConnection
         workbench.signals.changed.connect(lambda *_: workbench.notice.show_failure(refusal), once)
     _LOGGER.info("OpenGL %s", shell.canvas.viewport.opengl_info)
     return workbench

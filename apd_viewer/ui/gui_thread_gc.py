@@ -12,18 +12,13 @@ class GuiThreadGC(QObject):
 
     Python collects on whichever thread happens to allocate. A QTimer that dies on a worker thread
     takes the process with it.
-
-    Parameters
-    ----------
-    parent : QObject, optional
     """
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         gc.disable()
         self._threshold = gc.get_threshold()
-        self._timer = QTimer(self)
-        self._timer.timeout.connect(self._check)
+        self._timer = QTimer(self, timeout=self._check)
         self._timer.start(INTERVAL)
 
     def _check(self) -> None:

@@ -32,8 +32,6 @@ class SessionSignals(QObject):
     changed : Signal(State or None, State)
     status_changed : Signal()
         Emitted after ``changed``, too.
-    measured : Signal()
-    message_sent, failed : Signal(str)
     view_opened : Signal(View)
     """
 

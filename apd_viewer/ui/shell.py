@@ -2,17 +2,9 @@
 
 from typing import cast
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QChildEvent, QEvent, QSettings, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QFont, QKeyEvent
-from PySide6.QtWidgets import (
-    QAbstractButton,
-    QDockWidget,
-    QListWidget,
-    QListWidgetItem,
-    QMainWindow,
-    QTabBar,
-    QWidget,
-)
 
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.window_menus import WindowMenus
@@ -30,7 +22,7 @@ from apd_viewer.ui.widgets.theme import Theme, application_icon, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 
-class Shell(QMainWindow):
+class Shell(QtWidgets.QMainWindow):
     """Main window: canvas in the middle, tools on the left, readings on the right.
 
     It needs no session, nor the libraries of a session, so that it can be shown at once. The camera can be
@@ -45,7 +37,6 @@ class Shell(QMainWindow):
     ----------
     closing : Signal(QCloseEvent)
         The window is about to be closed; a slot can ignore the event.
-    closed : Signal()
     activated : Signal()
         The user has come to the window, maybe from another program.
     escape_pressed : Signal()
@@ -99,9 +90,9 @@ class Shell(QMainWindow):
         self.docks.add("history", tr("History"), self.history, shown=False)
         below = Qt.DockWidgetArea.BottomDockWidgetArea
         # The workbench replaces these empty widgets with those that need the session.
-        plots = self.docks.add("plots", tr("Plots"), QWidget(), below, False)
+        plots = self.docks.add("plots", tr("Plots"), QtWidgets.QWidget(), below, False)
         plots.toggleViewAction().setShortcut("Ctrl+P")
-        self.docks.add("study", tr("Study results"), QWidget(), below, False)
+        self.docks.add("study", tr("Study results"), QtWidgets.QWidget(), below, False)
 
     def _take(self, tool: Tool) -> None:
         self.canvas.choose_tool(tool)
@@ -142,8 +133,8 @@ class Shell(QMainWindow):
     def childEvent(self, event: QChildEvent) -> None:
         """Disable the wheel on dock tab bars, as Qt creates them."""
         super().childEvent(event)
-        if event.type() is QEvent.Type.ChildPolished and isinstance(event.child(), QTabBar):
-            ignore_wheel(cast(QTabBar, event.child()))
+        if event.type() is QEvent.Type.ChildPolished and isinstance(event.child(), QtWidgets.QTabBar):
+            ignore_wheel(cast(QtWidgets.QTabBar, event.child()))
 
     def changeEvent(self, event: QEvent) -> None:
         """Follow the platform's colour scheme; emit a signal on activation."""
@@ -171,27 +162,22 @@ _BUTTONS = {"qt_dockwidget_closebutton": "remove", "qt_dockwidget_floatbutton": 
 
 
 class Docks:
-    """Dock widgets of a window, in menu order.
+    """Dock widgets of a window, in menu order."""
 
-    Parameters
-    ----------
-    window : QMainWindow
-    """
-
-    def __init__(self, window: QMainWindow) -> None:
+    def __init__(self, window: QtWidgets.QMainWindow) -> None:
         self._window = window
-        self._docks: dict[str, QDockWidget] = {}
+        self._docks: dict[str, QtWidgets.QDockWidget] = {}
 
     def add(
         self,
         name: str,
         title: str,
-        content: QWidget,
+        content: QtWidgets.QWidget,
         area: Qt.DockWidgetArea = Qt.DockWidgetArea.RightDockWidgetArea,
         shown: bool = True,
-    ) -> QDockWidget:
+    ) -> QtWidgets.QDockWidget:
         """Add a dock with ``content``; ``name`` identifies it in the saved layout."""
-        dock = QDockWidget(title, self._window, objectName=name)
+        dock = QtWidgets.QDockWidget(title, self._window, objectName=name)
         dock.setWidget(content)
         self._window.addDockWidget(area, dock)
         dock.setVisible(shown)
@@ -199,14 +185,14 @@ class Docks:
         self._docks[name] = dock
         return dock
 
-    def __getitem__(self, name: str) -> QDockWidget:
+    def __getitem__(self, name: str) -> QtWidgets.QDockWidget:
         return self._docks[name]
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the buttons in the title bars."""
         for dock in self._docks.values():
             for name, image in _BUTTONS.items():
-                button = dock.findChild(QAbstractButton, name)
+                button = dock.findChild(QtWidgets.QAbstractButton, name)
                 if button is not None:
                     button.setIcon(icon(image, theme))
 
@@ -216,7 +202,7 @@ class Docks:
         return [dock.toggleViewAction() for dock in self._docks.values()]
 
 
-class HistoryList(QListWidget):
+class HistoryList(QtWidgets.QListWidget):
     """One row per step, oldest first; undone steps are greyed.
 
     Attributes
@@ -243,7 +229,7 @@ class HistoryList(QListWidget):
         self.clear()
         start = tr("Open {name}").format(name=name)
         for k, step in enumerate([start, *done, *undone]):
-            item = QListWidgetItem(step)
+            item = QtWidgets.QListWidgetItem(step)
             font = QFont(self.font())
             font.setBold(k == len(done))
             item.setFont(font)

@@ -12,6 +12,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.session_picture import PICTURE_SIDE
+from apd_viewer.ui import session_signals
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_controller import EditController, PartController
@@ -32,20 +33,9 @@ from apd_viewer.ui.posing.motion_ghost import MotionPreview
 from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.scene.scene_picture import small_picture
-from apd_viewer.ui.session_signals import (
-    SessionSignals,
-    connect_canvas,
-    connect_parts,
-    connect_settings,
-    connect_wheel,
-)
+from apd_viewer.ui.settings_page import settings_dialog
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
-from apd_viewer.ui.settings_page.settings_dialog import (
-    SettingsPage,
-    connect_language,
-    connect_menu,
-    connect_preferences,
-)
+from apd_viewer.ui.settings_page.settings_dialog import SettingsPage
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.studies.case_study_controller import CaseStudyController
@@ -62,7 +52,6 @@ class Workbench(QObject):
 
     Parameters
     ----------
-    shell : Shell
     recovery : Path or None
         Folder for autosaves; None keeps nothing.
     """
@@ -71,7 +60,7 @@ class Workbench(QObject):
         super().__init__(shell)
         self.shell, self.canvas, self.panel = shell, shell.canvas, shell.panel
         self.preferences, self.docks, self.status = shell.preferences, shell.docks, shell.status
-        self.signals = SessionSignals(self)
+        self.signals = session_signals.SessionSignals(self)
         self.session = Session(self.signals.listener())
         self.parts = ActiveParts(self.session, self)
         self.tools = ToolChoice(self.canvas)
@@ -82,7 +71,9 @@ class Workbench(QObject):
         self._connect_session()
         self._connect_canvas()
         self._connect_shell()
-        connect_preferences(self.preferences.values, self.session, self.tools, self.canvas.brush.size)
+        settings_dialog.connect_preferences(
+            self.preferences.values, self.session, self.tools, self.canvas.brush.size
+        )
         self.tools.choose_tool(self.canvas.tool)
         self._show_status()
         self.recovery.restore_requested.connect(self.files.restore)
@@ -218,8 +209,8 @@ class Workbench(QObject):
         signals.changed.connect(self.obstacles.refresh)
         self.display_options.cutting_plane.measure_requested.connect(self.measurements.add_section)
         self.parts.changed.connect(self._show_parts)
-        connect_settings(self.panel, self.session)
-        connect_parts(self.panel, self.session, self.parts)
+        session_signals.connect_settings(self.panel, self.session)
+        session_signals.connect_parts(self.panel, self.session, self.parts)
         self.panel.area.unit.chosen.connect(self.choose_unit)
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
@@ -228,13 +219,15 @@ class Workbench(QObject):
 
     def _connect_canvas(self) -> None:
         canvas = self.canvas
-        connect_canvas(canvas, self.session, self.parts, self.notice.show_message, self.status.showMessage)
+        session_signals.connect_canvas(
+            canvas, self.session, self.parts, self.notice.show_message, self.status.showMessage
+        )
         canvas.strokes.began.connect(lambda: self.invitation.show_text(""))
         canvas.strokes.ended.connect(self._show_next_step)
         canvas.drag_began.connect(self.next_step.record_drag)
         self.obstacles.drag_moved.connect(self.next_step.record_drag)
         self.obstacles.placer.prompt_changed.connect(self.status.showMessage)
-        connect_wheel(canvas, self.session, self.status)
+        session_signals.connect_wheel(canvas, self.session, self.status)
         self.tools.tool_chosen.connect(self._show_tool)
         self.tools.mode_chosen.connect(lambda way: self.actions_.select.modes[way].setChecked(True))
         for change in (self.help.tour.began, self.help.tour.ended):
@@ -246,8 +239,8 @@ class Workbench(QObject):
         self.shell.closed.connect(self._close)
         self.shell.escape_pressed.connect(self._escape)
         self.shell.activated.connect(self.session.saved_work.check_file)
-        connect_menu(self.preferences.values, self.actions_.view.schemes)
-        connect_language(self.preferences.values, self.notice.show_failure)
+        settings_dialog.connect_menu(self.preferences.values, self.actions_.view.schemes)
+        settings_dialog.connect_language(self.preferences.values, self.notice.show_failure)
         self.shell.theme_changed.connect(self._set_theme)
         self._set_theme(self.shell.theme)
 

@@ -15,16 +15,7 @@ import ink
 import matplotlib as mpl
 import numpy as np
 from coarse import coarser
-from PySide6.QtCore import (
-    QElapsedTimer,
-    QEvent,
-    QEventLoop,
-    QPoint,
-    QPointF,
-    QSettings,
-    QSize,
-    Qt,
-)
+from PySide6.QtCore import QElapsedTimer, QEvent, QEventLoop, QPoint, QPointF, QSettings, QSize, Qt
 from PySide6.QtGui import QFontDatabase, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget

@@ -12,13 +12,7 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.presentation.palette import (
-    BASE_COLOR,
-    FREE_COLOR,
-    HANDLE_COLORS,
-    REGION_COLORS,
-    label_colors,
-)
+from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS, REGION_COLORS, label_colors
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.shell import Shell

@@ -14,15 +14,7 @@ from finished_study import write_study
 from meshes import ends, sphere
 from PySide6.QtCore import QEvent, QPoint, Qt, QTimer
 from PySide6.QtGui import QHelpEvent
-from PySide6.QtWidgets import (
-    QAbstractButton,
-    QApplication,
-    QDockWidget,
-    QLabel,
-    QTabBar,
-    QTextEdit,
-    QToolTip,
-)
+from PySide6.QtWidgets import QAbstractButton, QApplication, QDockWidget, QLabel, QTabBar, QTextEdit, QToolTip
 from shiboken6 import isValid
 from watched_pipe import WatchedPipe
 

@@ -6,13 +6,7 @@ from scipy.integrate import solve_bvp
 
 from apd_viewer.verification.case_meshes import grid
 from apd_viewer.verification.press_cases import LIFT_OFF, flattened_volume, hinged_load, knock_down
-from apd_viewer.verification.shape_cases import (
-    bonnet,
-    elastica_sag,
-    kresling_height,
-    spindle,
-    spindle_volume,
-)
+from apd_viewer.verification.shape_cases import bonnet, elastica_sag, kresling_height, spindle, spindle_volume
 
 
 @pytest.mark.parametrize(

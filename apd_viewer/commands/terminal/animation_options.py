@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from apd_viewer.commands.terminal.output_files import check_distinct
-from apd_viewer.commands.terminal.parser import Parser
+from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation
 from apd_viewer.files.storage.atomic_file import resolved_path, staging_folder
 from apd_viewer.language import tr
@@ -14,22 +14,17 @@ from apd_viewer.language import tr
 
 def add_animation_option(parser: Parser, films: bool = True) -> None:
     """Add the option ``--animation``; it can be given several times."""
-    drawn = tr(
-        "write the shapes as a film (.gif, or .mp4 with an encoder), for Blender (.pc2, .mdd), with morph "
-        "targets (.glb) or for ParaView (.pvd); may be given several times"
+    about = tr(
+        "write the shapes for Blender (.pc2, .mdd), with morph targets (.glb) or for ParaView (.pvd); "
+        "may be given several times"
     )
-    written = tr(
-        "write the shapes for Blender (.pc2, .mdd), with morph targets (.glb) or for ParaView (.pvd); may be "
-        "given several times"
-    )
-    parser.add_argument(
-        "--animation",
-        metavar="A.gif" if films else "A.glb",
-        type=Path,
-        action="append",
-        default=[],
-        help=drawn if films else written,
-    )
+    if films:
+        about = tr(
+            "write the shapes as a film (.gif, or .mp4 with an encoder), for Blender (.pc2, .mdd), with "
+            "morph targets (.glb) or for ParaView (.pvd); may be given several times"
+        )
+    words = f"--animation A{'.gif' if films else '.glb'}"
+    add_option(parser, words, about, type=Path, action="append", default=[])
 
 
 def is_film(path: Path) -> bool:
@@ -82,15 +77,13 @@ class AnimationTargets:
     def files(self, version: str) -> list[Path]:
         """Animation files of one version, without the films."""
         paths = [path for path in self._asked if not is_film(path)]
-        return [path.with_stem(f"{path.stem}-{version}") if self._several else path for path in paths]
+        if len(self._versions) == 1:
+            return paths
+        return [path.with_stem(f"{path.stem}-{version}") for path in paths]
 
     def all_files(self) -> list[Path]:
         """Animation files of all versions, without the films."""
         return [path for version in self._versions for path in self.files(version)]
-
-    @property
-    def _several(self) -> bool:
-        return len(self._versions) > 1
 
     def _is_in_output(self, path: Path) -> bool:
         """True if a path is in the output folder, whether or not that exists yet."""

@@ -1,15 +1,11 @@
 """Command-line parser in the user's language."""
 
-from __future__ import annotations
-
 import argparse
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import Any
 
 from apd_viewer.commands.terminal.columns import column_count, wrapped_lines
 from apd_viewer.language import tr, trn
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 # Texts of argparse in Python 3.10 to 3.13, listed for translation; argparse looks them up itself.
 _OF_ARGPARSE = (
@@ -38,11 +34,7 @@ class _Formatter(argparse.HelpFormatter):
     """Help text at the terminal's width, also in languages without spaces."""
 
     def _format_usage(
-        self,
-        usage: str | None,
-        actions: Iterable[argparse.Action],
-        groups: Iterable[Any],
-        prefix: str | None,
+        self, usage: str | None, actions: Iterable[argparse.Action], groups: Iterable[Any], prefix: str | None
     ) -> str:
         head = tr("usage: ") if prefix is None else prefix
         room = column_count(head)

@@ -66,15 +66,11 @@ def given_criteria(options: argparse.Namespace) -> dict[str, Any]:
 
 def add_contact_option(parser: Parser) -> None:
     """Add ``--contact`` and ``--no-contact``; the value is None without either."""
-    add_option(
-        parser,
-        "--contact",
-        tr(
-            "keep walls from passing through each other, or not; default: up to {most:,} vertices, by "
-            "methods that can"
-        ).format(most=MOST_VERTICES_IN_CONTACT),
-        action=argparse.BooleanOptionalAction,
-    )
+    about = tr(
+        "keep walls from passing through each other, or not; default: up to {most:,} vertices, by "
+        "methods that can"
+    ).format(most=MOST_VERTICES_IN_CONTACT)
+    add_option(parser, "--contact", about, action=argparse.BooleanOptionalAction)
 
 
 def has_contact(options: argparse.Namespace, vertices: int) -> bool:

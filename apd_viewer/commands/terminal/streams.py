@@ -1,17 +1,13 @@
 """Standard streams and termination signals of a command."""
 
-from __future__ import annotations
-
 import io
 import os
 import signal
 import sys
 import threading
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from typing import Any
 
 _ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # termination signals, not all of which exist on every system
 

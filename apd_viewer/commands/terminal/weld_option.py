@@ -16,14 +16,11 @@ from apd_viewer.session.quantities.units import NoUnitError
 
 def add_weld_option(parser: argparse.ArgumentParser) -> None:
     """Add the option ``--weld``."""
-    add_option(
-        parser,
-        "--weld",
-        tr(
-            "weld seams: boundary vertices within 1/10,000 of the size of the mesh move together; the file "
-            "written has all its vertices"
-        ),
+    about = tr(
+        "weld seams: boundary vertices within 1/10,000 of the size of the mesh move together; the file "
+        "written has all its vertices"
     )
+    add_option(parser, "--weld", about)
 
 
 def open_input_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:

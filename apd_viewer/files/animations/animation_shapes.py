@@ -21,7 +21,6 @@ class Animation:
 
     Attributes
     ----------
-    mesh : Mesh
     labels, member : (n,) int arrays
         Base, free or handle, and number of the region, of each vertex.
     files : sequence of Path

@@ -138,10 +138,7 @@ def _metre_scale(unit: str) -> dict[str, Any]:
 
 
 def _points(layout: _Layout, n: int, bounds: _Bounds) -> dict[str, int]:
-    return {
-        "POSITION": layout.add("VEC3", n, _VERTICES, bounds),
-        "NORMAL": layout.add("VEC3", n, _VERTICES),
-    }
+    return {"POSITION": layout.add("VEC3", n, _VERTICES, bounds), "NORMAL": layout.add("VEC3", n, _VERTICES)}
 
 
 def _bounds(animation: Animation) -> list[_Bounds]:

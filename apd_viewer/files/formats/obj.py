@@ -4,8 +4,6 @@ Libraries split vertices at texture seams or drop some of them; a selection made
 then no longer fit. What is not ``v`` or ``f`` is not read, and comes back as it was; only ``vn`` turns along.
 """
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Iterator
@@ -157,6 +155,17 @@ _IMAGE = re.compile(rb"\n[ \t]*map_Kd[ \t]+([^\n#]+)", re.IGNORECASE)
 _OPTION = re.compile(r"-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-\w+\s+\S+\s+")
 
 
+class ObjFaces(NamedTuple):
+    """Polygons, with normal and texture-coordinate indices (c,) of their corners.
+
+    Numbers from 0; -1 for missing ones.
+    """
+
+    polygons: Polygons
+    normal: np.ndarray
+    texture: np.ndarray
+
+
 def material_images(text: bytes, mesh: Path, faces: ObjFaces) -> tuple[list[str], np.ndarray]:
     """Images of the materials, and the image index of each polygon (p,); -1 is none.
 
@@ -204,17 +213,6 @@ _FACE = re.compile(rb"\nf[ \t]([^\n]*)")
 _FACE_BEGINS = re.compile(rb"\n[ \t]*f[ \t]")
 _CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
 _BEYOND = 1 << 62  # upper clamp of indices, beyond any normal in a file
-
-
-class ObjFaces(NamedTuple):
-    """Polygons, with normal and texture-coordinate indices (c,) of their corners.
-
-    Numbers from 0; -1 for missing ones.
-    """
-
-    polygons: Polygons
-    normal: np.ndarray
-    texture: np.ndarray
 
 
 def parse_faces(text: bytes) -> ObjFaces:

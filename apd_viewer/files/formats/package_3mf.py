@@ -11,9 +11,10 @@ import io
 import posixpath
 import zipfile
 from array import array
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 from urllib.parse import unquote
 from xml.parsers import expat
 
@@ -24,9 +25,6 @@ from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 from apd_viewer.files.storage.archive import ARCHIVE_ERRORS, largest_unpacked_size
 from apd_viewer.files.storage.regular_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 MOST_BYTES = 1 << 31  # unpacked bytes; a larger archive is broken or malicious
 _MOST_VERTICES = LARGEST_FILE // 24  # 24 bytes per vertex: three doubles
@@ -249,7 +247,6 @@ class PackageModel:
         As the part names it.
     objects : dict
         By their numbers.
-    build_items : list of ObjectUse
     """
 
     def __init__(self, content: bytes) -> None:

@@ -7,28 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.ply_elements import (
-    AXES,
-    INDEX_PROPERTIES,
-    STRUCT_CODES,
-    PlyElement,
-    one_row_a_line,
-    read_faces,
-    read_header,
-    strip_faces,
-    text_end,
-    text_rows,
-    truncation_message,
-    uniform_rows,
-    walk_rows,
-)
-from apd_viewer.files.formats.polygon_mesh import (
-    ParsedMesh,
-    colors_to_uint8,
-    concatenated,
-    trailing_bytes_remark,
-    updated_normals,
-)
+from apd_viewer.files.formats import ply_elements, polygon_mesh
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 from apd_viewer.files.formats.text import TextEdits, parse_numbers
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
 from apd_viewer.geometry.mesh.mesh import Mesh, Texture
@@ -47,7 +27,7 @@ class PlyFile:
     content: bytes
     text: bytes
     order: str
-    elements: list[PlyElement]
+    elements: list[ply_elements.PlyElement]
     starts: list[int]  # byte offsets of the elements
     suffix = ".ply"
 
@@ -56,7 +36,7 @@ class PlyFile:
         """Names of the contents besides positions and triangles."""
         names = {name for element in self.elements for name in element.names}
         found = [what for name, what in _EXTRAS.items() if name in names]
-        known = {*AXES, *_NORMAL, *INDEX_PROPERTIES, *_EXTRAS, "green", "blue", "t"}
+        known = {*ply_elements.AXES, *_NORMAL, *ply_elements.INDEX_PROPERTIES, *_EXTRAS, "green", "blue", "t"}
         return (*found, *map(in_quotes, sorted(names - known)))
 
     @property
@@ -65,7 +45,7 @@ class PlyFile:
         if not set(_COLORS) <= set(self._scalars):
             return None
         kind = np.dtype(self._scalars[_COLORS[0]])
-        return colors_to_uint8(
+        return polygon_mesh.colors_to_uint8(
             self.columns(self._at, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max)
         )
 
@@ -88,12 +68,12 @@ class PlyFile:
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and rotated normals."""
         at, kinds = self._at, self._scalars
-        if any(kinds[axis][0] != "f" for axis in AXES):
+        if any(kinds[axis][0] != "f" for axis in ply_elements.AXES):
             raise InputError(tr("The file stores integer coordinates only; choose another format."))
-        new: dict[tuple[str, ...], np.ndarray] = {AXES: U}
+        new: dict[tuple[str, ...], np.ndarray] = {ply_elements.AXES: U}
         if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
             N = self.columns(at, _NORMAL)
-            new[_NORMAL] = updated_normals(mesh.V, U, mesh.F, N, mesh.F)
+            new[_NORMAL] = polygon_mesh.updated_normals(mesh.V, U, mesh.F, N, mesh.F)
         if not self.order:
             return self._text(at, new)
         body = bytearray(self.content)
@@ -119,19 +99,21 @@ class PlyFile:
             table = np.frombuffer(body, element.row_dtype(self.order), element.rows, start)
             table[name][which] = values[which]
             return
-        for row, offsets in enumerate(walk_rows(self.content, start, element, self.order)):
+        for row, offsets in enumerate(ply_elements.walk_rows(self.content, start, element, self.order)):
             if which[row]:
-                struct.pack_into(self.order + STRUCT_CODES[kind], body, offsets[name], values[row])
+                struct.pack_into(
+                    self.order + ply_elements.STRUCT_CODES[kind], body, offsets[name], values[row]
+                )
 
     def columns(self, element_index: int, names: tuple[str, ...]) -> np.ndarray:
         """Columns of an element, (rows, len(names)) float array."""
         element, start = self.elements[element_index], self.starts[element_index]
         if not self.order:
             places = [element.names.index(name) for name in names]
-            words = None if element.has_lists else uniform_rows(self.text, start, element)
+            words = None if element.has_lists else ply_elements.uniform_rows(self.text, start, element)
             if words is not None and len(words[0]) >= len(element.names):
                 return parse_numbers([row[c] for row in words for c in places]).reshape(-1, len(names))
-            rows = text_rows(self.text, start, element)
+            rows = ply_elements.text_rows(self.text, start, element)
             return parse_numbers([row[c][0] for row in rows for c in places]).reshape(-1, len(names))
         if not element.has_lists:
             table = np.frombuffer(self.content, element.row_dtype(self.order), element.rows, start)
@@ -140,18 +122,18 @@ class PlyFile:
                 for k, name in enumerate(names):
                     columns[:, k] = table[name]
             return columns
-        codes = {name: self.order + STRUCT_CODES[kind] for name, _, kind in element.properties}
+        codes = {name: self.order + ply_elements.STRUCT_CODES[kind] for name, _, kind in element.properties}
         return np.array(
             [
                 [struct.unpack_from(codes[name], self.content, offsets[name])[0] for name in names]
-                for offsets in walk_rows(self.content, start, element, self.order)
+                for offsets in ply_elements.walk_rows(self.content, start, element, self.order)
             ]
         ).reshape(-1, len(names))
 
     def _text(self, at: int, new: dict[tuple[str, ...], np.ndarray]) -> bytes:
         element, start = self.elements[at], self.starts[at]
         edits = TextEdits(self.content)
-        rows = list(text_rows(self.text, start, element))
+        rows = list(ply_elements.text_rows(self.text, start, element))
         for names, values in new.items():
             columns = [element.names.index(name) for name in names]
             cells = [row[c] for row in rows for c in columns]
@@ -168,12 +150,12 @@ def read_ply(content: bytes) -> ParsedMesh:
     ValueError
         If the file cannot be understood or ends too early.
     """
-    order, elements, start = read_header(content)
+    order, elements, start = ply_elements.read_header(content)
     file = PlyFile(content, content, order, elements, [])
     try:
         return _read(file, start)
     except ValueError:
-        text = None if order else one_row_a_line(content, start, elements)
+        text = None if order else ply_elements.one_row_a_line(content, start, elements)
         if text is None:
             raise
     return _read(replace(file, text=text, starts=[]), start)
@@ -184,19 +166,24 @@ def _read(file: PlyFile, start: int) -> ParsedMesh:
     V, origin = np.empty((0, 3)), None
     for at, element in enumerate(file.elements):
         if order and element.rows * element.least_row_size > len(text) - start:
-            raise ValueError(truncation_message(element))
+            raise ValueError(ply_elements.truncation_message(element))
         file.starts.append(start)
         if element.name == "vertex":
-            V, origin = file.columns(at, AXES), file
+            V, origin = file.columns(at, ply_elements.AXES), file
         if element.name in ("face", "tristrips") and element.rows:
-            found, start = read_faces(text, start, element, order)
-            faces.append(found if element.name == "face" else strip_faces(found))
+            found, start = ply_elements.read_faces(text, start, element, order)
+            faces.append(found if element.name == "face" else ply_elements.strip_faces(found))
         elif not order:
-            start = text_end(text, start, element)
+            start = ply_elements.text_end(text, start, element)
         elif not element.has_lists:
             start += element.rows * element.row_dtype(order).itemsize
         else:
-            for offsets in walk_rows(text, start, element, order):
+            for offsets in ply_elements.walk_rows(text, start, element, order):
                 start = offsets[""]
     rest = text[start:] if order else text[start:].strip()
-    return ParsedMesh(V, concatenated(faces).triangles(V), origin, trailing_bytes_remark(len(rest)))
+    return ParsedMesh(
+        V,
+        polygon_mesh.concatenated(faces).triangles(V),
+        origin,
+        polygon_mesh.trailing_bytes_remark(len(rest)),
+    )

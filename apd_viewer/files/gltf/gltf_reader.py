@@ -14,29 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from apd_viewer.files.formats.polygon_mesh import ParsedMesh
-from apd_viewer.files.gltf.accessors import (
-    FAN,
-    STRIP,
-    TRIANGLES,
-    accessor_array,
-    accessor_numbers,
-    primitive_triangles,
-)
+from apd_viewer.files.gltf import accessors, scene
 from apd_viewer.files.gltf.gltf_file import GltfFile, VertexBlock, with_offset
 from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles
-from apd_viewer.files.gltf.scene import (
-    document_entry,
-    glb_chunks,
-    has_other_scenes,
-    list_field,
-    mesh_primitives,
-    parse_document,
-    read_buffers,
-    transformed_positions,
-    trs_matrix,
-    whole_number,
-    world_matrices,
-)
 from apd_viewer.files.storage.regular_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
 
@@ -52,18 +32,18 @@ def read_gltf(content: bytes, path: Path) -> ParsedMesh:
         If the file cannot be understood or ends too early.
     """
     is_binary = path.suffix.lower() == ".glb"
-    said, blob = glb_chunks(content) if is_binary else (content, None)
-    text, document = parse_document(said)
+    said, blob = scene.glb_chunks(content) if is_binary else (content, None)
+    text, document = scene.parse_document(said)
     check_supported(document)
-    buffers, world = read_buffers(document, blob, path), world_matrices(document)
-    scene = _Scene(document, buffers)
+    buffers, world = scene.read_buffers(document, blob, path), scene.world_matrices(document)
+    drawn = _Scene(document, buffers)
     for place in mesh_instances(document, buffers, world):
-        scene.add(place)
-    file = GltfFile(content, path.suffix.lower(), text, document, buffers, scene.blocks, scene.pieces)
-    remarks = [*_instance_remarks(scene.blocks)]
-    if has_other_scenes(document, world):
+        drawn.add(place)
+    file = GltfFile(content, path.suffix.lower(), text, document, buffers, drawn.blocks, drawn.pieces)
+    remarks = [*_instance_remarks(drawn.blocks)]
+    if scene.has_other_scenes(document, world):
         remarks.append(tr("The file has several scenes; only the one that it opens with is read."))
-    return ParsedMesh(np.vstack(scene.V), np.vstack(scene.F), file, tuple(remarks), "m")
+    return ParsedMesh(np.vstack(drawn.V), np.vstack(drawn.F), file, tuple(remarks), "m")
 
 
 def _instance_remarks(blocks: list[VertexBlock]) -> Iterator[str]:
@@ -88,8 +68,12 @@ class _Scene:
     def add(self, place: GltfInstance) -> None:
         """Append the triangles of a mesh instance in world coordinates."""
         blocks: dict[object, VertexBlock] = {}
-        for part in mesh_primitives(self._document, place.mesh):
-            if (mode := part.get("mode", TRIANGLES)) not in (TRIANGLES, STRIP, FAN):
+        for part in scene.mesh_primitives(self._document, place.mesh):
+            if (mode := part.get("mode", accessors.TRIANGLES)) not in (
+                accessors.TRIANGLES,
+                accessors.STRIP,
+                accessors.FAN,
+            ):
                 continue
             block = self._block(place, part)
             shares = block.matrix is place.matrix and block.position_shift is None
@@ -99,7 +83,7 @@ class _Scene:
                 self._add_block(block)
             block = blocks[key]
             F = _outward_triangles(
-                primitive_triangles(self._document, self._buffers, part, mode), block.matrix
+                accessors.primitive_triangles(self._document, self._buffers, part, mode), block.matrix
             )
             self.F.append(F + block.first_vertex)
             self.pieces.append(PrimitiveTriangles(block.first_vertex, len(F), part))
@@ -108,19 +92,19 @@ class _Scene:
         """Vertex block of a primitive, following the vertices added so far."""
         given = self._document, self._buffers, primitive
         position, normal = (
-            whole_number(primitive["attributes"], "POSITION"),
+            scene.whole_number(primitive["attributes"], "POSITION"),
             primitive["attributes"].get("NORMAL"),
         )
-        entry = document_entry(self._document, "accessors", position)
+        entry = scene.document_entry(self._document, "accessors", position)
         packed = [name for name in COMPRESSED if extension_fields(primitive, name) is not None]
         if packed and "bufferView" not in entry:
             raise compressed_error(packed[0])
-        if self._count + whole_number(entry, "count") > MOST_VERTICES:
+        if self._count + scene.whole_number(entry, "count") > MOST_VERTICES:
             raise too_large_error(tr("all its instances"))
         return VertexBlock(
             self._count,
             position,
-            None if normal is None else whole_number(primitive["attributes"], "NORMAL"),
+            None if normal is None else scene.whole_number(primitive["attributes"], "NORMAL"),
             primitive["attributes"].get("COLOR_0"),
             place.vertex_matrices(*given),
             place.morph_displacement(*given, "POSITION"),
@@ -128,9 +112,9 @@ class _Scene:
         )
 
     def _add_block(self, block: VertexBlock) -> None:
-        local = accessor_numbers(self._document, self._buffers, block.position)
+        local = accessors.accessor_numbers(self._document, self._buffers, block.position)
         self.blocks.append(block)
-        self.V.append(transformed_positions(block.matrix, with_offset(local, block.position_shift)))
+        self.V.append(scene.transformed_positions(block.matrix, with_offset(local, block.position_shift)))
         self._count += len(local)
 
 
@@ -151,7 +135,6 @@ class GltfInstance(NamedTuple):
 
     Attributes
     ----------
-    mesh : int
     matrix : (4, 4) float array
         To the world.
     joints : (j, 4, 4) float array or None
@@ -192,13 +175,13 @@ class GltfInstance(NamedTuple):
     ) -> np.ndarray | None:
         """Weighted sum (n, 3) of an attribute's morph targets; None without any."""
         total = None
-        for target, weight in zip(list_field(primitive, "targets"), self.weights, strict=False):
+        for target, weight in zip(scene.list_field(primitive, "targets"), self.weights, strict=False):
             if not isinstance(target, dict):
                 raise ValueError(tr("a morph target has no attributes"))
             if weight and name in target:
-                more = weight * accessor_numbers(document, buffers, target[name])
-                if len(more) != whole_number(
-                    document_entry(document, "accessors", primitive["attributes"].get(name)), "count"
+                more = weight * accessors.accessor_numbers(document, buffers, target[name])
+                if len(more) != scene.whole_number(
+                    scene.document_entry(document, "accessors", primitive["attributes"].get(name)), "count"
                 ):
                     raise ValueError(tr("a morph target has another number of vertices than its mesh"))
                 total = more if total is None else total + more
@@ -209,10 +192,12 @@ def mesh_instances(
     document: dict[str, Any], buffers: list[Any], world: dict[int, np.ndarray]
 ) -> Iterator[GltfInstance]:
     """Mesh instances of a scene, ordered by mesh, node and instance."""
-    shown = [(whole_number(document["nodes"][k], "mesh"), k) for k in world if "mesh" in document["nodes"][k]]
+    shown = [
+        (scene.whole_number(document["nodes"][k], "mesh"), k) for k in world if "mesh" in document["nodes"][k]
+    ]
     for mesh, k in sorted(shown):
         node = document["nodes"][k]
-        weights = _weights(node if "weights" in node else document_entry(document, "meshes", mesh))
+        weights = _weights(node if "weights" in node else scene.document_entry(document, "meshes", mesh))
         joints = _joints(document, buffers, node["skin"], world) if "skin" in node else None
         instances = extension_fields(node, "EXT_mesh_gpu_instancing")
         if instances is None:
@@ -223,7 +208,7 @@ def mesh_instances(
 
 
 def _weights(entry: dict[str, Any]) -> list[float]:
-    found = list_field(entry, "weights")
+    found = scene.list_field(entry, "weights")
     if not all(isinstance(weight, int | float) for weight in found):
         raise ValueError(tr("a weight of a morph target is not a number"))
     return found
@@ -234,7 +219,7 @@ def _instances(document: dict[str, Any], buffers: list[Any], entry: dict[str, An
     given = entry.get("attributes")
     names: dict[str, Any] = given if isinstance(given, dict) else {}
     columns = [
-        accessor_numbers(document, buffers, names[name], width) if name in names else None
+        accessors.accessor_numbers(document, buffers, names[name], width) if name in names else None
         for name, width in (("TRANSLATION", 3), ("ROTATION", 4), ("SCALE", 3))
     ]
     counts = {len(column) for column in columns if column is not None}
@@ -243,21 +228,21 @@ def _instances(document: dict[str, Any], buffers: list[Any], entry: dict[str, An
     for k in range(counts.pop()):
         own = (usual if column is None else column[k] for column, usual in zip(columns, _ABSENT, strict=True))
         with np.errstate(all="ignore"):  # invalid positions are rejected later
-            yield trs_matrix(*own)
+            yield scene.trs_matrix(*own)
 
 
 def _joints(
     document: dict[str, Any], buffers: list[Any], skin: object, world: dict[int, np.ndarray]
 ) -> np.ndarray:
     """Joint matrices (j, 4, 4) of a skin, from its bind pose to the world."""
-    entry = document_entry(document, "skins", skin)
-    names = list_field(entry, "joints")
+    entry = scene.document_entry(document, "skins", skin)
+    names = scene.list_field(entry, "joints")
     if not names or not all(isinstance(name, int) and name in world for name in names):
         raise ValueError(tr("a joint of its skin is not in the scene"))
     joints = np.array([world[name] for name in names])
     if "inverseBindMatrices" not in entry:
         return joints
-    inverse = accessor_numbers(document, buffers, entry["inverseBindMatrices"], 16)
+    inverse = accessors.accessor_numbers(document, buffers, entry["inverseBindMatrices"], 16)
     if len(inverse) < len(joints):
         raise ValueError(tr("its skin has fewer matrices than joints"))
     with np.errstate(all="ignore"):  # invalid positions are rejected later
@@ -268,10 +253,13 @@ def _influences(
     document: dict[str, Any], buffers: list[Any], attributes: dict[str, Any]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Joint indices (n,) and weights (n,) of all vertices, one influence at a time."""
-    count, k = whole_number(document_entry(document, "accessors", attributes.get("POSITION")), "count"), 0
+    count, k = (
+        scene.whole_number(scene.document_entry(document, "accessors", attributes.get("POSITION")), "count"),
+        0,
+    )
     while f"JOINTS_{k}" in attributes:
-        J = accessor_array(document, buffers, attributes[f"JOINTS_{k}"], 4)
-        W = accessor_numbers(document, buffers, attributes.get(f"WEIGHTS_{k}"), 4)
+        J = accessors.accessor_array(document, buffers, attributes[f"JOINTS_{k}"], 4)
+        W = accessors.accessor_numbers(document, buffers, attributes.get(f"WEIGHTS_{k}"), 4)
         if not len(J) == len(W) == count or J.dtype.kind != "u":
             raise ValueError(tr("the joints of its vertices are damaged"))
         yield from zip(J.T, W.T, strict=True)
@@ -322,7 +310,7 @@ def check_supported(document: dict[str, Any]) -> None:
     version = str(told.get("minVersion", told.get("version", "2.0")))
     if version.partition(".")[0] != "2" or ("minVersion" in told and version != "2.0"):
         raise ValueError(tr("it is version {version}; only version 2 is supported").format(version=version))
-    for name in map(str, list_field(document, "extensionsRequired")):
+    for name in map(str, scene.list_field(document, "extensionsRequired")):
         if name in COMPRESSED:
             raise compressed_error(name)
         if name not in _READ | _HARMLESS and not name.startswith(_OF_MATERIALS):

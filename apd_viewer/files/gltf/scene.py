@@ -5,7 +5,6 @@ Every look into the document asks first whether there is what the format promise
 
 import base64
 import json
-import math
 import struct
 from pathlib import Path
 from typing import Any
@@ -125,13 +124,9 @@ def _numbers(node: dict[str, Any], key: str, default: Any) -> np.ndarray:
             raise ValueError(
                 tr("the {key} of a node does not have {n} numbers").format(key=key, n=len(default))
             )
-        if not all(isinstance(number, int | float) and _is_sane(number) for number in given):
+        if not all(isinstance(number, int | float) and abs(number) < 1e100 for number in given):
             raise ValueError(tr("the {key} of a node contains something other than numbers").format(key=key))
     return np.array(given, dtype=np.float64)
-
-
-def _is_sane(number: float) -> bool:
-    return -1e100 < number < 1e100 and not math.isnan(number)
 
 
 def transformed_positions(matrix: np.ndarray, local: np.ndarray) -> np.ndarray:

@@ -277,8 +277,6 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
     ----------
     path : path
         Replaced only once the new file is whole and was read again.
-    mesh : Mesh
-    selection : Selection
 
     Raises
     ------

@@ -109,10 +109,8 @@ class Archive:
 
         Parameters
         ----------
-        name : str
         kind : str
             Its type as .npy has it, such as "<f8".
-        shape : tuple of int
         """
         content = self.content(f"{name}.npy")
         start = 10 + int.from_bytes(content[8:10], "little")

@@ -18,12 +18,7 @@ _TAKEN = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
 
 
 class FileLock:
-    """Lock held on a file; see :func:`acquire_lock`.
-
-    Attributes
-    ----------
-    path : Path
-    """
+    """Lock held on a file; see :func:`acquire_lock`."""
 
     def __init__(self, path: Path, stream: IO[bytes]) -> None:
         self.path = path

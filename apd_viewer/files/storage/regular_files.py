@@ -59,7 +59,6 @@ def open_regular(path: str | Path, flags: int = 0) -> BinaryIO:
 
     Parameters
     ----------
-    path : path
     flags : int
         More of those of :func:`os.open`.
     """

@@ -222,8 +222,6 @@ class LegacyArray(NamedTuple):
     ----------
     values : array
         Of a text in double precision.
-    start, end : int
-    is_text : bool
     """
 
     values: np.ndarray
@@ -237,10 +235,8 @@ class LegacyReader:
 
     Parameters
     ----------
-    content : bytes
     start : int
         Where to begin.
-    is_binary : bool
     """
 
     def __init__(self, content: bytes, start: int, is_binary: bool) -> None:

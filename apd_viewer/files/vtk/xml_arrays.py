@@ -148,10 +148,6 @@ class XmlArray(NamedTuple):
 class XmlArrays:
     """Reader and writer of the data arrays of a VTK XML file.
 
-    Parameters
-    ----------
-    content : bytes
-
     Raises
     ------
     ValueError

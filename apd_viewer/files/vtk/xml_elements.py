@@ -21,8 +21,6 @@ class XmlElement:
 
     Attributes
     ----------
-    name : str
-    attributes : dict of str
     begin : int
         Of its first tag.
     inside : int
@@ -31,7 +29,6 @@ class XmlElement:
         Of its content.
     after : int
         End of its last tag.
-    children : list of XmlElement
     """
 
     name: str

@@ -48,26 +48,20 @@ class Document:
 
     Attributes
     ----------
-    mesh : Mesh
     labels : (n,) uint8 array of BASE, FREE, and HANDLE + k for ``handles[k]``
     grip : (n, 3) float array
         Positions when the labels were last changed: what base and handles were gripped at.
     member : (n,) uint8 array
         k + 1 for the vertices of ``regions[k]``, 0 for those in none.
     handles : tuple of Handle, never empty
-    regions : tuple of NamedRegion
-    settings : Settings
     staying_components : tuple of int
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
     obstacles : tuple of NamedObstacle
         What the surface touches and does not enter, while contact is on.
-    base : PartFlags
-    measurements : tuple of Measurement
     target_shape : TargetShape or None
         What the shape is compared with; nothing is deformed to it.
     missing_target_shape : MissingMesh or None
         The target shape of a session that was not found again.
-    poses : tuple of NamedPose
     mirror_axis : int or None
         Axis along which handles are moved symmetrically, 0, 1 or 2; None moves each by itself.
     """

@@ -89,7 +89,6 @@ class Handle:
 
     Attributes
     ----------
-    name : str
     pose : (4, 4) float array
         Its motion since it was gripped, read-only.
     waypoints : tuple of (4, 4) float arrays
@@ -98,7 +97,6 @@ class Handle:
         What it turns about, where that was when it was gripped, read-only; None is its centre.
     falloff : float
         How far along the surface it draws free vertices along, mesh units.
-    flags : PartFlags
     earlier_poses : tuple of (4, 4) float arrays
         Poses from rest on its way until it was gripped, the last one at its grip; read-only.
     former_twist_axis : (3,) float array or None
@@ -196,13 +194,7 @@ class HandlePlacement(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class NamedPose:
-    """Poses of the handles, stored under a name.
-
-    Attributes
-    ----------
-    name : str
-    placements : tuple of HandlePlacement
-    """
+    """Poses of the handles, stored under a name."""
 
     name: str
     placements: tuple[HandlePlacement, ...]
@@ -214,10 +206,8 @@ class NamedRegion:
 
     Attributes
     ----------
-    name : str
     area : float or None
         What its area should be, in percent of its area at rest; None only measures it.
-    flags : PartFlags
     """
 
     name: str

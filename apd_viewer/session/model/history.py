@@ -36,7 +36,6 @@ class History:
 
     Attributes
     ----------
-    most_bytes : int
     undo_bytes : int
         Memory of the states that can be undone.
     entries_dropped : callable

@@ -12,15 +12,8 @@ from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.components import face_components
 from apd_viewer.geometry.mesh.operators import face_areas, region_areas
 from apd_viewer.geometry.mesh.weld import Weld
-from apd_viewer.geometry.pose.constraints import (
-    BASE,
-    FREE,
-    HANDLE,
-    SoftConstraints,
-    next_paint_sentence,
-    transform,
-)
-from apd_viewer.geometry.pose.falloff import Graph, distances, edge_graph, soft_constraints, strengths
+from apd_viewer.geometry.pose import constraints
+from apd_viewer.geometry.pose.falloff import distances, edge_graph, soft_constraints, strengths
 
 T = TypeVar("T")
 
@@ -44,7 +37,7 @@ def memoised(compute: Callable[..., T]) -> Callable[..., T]:
     return found
 
 
-paint_problem = memoised(next_paint_sentence)
+paint_problem = memoised(constraints.next_paint_sentence)
 
 
 @memoised
@@ -77,7 +70,6 @@ def rest_grip(
     V : (n, 3) float array
         At rest: free vertices stay there.
     grip, labels : (n, 3), (n,) arrays
-    weld : Weld
     starts : (4, 4) float arrays
         Pose of each handle at its grip.
 
@@ -87,10 +79,10 @@ def rest_grip(
         None where that is the rest shape: to return that itself would keep it in memory.
     """
     found = V.copy()
-    found[labels == BASE] = grip[labels == BASE]
-    for label, start in enumerate(starts, HANDLE):
+    found[labels == constraints.BASE] = grip[labels == constraints.BASE]
+    for label, start in enumerate(starts, constraints.HANDLE):
         mine = labels == label
-        found[mine] = transform(np.linalg.inv(start), grip[mine])
+        found[mine] = constraints.transform(np.linalg.inv(start), grip[mine])
     near = np.abs(found - V).max(axis=1) <= in_place_tolerance(V, weld)
     found[near] = V[near]
     return None if near.all() else frozen(found)
@@ -124,10 +116,7 @@ def triangle_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 cell_stiffness = memoised(cell_bending.cell_stiffness)
 
 
-@memoised
-def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
-    """Edge graph weighted by edge lengths, (n, n)."""
-    return edge_graph(V, F)
+_graph = memoised(edge_graph)
 
 
 @memoised
@@ -143,12 +132,14 @@ def _label_distances(
 @memoised
 def falloff_constraints(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]
-) -> SoftConstraints:
+) -> constraints.SoftConstraints:
     """Soft constraints of handles by their falloffs; ``F`` has welded vertices."""
     # Rounded up to powers of two, so that sweeping a falloff rarely needs a new search.
     reaches = [2.0 ** np.ceil(np.log2(r)) if r > 0.0 else 0.0 for r in falloffs]
     strength = np.zeros((len(falloffs), len(labels)))
     for k, (falloff, reach) in enumerate(zip(falloffs, reaches, strict=True)):
         if falloff > 0.0:
-            strength[k] = strengths(_label_distances(V, F, weld, labels, HANDLE + k, float(reach)), falloff)
-    return soft_constraints(labels == FREE, strength, np.array(falloffs))
+            strength[k] = strengths(
+                _label_distances(V, F, weld, labels, constraints.HANDLE + k, float(reach)), falloff
+            )
+    return soft_constraints(labels == constraints.FREE, strength, np.array(falloffs))

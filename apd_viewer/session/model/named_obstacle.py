@@ -53,8 +53,6 @@ class NamedObstacle:
 
     Attributes
     ----------
-    name : str
-    kind : ObstacleKind
     place : (3,) float array
         Where it was put: a point of a plate, the centre of a sphere or cylinder; mesh units, read-only.
     axis : (3,) float array

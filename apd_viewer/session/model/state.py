@@ -35,7 +35,6 @@ class State:
 
     Attributes
     ----------
-    document : Document
     inspection : Inspection
         Readings of the mesh at rest.
     surface_index : SurfaceIndex

@@ -28,7 +28,6 @@ class MirrorPartner(NamedTuple):
 
     Attributes
     ----------
-    number : int
     share : float
         Of the vertices of both that are mirror images of each other, 0 to 1.
     """

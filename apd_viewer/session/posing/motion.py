@@ -37,8 +37,6 @@ class MotionReference(NamedTuple):
 
     Attributes
     ----------
-    document : Document
-    handle : int
     line : (2, 3) float array or None
         What the axis LINE is: from its first point to its second.
     """
@@ -159,7 +157,6 @@ class MotionKind:
     ----------
     word, title : str
         In texts, options and columns of studies; and in headings.
-    amount : AmountKind
     matrix : callable
         What moves a handle on from where it is, (4, 4), by an axis and one amount, or one along each.
     tip, example, help : str

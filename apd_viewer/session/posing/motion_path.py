@@ -41,8 +41,6 @@ class MotionStep:
 
     Attributes
     ----------
-    handle : int
-    motion : Motion
     amounts : tuple of float
         Mesh units, radians, or a factor; by so much from where the handle is.
     line : (2, 3) float array or None
@@ -118,7 +116,6 @@ class MotionPath:
     ----------
     document : Document
         With its handles at their grips.
-    handle : int
     steps : tuple of MotionStep
         Of this handle, in their order; none where it stays.
     """

@@ -35,7 +35,6 @@ class MotionTextStep:
     ----------
     handle : int
         From 0.
-    motion : Motion
     amounts : tuple of str
         One, or one for each axis.
     """

@@ -28,10 +28,7 @@ def _grip_motion(V: np.ndarray, grip: np.ndarray, labels: np.ndarray, label: int
     return frozen(fitted_motion(V[mine], grip[mine]))
 
 
-@memoised
-def _size(V: np.ndarray) -> float:
-    """Diagonal of the bounding box."""
-    return diagonal(V)
+_size = memoised(diagonal)
 
 
 def _gripped(document: Document, k: int) -> Handle:

@@ -72,10 +72,8 @@ def proposed_obstacle(
 
     Parameters
     ----------
-    kind : ObstacleKind
     point, normal : (3,) float arrays
         On the surface, and its unit normal there.
-    state : State
     distance : float
         Distance to the point, mesh units.
     """

@@ -26,8 +26,6 @@ def regripped_document(before: Document, document: Document, frame: Frame) -> Do
     ----------
     before : Document
         Before it was painted otherwise.
-    document : Document
-    frame : Frame
     """
     numbers = {handle.name: k for k, handle in enumerate(before.handles)}
     handles = []
@@ -70,9 +68,6 @@ def reached_handle(document: Document, k: int, frame: Frame, ids: np.ndarray | N
 
     Parameters
     ----------
-    document : Document
-    k : int
-    frame : Frame
     ids : (m,) int array, optional
         Those of its vertices by which to tell, one at least; without, all of them.
     """

@@ -46,8 +46,6 @@ def document_iteration(
 
     Parameters
     ----------
-    solver : Deformation
-    document : Document
     U : (n, 3) float array or None
         The shape on screen, to go on from where there is nothing to walk; None goes on from the last
         iteration.

@@ -34,7 +34,6 @@ class NewestAnswer(Generic[Question, Answer]):
     ----------
     wake : callable
         Called on a thread when there is an answer to take.
-    process : ChildProcess
     exchange : callable
         ``exchange(process, question)``: the answer, or None if the process has died.
     fallback : object

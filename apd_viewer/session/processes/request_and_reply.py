@@ -20,7 +20,6 @@ class Request:
 
     Attributes
     ----------
-    document : Document
     generation : int
         Counts jumps of the state. A new one starts from ``U``; the same one goes on from where
         the solver is.

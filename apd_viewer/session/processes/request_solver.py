@@ -23,20 +23,12 @@ from apd_viewer.geometry.solver.path_iteration import PathIteration
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import obstacle_shifts, targets_of
+from apd_viewer.session.processes import request_and_reply
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.processes.freed_memory import release_freed_memory
 from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.processes.remote_factor import RemoteFactor
-from apd_viewer.session.processes.request_and_reply import (
-    Cost,
-    Reply,
-    Request,
-    RequestProgress,
-    RequestStage,
-    are_same_keys,
-    factor_key,
-    obstacle_key,
-)
+from apd_viewer.session.processes.request_and_reply import Cost, Reply, Request, RequestProgress, RequestStage
 from apd_viewer.session.processes.shared_memory import SharedShapeBuffer
 
 _log = logging.getLogger(__name__)
@@ -208,7 +200,7 @@ class RequestSolver:
         """Return the solver with the goals and poses of the request; factor if needed."""
         document = request.document
         held = document.constraints()
-        key = factor_key(document)
+        key = request_and_reply.factor_key(document)
         names = tuple(region.name for region in document.regions)
         goals = (
             document.target_percentages,
@@ -219,15 +211,15 @@ class RequestSolver:
         )
         moved = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
         poses = document.grip, *moved
-        around = obstacle_key(document)
-        fresh = self._solver is None or not are_same_keys(key, self._key)
+        around = request_and_reply.obstacle_key(document)
+        fresh = self._solver is None or not request_and_reply.are_same_keys(key, self._key)
         if self._solver is None or fresh:
             self._drop()  # frees memory for the next solver
             self._solver = self._made(request, held)
         else:
-            if not are_same_keys(goals, self._goals):
+            if not request_and_reply.are_same_keys(goals, self._goals):
                 self._solver.keep(*targets_of(document), document.settings.calm)
-            if not are_same_keys(around, self._placed):
+            if not request_and_reply.are_same_keys(around, self._placed):
                 self._solver.replace_obstacles(document.active_obstacles)
         self._solver.tolerance, self._solver.convergence = (
             document.settings.tolerance,
@@ -236,9 +228,9 @@ class RequestSolver:
         self._solver.loose.set_loose_parts(document.staying_components)
         self._warning = self._solver.loose.warning
         jumps = request.generation != self._generation
-        elsewhere = jumps or not are_same_keys(around, self._placed)
+        elsewhere = jumps or not request_and_reply.are_same_keys(around, self._placed)
         # Aiming again would reset the paper method's handle to its target.
-        if fresh or elsewhere or not are_same_keys(poses, self._poses):
+        if fresh or elsewhere or not request_and_reply.are_same_keys(poses, self._poses):
             U = request.U if fresh or elsewhere else None
             walks = request.iterate and (jumps or (fresh and _begins_at_rest(self._solver, request)))
             self._walk = document_iteration(self._solver, document, U, walks, request.shifts)

@@ -127,7 +127,6 @@ def serve(
     Parameters
     ----------
     source : binary file
-    send : SolverMessageSender
     on_source_end : callable
         Called on another thread as soon as ``source`` has ended.
     when_idle : callable

@@ -26,7 +26,6 @@ def parse_length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
 
     Parameters
     ----------
-    text : str
     unit : Unit
         That of the mesh.
     names : mapping of str to float

@@ -7,16 +7,9 @@ from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import comma_separated, tr
+from apd_viewer.session.quantities import wall_material
 from apd_viewer.session.quantities.expressions import parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_material import (
-    DEFAULT_POISSON,
-    GPA,
-    WallMaterial,
-    parse_density,
-    parse_poisson_ratio,
-    parse_young_modulus,
-)
 
 _GRAMS = 1e6  # grams per cubic metre at 1 g/cm³
 
@@ -47,7 +40,7 @@ class WallText(NamedTuple):
     young: str = ""
     poisson: str = ""
     yield_radius: str = ""
-    material: WallMaterial | None = None
+    material: wall_material.WallMaterial | None = None
 
     def text(self, unit: Unit) -> str:
         """Thickness and density, with units added to bare numbers; empty if none."""
@@ -65,7 +58,7 @@ class WallText(NamedTuple):
     def usable_density(self) -> float | None:
         """Density in g/cm³; None without a valid text."""
         with suppress(InputError):
-            return parse_density(self.density)
+            return wall_material.parse_density(self.density)
         return None
 
 
@@ -86,10 +79,8 @@ class Wall:
         g/cm³.
     young : float or None
         Young's modulus, Pa.
-    poisson : float or None
     yield_radius : float or None
         Walls that are bent to less keep a crease, mesh units.
-    material : WallMaterial or None
     """
 
     unit: Unit = Unit.NONE
@@ -98,7 +89,7 @@ class Wall:
     young: float | None = None
     poisson: float | None = None
     yield_radius: float | None = None
-    material: WallMaterial | None = None
+    material: wall_material.WallMaterial | None = None
 
     def grams(self, area: float, material_volume: float | None = None) -> float | None:
         """Mass of an area in square mesh units, grams; None if unknown.
@@ -116,7 +107,7 @@ class Wall:
     @property
     def nu(self) -> float:
         """Poisson's ratio, or its default if unknown."""
-        return DEFAULT_POISSON if self.poisson is None else self.poisson
+        return wall_material.DEFAULT_POISSON if self.poisson is None else self.poisson
 
     @property
     def rigidity(self) -> float | None:
@@ -157,13 +148,13 @@ def wall_from(text: WallText, unit: Unit) -> Wall:
     thickness = _optional_number(text.thickness, lambda typed: parse_thickness(typed, unit))
     if known and thickness is None:
         thickness = parse_length(f"{known.thickness} mm", unit, {})
-    density = _optional_number(text.density, parse_density)
-    young = _optional_number(text.young, parse_young_modulus)
-    poisson = _optional_number(text.poisson, parse_poisson_ratio)
+    density = _optional_number(text.density, wall_material.parse_density)
+    young = _optional_number(text.young, wall_material.parse_young_modulus)
+    poisson = _optional_number(text.poisson, wall_material.parse_poisson_ratio)
     radius = _optional_number(text.yield_radius, lambda typed: parse_length(typed, unit, {}))
     if known:
         density = known.density if density is None else density
-        young = GPA * known.young if young is None and known.young is not None else young
+        young = wall_material.GPA * known.young if young is None and known.young is not None else young
         poisson = known.poisson if poisson is None else poisson
         radius = known.yield_radius(thickness) if radius is None and thickness is not None else radius
     return Wall(unit, thickness, density, young, poisson, radius, known)

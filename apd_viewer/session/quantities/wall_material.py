@@ -36,14 +36,12 @@ class WallMaterial(NamedTuple):
     ----------
     name : str
         On the command line.
-    title : str
     thickness : float
         Of a typical wall, mm.
     density : float or None
         g/cm³.
     young : float or None
         Young's modulus, GPa.
-    poisson : float or None
     yield_strain : float or None
         Yield stress over Young's modulus; None where bends do not last.
     source : str

@@ -32,12 +32,6 @@ _FIRST = 1577836800.0  # start of 2020; an earlier clock was not set
 class RecoveryFile:
     """Recovery file of a crashed program, locked by this program.
 
-    Parameters
-    ----------
-    path : Path
-    lock : FileLock
-    time : float
-
     Attributes
     ----------
     name : str

@@ -16,14 +16,9 @@ from typing import Any
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files import mesh_location
 from apd_viewer.files.known_file import FileState, KnownFile
-from apd_viewer.files.mesh_location import (
-    MissingMesh,
-    find_mesh,
-    is_mesh_in_file,
-    mesh_location_to_json,
-    mesh_members,
-)
+from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.files.storage.archive import Archive, npy_content, write_archive
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import open_regular, read_content
@@ -34,14 +29,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.storage.session_json import (
-    document_from_json,
-    document_to_json,
-    frame_from_json,
-    frame_to_json,
-    view_from_json,
-    view_to_json,
-)
+from apd_viewer.session.storage import session_json
 from apd_viewer.session.storage.session_picture import PICTURE_MEMBER, explaining_errors
 
 SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
@@ -66,8 +54,6 @@ def save_session(
     ----------
     path : path
         Ends in ``.apd``.
-    state : State
-    view : View
     embed : bool
         Whether to put copies of the mesh and of the target shape into it. There is one in any case where no
         file holds them.
@@ -112,9 +98,9 @@ def save_session(
         "mesh": told,
         **({"target": target} if target else {}),
         "arrays": list(arrays),
-        "document": document_to_json(document),
-        "frame": frame_to_json(state.frame),
-        "view": view_to_json(view),
+        "document": session_json.document_to_json(document),
+        "frame": session_json.frame_to_json(state.frame),
+        "view": session_json.view_to_json(view),
     }
     text = json.dumps(said, indent=1, allow_nan=False).encode()
     members = {f"{name}.npy": npy_content(array) for name, array in arrays.items()}
@@ -147,16 +133,16 @@ def open_session(path: str | Path) -> tuple[State, View]:
         archive = Archive(_content(path))
         said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER)
         _check_version(said, path)
-        mesh = _welded(find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
+        mesh = _welded(mesh_location.find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
         state, arrays = initial_state(mesh), _arrays(said, archive, mesh)
         document = with_target(
-            document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
+            session_json.document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
         )
         if document.settings.volume is not None and not state.inspection.volume:
             raise ValueError(tr("its “volume” is damaged"))
         state = replace(state, document=document)
-        frame = frame_from_json(said.nested_fields("frame"), state, arrays["shape"])
-        return replace(state, frame=frame), view_from_json(said.nested_fields("view"))
+        frame = session_json.frame_from_json(said.nested_fields("frame"), state, arrays["shape"])
+        return replace(state, frame=frame), session_json.view_from_json(said.nested_fields("view"))
 
 
 def _content(path: Path) -> bytes:
@@ -270,8 +256,10 @@ def mesh_to_json(
     mesh: Mesh, session: Path, embed: bool, prefix: str = ""
 ) -> tuple[dict[str, Any], dict[str, bytes]]:
     """JSON location of a mesh, and the archive members of its copy, if any."""
-    copy = mesh_members(mesh, prefix) if embed or not is_mesh_in_file(mesh) else {}
-    return {**mesh_location_to_json(mesh, session), "embedded": list(copy) or None}, copy
+    copy = (
+        mesh_location.mesh_members(mesh, prefix) if embed or not mesh_location.is_mesh_in_file(mesh) else {}
+    )
+    return {**mesh_location.mesh_location_to_json(mesh, session), "embedded": list(copy) or None}, copy
 
 
 def target_to_json(
@@ -286,13 +274,16 @@ def target_to_json(
 
 def has_mesh(path: Path, mesh: Mesh) -> bool:
     """True if the session at ``path`` contains the mesh, or still finds it."""
-    if is_mesh_in_file(mesh):
+    if mesh_location.is_mesh_in_file(mesh):
         return True
     try:
         with open_regular(path) as stream:
             archive = Archive(stream)
             said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER).nested_fields("mesh")
-            return said.has_value("embedded") or find_mesh(said, path, archive).digest == mesh.digest
+            return (
+                said.has_value("embedded")
+                or mesh_location.find_mesh(said, path, archive).digest == mesh.digest
+            )
     except (OSError, ValueError):
         return False
 
@@ -303,7 +294,7 @@ def with_target(document: Document, fields: JsonFields, path: Path, archive: Arc
         return document
     told = fields.nested_fields("target")
     try:
-        target = TargetShape(find_mesh(told, path, archive, _OF_TARGET))
+        target = TargetShape(mesh_location.find_mesh(told, path, archive, _OF_TARGET))
     except InputError as error:
         return replace(document, missing_target_shape=MissingMesh(told.raw, str(error)))
     return replace(document, target_shape=target)

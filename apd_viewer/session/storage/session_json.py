@@ -28,23 +28,7 @@ from apd_viewer.session.model.view import CameraPose, Point3, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText
-from apd_viewer.session.storage.part_json import (
-    LARGEST_NUMBER,
-    LEAST_POSITIVE,
-    flags_from_json,
-    flags_to_json,
-    handle_from_json,
-    handle_to_json,
-    measurements_from_json,
-    measurements_to_json,
-    number_to_json,
-    obstacle_from_json,
-    obstacle_to_json,
-    pose_from_json,
-    pose_to_json,
-    region_from_json,
-    vectors_from_json,
-)
+from apd_viewer.session.storage import part_json
 
 _POINTS = ("position", "focal", "up")
 _WALL = ("thickness", "density")
@@ -57,14 +41,18 @@ _OF_OLDER_SESSIONS = {"calm": False}
 def document_to_json(document: Document) -> dict[str, Any]:
     """JSON of a document without its mesh and arrays."""
     return {
-        "handles": [handle_to_json(handle) for handle in document.handles],
+        "handles": [part_json.handle_to_json(handle) for handle in document.handles],
         "regions": [
-            {"name": part.name, "area": number_to_json(part.area), **flags_to_json(part.flags)}
+            {
+                "name": part.name,
+                "area": part_json.number_to_json(part.area),
+                **part_json.flags_to_json(part.flags),
+            }
             for part in document.regions
         ],
         **settings_to_json(document.settings),
         **(
-            {"obstacles": [obstacle_to_json(each) for each in document.obstacles]}
+            {"obstacles": [part_json.obstacle_to_json(each) for each in document.obstacles]}
             if document.obstacles
             else {}
         ),
@@ -74,17 +62,17 @@ def document_to_json(document: Document) -> dict[str, Any]:
             if document.staying_components or document.loose_components
             else {}
         ),
-        **measurements_to_json(document.measurements),
-        **({"base": flags_to_json(document.base)} if document.base != NO_FLAGS else {}),
-        **({"poses": [pose_to_json(pose) for pose in document.poses]} if document.poses else {}),
+        **part_json.measurements_to_json(document.measurements),
+        **({"base": part_json.flags_to_json(document.base)} if document.base != NO_FLAGS else {}),
+        **({"poses": [part_json.pose_to_json(pose) for pose in document.poses]} if document.poses else {}),
         **({} if document.mirror_axis is None else {"mirror": _AXES[document.mirror_axis]}),
     }
 
 
 def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
     """Document from JSON, its mesh and the arrays ``labels``, ``member``, ``grip``."""
-    handles = tuple(handle_from_json(part) for part in fields.nested_list("handles", MOST_HANDLES))
-    regions = tuple(region_from_json(part) for part in fields.nested_list("regions", MOST_REGIONS))
+    handles = tuple(part_json.handle_from_json(part) for part in fields.nested_list("handles", MOST_HANDLES))
+    regions = tuple(part_json.region_from_json(part) for part in fields.nested_list("regions", MOST_REGIONS))
     labels, member = arrays["labels"], arrays["member"]
     if not handles or labels.max() >= HANDLE + len(handles):
         raise ValueError(tr("“labels” in it refer to a handle that does not exist"))
@@ -99,9 +87,11 @@ def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndar
         regions,
         settings_from_json(fields),
         obstacles=_obstacles(fields),
-        base=flags_from_json(fields.nested_fields("base")) if fields.has_value("base") else NO_FLAGS,
-        measurements=measurements_from_json(fields, len(mesh.F)),
-        poses=tuple(pose_from_json(each) for each in fields.nested_list("poses", MOST_POSES))
+        base=part_json.flags_from_json(fields.nested_fields("base"))
+        if fields.has_value("base")
+        else NO_FLAGS,
+        measurements=part_json.measurements_from_json(fields, len(mesh.F)),
+        poses=tuple(part_json.pose_from_json(each) for each in fields.nested_list("poses", MOST_POSES))
         if fields.has_value("poses")
         else (),
         mirror_axis=_axis(fields.text("mirror")) if fields.has_value("mirror") else None,
@@ -112,7 +102,9 @@ def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndar
 def _obstacles(fields: JsonFields) -> tuple[NamedObstacle, ...]:
     if not fields.has_value("obstacles"):
         return ()
-    return tuple(obstacle_from_json(each) for each in fields.nested_list("obstacles", MOST_OBSTACLES))
+    return tuple(
+        part_json.obstacle_from_json(each) for each in fields.nested_list("obstacles", MOST_OBSTACLES)
+    )
 
 
 def _axis(name: str) -> int:
@@ -174,8 +166,8 @@ def frame_from_json(fields: JsonFields, state: State, U: np.ndarray) -> Frame:
         saddle_escapes=fields.count("saddle_escapes") if fields.has_value("saddle_escapes") else 0,
         share_reached=fields.number("share_reached", 0.0, 1.0) if fields.has_value("share_reached") else 1.0,
         contact=_touch(fields.nested_fields("contact")) if fields.has_value("contact") else None,
-        loads=vectors_from_json(fields, "loads", count),
-        shifts=vectors_from_json(fields, "shifts", count),
+        loads=part_json.vectors_from_json(fields, "loads", count),
+        shifts=part_json.vectors_from_json(fields, "shifts", count),
     )
 
 
@@ -214,9 +206,9 @@ def view_from_json(fields: JsonFields) -> View:
     camera = fields.nested_fields("camera")
     position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
-    if not across > LEAST_POSITIVE * np.linalg.norm(focal - position) * np.linalg.norm(up):
+    if not across > part_json.LEAST_POSITIVE * np.linalg.norm(focal - position) * np.linalg.norm(up):
         raise ValueError(tr("its “camera” has no direction"))
-    angle = camera.number("angle", LEAST_POSITIVE, np.pi - LEAST_POSITIVE)
+    angle = camera.number("angle", part_json.LEAST_POSITIVE, np.pi - part_json.LEAST_POSITIVE)
     return View(CameraPose(_point(position), _point(focal), _point(up), angle), unit, wall, overlay, up_axis)
 
 
@@ -272,9 +264,9 @@ def _to_json(kind: SettingKind, value: Any) -> Any:
         case SettingKind.CONVERGENCE:
             return value._asdict()
         case SettingKind.NUMBER | SettingKind.TOLERANCE:
-            return number_to_json(value)
+            return part_json.number_to_json(value)
         case SettingKind.PERCENTAGE | SettingKind.LENGTH | SettingKind.AMOUNT:
-            return number_to_json(value)
+            return part_json.number_to_json(value)
 
 
 def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
@@ -286,9 +278,9 @@ def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
         case SettingKind.CONVERGENCE:
             return _convergence_from_json(fields.nested_fields(name))
         case SettingKind.NUMBER:
-            return fields.number(name, 0.0, LARGEST_NUMBER)
+            return fields.number(name, 0.0, part_json.LARGEST_NUMBER)
         case SettingKind.TOLERANCE | SettingKind.PERCENTAGE | SettingKind.LENGTH | SettingKind.AMOUNT:
-            return fields.number(name, LEAST_POSITIVE, LARGEST_NUMBER)
+            return fields.number(name, part_json.LEAST_POSITIVE, part_json.LARGEST_NUMBER)
 
 
 def _method_from_json(name: str) -> str:

@@ -26,25 +26,10 @@ _KEYS = QKeySequence.StandardKey
 class Actions:
     """All actions of a window, in its menus.
 
-    Parameters
-    ----------
-    menus : WindowMenus
-    commands : Commands
-
     Attributes
     ----------
-    file : FileActions
-    undo, redo, reset, bake, settings : QAction
-    tools : dict of Tool to QAction
-    measurements : MeasureActions
-    select : SelectActions
-    pose : PoseActions
-    obstacles : ObstacleActions
-    view : ViewActions
-    display : DisplayActions
     help : dict of str to QAction
         By their names.
-    bar : QToolBar
     """
 
     def __init__(self, menus: WindowMenus, commands: Commands) -> None:
@@ -67,14 +52,8 @@ class Actions:
         connect_action(self.undo, editing.undo)
         connect_action(self.redo, editing.redo)
         connect_action(self.reset, editing.reset_all)
-        self.bake = make(
-            "bake",
-            tr("&Bake as rest shape"),
-            "bake",
-            tr("Make this shape the rest shape: its area becomes 100 %"),
-            "Ctrl+Shift+R",
-            editing.bake,
-        )
+        tip = tr("Make this shape the rest shape: its area becomes 100 %")
+        self.bake = make("bake", tr("&Bake as rest shape"), "bake", tip, "Ctrl+Shift+R", editing.bake)
         tip = tr("Change units, colours, language, autosave and other settings of the program")
         self.settings = make("settings", tr("Se&ttings…"), "settings", tip, "Ctrl+,", open_settings)
         self.settings.setMenuRole(QAction.MenuRole.PreferencesRole)  # macOS shows it in the application menu

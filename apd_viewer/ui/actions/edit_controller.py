@@ -24,16 +24,11 @@ class EditController:
 
     Parameters
     ----------
-    canvas : Canvas
-    panel : Panel
-    session : Session
-    parts : ActiveParts
     choose_tool : callable
         Chooses a tool.
 
     Attributes
     ----------
-    text_entries : TextEntries
     nudge_obstacle : callable, returns False if no obstacle is in the hand
     """
 
@@ -203,9 +198,6 @@ class PartController:
 
     Parameters
     ----------
-    canvas : Canvas
-    session : Session
-    parts : ActiveParts
     cancel_drag : callable
         Takes back the drag that is under way; True if there was one.
     """

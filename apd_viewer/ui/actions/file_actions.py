@@ -21,16 +21,8 @@ _KEYS = QKeySequence.StandardKey
 class FileActions:
     """Actions to open and write files.
 
-    Parameters
-    ----------
-    menus : WindowMenus
-    commands : Commands
-
     Attributes
     ----------
-    open, open_study, load_target, clear_target, save, save_as, export, scalars, deck, animation : QAction
-    report, picture, copy_picture, copy_python, quit : QAction
-    samples : list of QAction
     recent : QMenu
         The files that were opened last.
     """
@@ -42,86 +34,38 @@ class FileActions:
         self._open_path = requests.open_path
         self.open, self.export, self.quit = menus.open, menus.export, menus.quit
         connect_action(self.export, filing.export_mesh)
+        tip = tr("Open the results of a study from their folder, also while it runs elsewhere")
         self.open_study = make(
-            "open_study",
-            tr("Open st&udy…"),
-            "study",
-            tr("Open the results of a study from their folder, also while it runs elsewhere"),
-            None,
-            commands.case_studies.ask_for_folder,
+            "open_study", tr("Open st&udy…"), "study", tip, None, commands.case_studies.ask_for_folder
         )
         self._make_target(maker, commands)
+        tip = tr("Export area change, strain, displacement and labels as CSV or PLY")
         self.scalars = make(
-            "export_scalars",
-            tr("Export sca&lars…"),
-            "tables",
-            tr("Export area change, strain, displacement and labels as CSV or PLY"),
-            None,
-            filing.export_scalars,
+            "export_scalars", tr("Export sca&lars…"), "tables", tip, None, filing.export_scalars
         )
-        self.deck = make(
-            "export_deck",
-            tr("Export &FE deck…"),
-            "export",
-            tr("Export shells and boundary conditions for CalculiX or Abaqus"),
-            None,
-            filing.export_deck,
-        )
+        tip = tr("Export shells and boundary conditions for CalculiX or Abaqus")
+        self.deck = make("export_deck", tr("Export &FE deck…"), "export", tip, None, filing.export_deck)
+        tip = tr("Export the motion of the handles for Blender, glTF or ParaView")
         self.animation = make(
-            "export_animation",
-            tr("Export a&nimation…"),
-            "sweep",
-            tr("Export the motion of the handles for Blender, glTF or ParaView"),
-            None,
-            commands.runs.open_animation,
+            "export_animation", tr("Export a&nimation…"), "sweep", tip, None, commands.runs.open_animation
         )
-        self.save = make(
-            "save",
-            tr("&Save session"),
-            "save",
-            tr("Save painted parts, poses, settings and shape"),
-            _KEYS.Save,
-            filing.save,
-        )
-        self.save_as = make(
-            "save_as",
-            tr("Save session &as…"),
-            "save",
-            tr("Save the session to another file"),
-            "Ctrl+Shift+S",
-            filing.save_as,
-        )
-        self.report = make(
-            "report",
-            tr("Repor&t…"),
-            "report",
-            tr("Save pictures, measurements and settings as an HTML page"),
-            "Ctrl+Shift+E",
-            reporting.ask_for_report,
-        )
+        tip = tr("Save painted parts, poses, settings and shape")
+        self.save = make("save", tr("&Save session"), "save", tip, _KEYS.Save, filing.save)
+        tip = tr("Save the session to another file")
+        self.save_as = make("save_as", tr("Save session &as…"), "save", tip, "Ctrl+Shift+S", filing.save_as)
+        tip = tr("Save pictures, measurements and settings as an HTML page")
+        self.report = make("report", tr("Repor&t…"), "report", tip, "Ctrl+Shift+E", reporting.ask_for_report)
+        tip = tr("Save the view as a picture of any size, with or without background")
         self.picture = make(
-            "save_picture",
-            tr("Save &picture…"),
-            "picture",
-            tr("Save the view as a picture of any size, with or without background"),
-            "Ctrl+Shift+P",
-            reporting.ask_for_picture,
+            "save_picture", tr("Save &picture…"), "picture", tip, "Ctrl+Shift+P", reporting.ask_for_picture
         )
+        tip = tr("Copy the view to the clipboard")
         self.copy_picture = make(
-            "copy_picture",
-            tr("&Copy picture"),
-            "copy",
-            tr("Copy the view to the clipboard"),
-            "Ctrl+Shift+C",
-            reporting.pictures.copy,
+            "copy_picture", tr("&Copy picture"), "copy", tip, "Ctrl+Shift+C", reporting.pictures.copy
         )
+        tip = tr("Copy the Python lines that repeat this deformation to the clipboard")
         self.copy_python = make(
-            "copy_python",
-            tr("Copy as P&ython"),
-            "copy",
-            tr("Copy the Python lines that repeat this deformation to the clipboard"),
-            None,
-            reporting.copy_python,
+            "copy_python", tr("Copy as P&ython"), "copy", tip, None, reporting.copy_python
         )
         self.samples = []
         for name, sample in SAMPLES.items():
@@ -139,13 +83,9 @@ class FileActions:
             None,
             commands.target.ask_for_target_shape,
         )
+        tip = tr("Stop comparing with the target shape")
         self.clear_target = maker.make(
-            "clear_target",
-            tr("Clear target s&hape"),
-            "remove",
-            tr("Stop comparing with the target shape"),
-            None,
-            commands.target.clear_target_shape,
+            "clear_target", tr("Clear target s&hape"), "remove", tip, None, commands.target.clear_target_shape
         )
         self.clear_target.setEnabled(False)
 

@@ -28,98 +28,39 @@ _ALONG = {
 
 
 class PoseActions:
-    """Actions to move handles and to keep named poses.
-
-    Parameters
-    ----------
-    maker : ActionMaker
-    commands : Commands
-
-    Attributes
-    ----------
-    part_actions, pivots, nudges, named_poses : list of QAction
-    orientations : dict of GizmoOrientation to QAction
-    enter_motion, reset_handle, symmetric, pause, compare, sweep, study, press : QAction
-    """
+    """Actions to move handles and to keep named poses."""
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
         make, editing = maker.make, commands.edits
         self._gizmo = commands.canvas.gizmo
+        add, region = tr("Add another handle"), tr("Add another region to measure or keep its area")
+        after = tr("Select next handle")
         self.part_actions = [
-            make(
-                "add_handle",
-                tr("&Add handle"),
-                "add",
-                tr("Add another handle"),
-                "Shift+H",
-                editing.add_handle,
-            ),
-            make(
-                "next_handle",
-                tr("&Next handle"),
-                "next-handle",
-                tr("Select next handle"),
-                "N",
-                editing.next_handle,
-            ),
-            make(
-                "add_region",
-                tr("Add &region"),
-                "add",
-                tr("Add another region to measure or keep its area"),
-                "Shift+R",
-                editing.add_region,
-            ),
+            make("add_handle", tr("&Add handle"), "add", add, "Shift+H", editing.add_handle),
+            make("next_handle", tr("&Next handle"), "next-handle", after, "N", editing.next_handle),
+            make("add_region", tr("Add &region"), "add", region, "Shift+R", editing.add_region),
         ]
+        tip = tr("Enter an amount to move, rotate, twist or bend the handle")
         self.enter_motion = make(
-            "type_motion",
-            tr("&Enter motion"),
-            "type",
-            tr("Enter an amount to move, rotate, twist or bend the handle"),
-            "Ctrl+M",
-            commands.type_motion,
+            "type_motion", tr("&Enter motion"), "type", tip, "Ctrl+M", commands.type_motion
         )
+        tip = tr("Return the active handle to its rest position")
         self.reset_handle = make(
-            "put_back",
-            tr("Rese&t handle"),
-            "reset",
-            tr("Return the active handle to its rest position"),
-            "Shift+M",
-            editing.reset_handle,
+            "put_back", tr("Rese&t handle"), "reset", tip, "Shift+M", editing.reset_handle
         )
+        tip = tr("Move each handle together with its mirror image")
         self.symmetric = maker.make_checkable(
-            "symmetric",
-            tr("Sy&mmetric"),
-            "mirror",
-            tr("Move each handle together with its mirror image"),
-            "Shift+S",
-            commands.symmetry.set_symmetric,
+            "symmetric", tr("Sy&mmetric"), "mirror", tip, "Shift+S", commands.symmetry.set_symmetric
+        )
+        poses, keep = commands.poses, tr("Keep the present places of all handles under a name")
+        onwards, back = (
+            tr("Move the handles to the next pose kept"),
+            tr("Move the handles to the previous pose kept"),
         )
         self.named_poses = [
-            make(
-                "keep_pose",
-                tr("&Keep pose"),
-                "add",
-                tr("Keep the present places of all handles under a name"),
-                "Ctrl+K",
-                commands.poses.keep_pose,
-            ),
-            make(
-                "next_pose",
-                tr("&Next pose"),
-                "redo",
-                tr("Move the handles to the next pose kept"),
-                ".",
-                partial(commands.poses.step_pose, 1),
-            ),
-            make(
-                "previous_pose",
-                tr("&Previous pose"),
-                "undo",
-                tr("Move the handles to the previous pose kept"),
-                ",",
-                partial(commands.poses.step_pose, -1),
-            ),
+            make("keep_pose", tr("&Keep pose"), "add", keep, "Ctrl+K", poses.keep_pose),
+            make("next_pose", tr("&Next pose"), "redo", onwards, ".", partial(poses.step_pose, 1)),
+            make("previous_pose", tr("&Previous pose"), "undo", back, ",", partial(poses.step_pose, -1)),
         ]
         self.compare = make(
             "compare_methods",
@@ -129,63 +70,23 @@ class PoseActions:
             "Ctrl+Shift+M",
             commands.comparison.open,
         )
+        pick = tr("Click the point of the mesh to rotate the handle about")
+        enter = tr("Enter the coordinates of the point to rotate the handle about")
+        title, centre = tr("Set pivot b&y coordinates…"), tr("Rotate about the centre of the handle")
         self.pivots = [
-            make(
-                "pick_pivot",
-                tr("Pick p&ivot"),
-                "pivot",
-                tr("Click the point of the mesh to rotate the handle about"),
-                "V",
-                editing.pick_pivot,
-            ),
-            make(
-                "type_pivot",
-                tr("Set pivot b&y coordinates…"),
-                "pivot",
-                tr("Enter the coordinates of the point to rotate the handle about"),
-                "Ctrl+Shift+V",
-                editing.open_pivot_entry,
-            ),
-            make(
-                "centre_pivot",
-                tr("&Pivot at centre"),
-                "pivot",
-                tr("Rotate about the centre of the handle"),
-                "Shift+P",
-                editing.centre_pivot,
-            ),
+            make("pick_pivot", tr("Pick p&ivot"), "pivot", pick, "V", editing.pick_pivot),
+            make("type_pivot", title, "pivot", enter, "Ctrl+Shift+V", editing.open_pivot_entry),
+            make("centre_pivot", tr("&Pivot at centre"), "pivot", centre, "Shift+P", editing.centre_pivot),
         ]
-        self.sweep = make(
-            "sweep",
-            tr("&Sweep…"),
-            "sweep",
-            tr("Plot area, volume and energy along the motion"),
-            None,
-            commands.runs.open_sweep,
-        )
-        self.study = make(
-            "study",
-            tr("Study…"),
-            "study",
-            tr("Compute many variants of this deformation, and compare what comes of them"),
-            None,
-            commands.case_studies.design_study,
-        )
-        self.press = make(
-            "press",
-            tr("Press &between plates…"),
-            "press",
-            tr("Press the mesh at rest between two plates, and plot load and volume"),
-            None,
-            commands.runs.open_press,
-        )
+        tip = tr("Plot area, volume and energy along the motion")
+        self.sweep = make("sweep", tr("&Sweep…"), "sweep", tip, None, commands.runs.open_sweep)
+        tip = tr("Compute many variants of this deformation, and compare what comes of them")
+        self.study = make("study", tr("Study…"), "study", tip, None, commands.case_studies.design_study)
+        tip = tr("Press the mesh at rest between two plates, and plot load and volume")
+        self.press = make("press", tr("Press &between plates…"), "press", tip, None, commands.runs.open_press)
+        tip = tr("Pause the solver, or let it continue")
         self.pause = make(
-            "pause",
-            tr("Pause or c&ontinue solving"),
-            "pause",
-            tr("Pause the solver, or let it continue"),
-            "Space",
-            commands.pause_or_resume,
+            "pause", tr("Pause or c&ontinue solving"), "pause", tip, "Space", commands.pause_or_resume
         )
         self.pause.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # Space also presses buttons
         commands.canvas.viewport.addAction(self.pause)

@@ -14,36 +14,16 @@ from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.tools.tool_modes import SelectionMode
 
 _LARGER, _SMALLER = 1.25, 0.8
+_GROW = tr("Add the neighbouring vertices to the active part")
+_SHRINK = tr("Remove the outermost vertices from the active part")
+_SMOOTH = tr("Smooth the boundary of the active part")
+_INVERT = tr("Paint the unpainted vertices and clear the active part")
 # Title, icon, tooltip, keys and operation on the active part.
 _CHANGES = (
-    (
-        tr("&Grow"),
-        "grow",
-        tr("Add the neighbouring vertices to the active part"),
-        "Ctrl++",
-        PartOperation.GROW,
-    ),
-    (
-        tr("S&hrink"),
-        "shrink",
-        tr("Remove the outermost vertices from the active part"),
-        "Ctrl+-",
-        PartOperation.SHRINK,
-    ),
-    (
-        tr("&Smooth boundary"),
-        "smooth-border",
-        tr("Smooth the boundary of the active part"),
-        "Ctrl+B",
-        PartOperation.SMOOTH,
-    ),
-    (
-        tr("In&vert"),
-        "invert",
-        tr("Paint the unpainted vertices and clear the active part"),
-        "Ctrl+Shift+I",
-        PartOperation.INVERT,
-    ),
+    (tr("&Grow"), "grow", _GROW, "Ctrl++", PartOperation.GROW),
+    (tr("S&hrink"), "shrink", _SHRINK, "Ctrl+-", PartOperation.SHRINK),
+    (tr("&Smooth boundary"), "smooth-border", _SMOOTH, "Ctrl+B", PartOperation.SMOOTH),
+    (tr("In&vert"), "invert", _INVERT, "Ctrl+Shift+I", PartOperation.INVERT),
 )
 _MIRRORED = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
 _MIRRORS = tuple(
@@ -59,19 +39,7 @@ _MIRRORS = tuple(
 
 
 class SelectActions:
-    """Actions to select vertices.
-
-    Parameters
-    ----------
-    maker : ActionMaker
-    commands : Commands
-
-    Attributes
-    ----------
-    modes : dict of SelectionMode to QAction
-    select_hidden, by_expression : QAction
-    sizes, files, changes, mirrors, clears, flags : list of QAction
-    """
+    """Actions to select vertices."""
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
         self._make_modes(maker, commands)
@@ -95,29 +63,19 @@ class SelectActions:
             name, traits, command = f"way:{way.name}", way.traits, partial(commands.choose_mode, way)
             self.modes[way] = maker.make(name, traits.title, traits.icon, traits.tip, traits.key, command)
         maker.make_exclusive(self.modes.values())
+        tip = tr("Let box, lasso and polygon also select hidden vertices")
         self.select_hidden = maker.make_checkable(
-            "through",
-            tr("&X-ray (select hidden)"),
-            "through",
-            tr("Let box, lasso and polygon also select hidden vertices"),
-            "T",
-            commands.canvas.set_selects_hidden,
+            "through", tr("&X-ray (select hidden)"), "through", tip, "T", commands.canvas.set_selects_hidden
         )
 
     def _make_sizes(self, maker: ActionMaker, commands: Commands) -> None:
         make, brush, editing = maker.make, commands.canvas.brush.size, commands.edits
         larger, smaller = partial(brush.scale, _LARGER), partial(brush.scale, _SMALLER)
+        tip = tr("Enter the brush radius, in pixels or as a length on the mesh")
         self.sizes = [
             make("larger", tr("&Larger brush"), "grow", tr("Make the brush larger"), "]", larger),
             make("smaller", tr("Smalle&r brush"), "shrink", tr("Make the brush smaller"), "[", smaller),
-            make(
-                "type_brush",
-                tr("Brush si&ze…"),
-                "way-brush",
-                tr("Enter the brush radius, in pixels or as a length on the mesh"),
-                "Shift+D",
-                editing.open_brush_entry,
-            ),
+            make("type_brush", tr("Brush si&ze…"), "way-brush", tip, "Shift+D", editing.open_brush_entry),
         ]
         self.by_expression = make(
             "choose_by_numbers",
@@ -145,23 +103,11 @@ class SelectActions:
         ]
 
     def _make_files(self, maker: ActionMaker, filing: FileController) -> None:
+        load = tr("Load base, handles and regions from a file")
+        save = tr("Save base, handles and regions to a file")
         self.files = [
-            maker.make(
-                "load_selection",
-                tr("L&oad selection…"),
-                "open",
-                tr("Load base, handles and regions from a file"),
-                None,
-                filing.load_selection,
-            ),
-            maker.make(
-                "save_selection",
-                tr("Save selec&tion…"),
-                "save",
-                tr("Save base, handles and regions to a file"),
-                None,
-                filing.save_selection,
-            ),
+            maker.make("load_selection", tr("L&oad selection…"), "open", load, None, filing.load_selection),
+            maker.make("save_selection", tr("Save selec&tion…"), "save", save, None, filing.save_selection),
         ]
 
     @property

@@ -34,32 +34,15 @@ _SHADINGS = (
 
 
 class ViewActions:
-    """Actions of the camera, shading and colours of the window.
-
-    Parameters
-    ----------
-    menus : WindowMenus
-    commands : Commands
-
-    Attributes
-    ----------
-    frame, findings, edges : QAction
-    shadings : dict of Shading to QAction
-    camera : CameraActions
-    schemes : dict of Qt.ColorScheme to QAction
-    """
+    """Actions of the camera, shading and colours of the window."""
 
     def __init__(self, menus: WindowMenus, commands: Commands) -> None:
         maker, canvas = menus.maker, commands.canvas
         self._surface = canvas.surface
         self.frame = menus.frame
+        tip = tr("List the issues found in the mesh and show where they are")
         self.findings = maker.make(
-            "findings",
-            tr("Mesh chec&k"),
-            "warning",
-            tr("List the issues found in the mesh and show where they are"),
-            "Ctrl+I",
-            commands.findings.toggle_list,
+            "findings", tr("Mesh chec&k"), "warning", tip, "Ctrl+I", commands.findings.toggle_list
         )
         commands.findings.badge.show_shortcut_in_tooltip(self.findings)
         self.camera = CameraActions(maker, canvas)
@@ -128,17 +111,10 @@ _VIEWS = (
 class CameraActions:
     """Actions to choose the view direction, projection and up axis.
 
-    Parameters
-    ----------
-    maker : ActionMaker
-    canvas : Canvas
-
     Attributes
     ----------
     directions : dict of str to QAction
         By the direction, as in Look.along.
-    orthographic, stand_upright : QAction
-    up_axes : dict of UpAxis to QAction
     """
 
     def __init__(self, maker: ActionMaker, canvas: Canvas) -> None:
@@ -194,16 +170,8 @@ _TARGET = tr("Show the target shape as a transparent ghost")
 class DisplayActions:
     """Actions to choose the overlay and the display options.
 
-    Parameters
-    ----------
-    maker : ActionMaker
-    display_options : DisplayOptions
-
     Attributes
     ----------
-    no_overlay : QAction
-    measures : dict of Measure to QAction
-    extremes : list of QAction
     switches : dict of str to QAction
         What is on or off, by name.
     """
@@ -216,13 +184,9 @@ class DisplayActions:
 
     def _make_measures(self, maker: ActionMaker) -> None:
         heat = self._looks.overlay
+        tip = tr("Show the paint without an overlay")
         self.no_overlay = maker.make(
-            "no_measure",
-            tr("&No overlay"),
-            "overlay-off",
-            tr("Show the paint without an overlay"),
-            "Alt+0",
-            partial(heat.choose_measure, None),
+            "no_measure", tr("&No overlay"), "overlay-off", tip, "Alt+0", partial(heat.choose_measure, None)
         )
         self.measures = {}
         for measure in Measure:
@@ -231,23 +195,12 @@ class DisplayActions:
                 name, words.title, "overlay", words.tip, words.key, partial(heat.choose_measure, measure)
             )
         maker.make_exclusive([self.no_overlay, *self.measures.values()])
+        onwards, back = (partial(heat.show_next_extreme, step) for step in (1, -1))
+        following = tr("Go to the next extreme value of the overlay")
+        previous = tr("Go to the previous extreme value of the overlay")
         self.extremes = [
-            maker.make(
-                "worst:1",
-                tr("Ne&xt extreme"),
-                "worst",
-                tr("Go to the next extreme value of the overlay"),
-                "C",
-                partial(heat.show_next_extreme, 1),
-            ),
-            maker.make(
-                "worst:-1",
-                tr("Pre&vious extreme"),
-                "worst",
-                tr("Go to the previous extreme value of the overlay"),
-                "Shift+C",
-                partial(heat.show_next_extreme, -1),
-            ),
+            maker.make("worst:1", tr("Ne&xt extreme"), "worst", following, "C", onwards),
+            maker.make("worst:-1", tr("Pre&vious extreme"), "worst", previous, "Shift+C", back),
         ]
 
     def _make_checkablees(self, maker: ActionMaker) -> None:
@@ -257,30 +210,17 @@ class DisplayActions:
         cut = tr("Cut the mesh with a plane to see inside")
         ground = tr("Show the axes and a ground grid in the unit of length")
         turntable = tr("Rotate the camera around the mesh until you use the mouse")
+        target, colors, textures = looks.target_ghost.visible, looks.shows_file_colors, looks.shows_textures
         self.switches = {
             name: maker.make_checkable(name, title, name, tip, key, command, on)
             for name, title, tip, key, command, on in (
                 ("ghost", tr("&Rest shape"), ghost, "A", looks.show_ghost, looks.ghost.visible),
-                (
-                    "target_ghost",
-                    tr("Target s&hape"),
-                    _TARGET,
-                    None,
-                    looks.show_target,
-                    looks.target_ghost.visible,
-                ),
+                ("target_ghost", tr("Target s&hape"), _TARGET, None, looks.show_target, target),
                 ("compare", tr("&Before and after"), compare, "Shift+A", looks.before_after.show_card, False),
                 ("cut", tr("Se&ction"), cut, "S", looks.cutting_plane.show_card, False),
                 ("ground", tr("&Axes and grid"), ground, "I", looks.show_ground, looks.ground.visible),
-                (
-                    "file_colors",
-                    tr("Co&lours of the file"),
-                    _COLORS,
-                    None,
-                    looks.show_file_colors,
-                    looks.shows_file_colors,
-                ),
-                ("textures", tr("Te&xtures"), _TEXTURES, None, looks.show_textures, looks.shows_textures),
+                ("file_colors", tr("Co&lours of the file"), _COLORS, None, looks.show_file_colors, colors),
+                ("textures", tr("Te&xtures"), _TEXTURES, None, looks.show_textures, textures),
                 ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.set_turntable_running, False),
             )
         }

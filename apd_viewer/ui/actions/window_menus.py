@@ -23,22 +23,12 @@ class WindowMenus:
 
     Parameters
     ----------
-    window : QMainWindow
-    requests : FileRequests
     choose_tool : callable
         Use a tool.
     frame : callable
         Zoom to the mesh.
     panels : sequence of QAction
         Show and hide the panels.
-
-    Attributes
-    ----------
-    maker : ActionMaker
-    choose_tool : callable
-    open, export, undo, redo, reset, frame, quit : QAction
-    tools : dict of Tool to QAction
-    bar : QToolBar
     """
 
     def __init__(

@@ -29,14 +29,8 @@ class CompareController:
         From where it is looked at.
     display_options : DisplayOptions
         Whose scale is used.
-    preferences : Preferences
     notice : Notice
         Where to say why there is nothing to compare.
-    store : StateStore
-
-    Attributes
-    ----------
-    window : ComparisonWindow or None
     """
 
     def __init__(
@@ -61,7 +55,6 @@ class CompareController:
         ----------
         views : mapping of str to QAction
             By the direction from which they look, as in Look.along.
-        frame : QAction
         """
         self._views, self._frame = views, frame
 

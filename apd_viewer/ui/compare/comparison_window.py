@@ -6,7 +6,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
-from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QPushButton, QSizePolicy, QWidget
 
 from apd_viewer.cases.comparison import Comparison, MethodOutcome
 from apd_viewer.errors import InputError
@@ -25,6 +25,7 @@ from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.widgets.background_task import BackgroundTask
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
@@ -42,21 +43,10 @@ class ComparisonWindow(QWidget):
 
     Parameters
     ----------
-    preferences : Preferences
     scale : Scale
         Of the local area change, to begin with.
     camera : Camera
         From where to look, to begin with.
-
-    Attributes
-    ----------
-    repeat_requested, closed : Signal()
-    linked : LinkedViews
-    views : dict of str to MethodView
-    checks : dict of str to CheckBox
-    table : MethodTable
-    legend : SharedScale
-    comparison : Comparison or None
     """
 
     repeat_requested = Signal()
@@ -111,25 +101,14 @@ class ComparisonWindow(QWidget):
             tr("Save picture…"), toolTip=tr("Save the shapes with their names and the legend as PNG")
         )
         self.save_picture.clicked.connect(partial(self._ask, ".png"))
-        head = QHBoxLayout(spacing=16)
-        head.setContentsMargins(12, 8, 12, 8)
-        for check in self.checks.values():
-            head.addWidget(check)
-        head.addWidget(self.status, 1)
-        buttons = QHBoxLayout(spacing=8)
         self.help = HelpButton()
-        for button in (self.stop, self.again, self.save_table, self.save_picture, self.help):
-            buttons.addWidget(button)
-        head.addLayout(buttons)
-        foot = QHBoxLayout(spacing=32)
-        foot.setContentsMargins(12, 10, 12, 8)
-        foot.addWidget(self.legend, 0, Qt.AlignmentFlag.AlignTop)
-        foot.addWidget(self.table, 1, Qt.AlignmentFlag.AlignTop)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(head)
-        column.addWidget(self.linked, 1)
-        column.addLayout(foot)
+        buttons = row_layout(self.stop, self.again, self.save_table, self.save_picture, self.help)
+        head = row_layout(
+            *self.checks.values(), (self.status, 1), buttons, spacing=16, margins=(12, 8, 12, 8)
+        )
+        top = Qt.AlignmentFlag.AlignTop
+        foot = row_layout((self.legend, 0, top), (self.table, 1, top), spacing=32, margins=(12, 10, 12, 8))
+        column_layout(head, (self.linked, 1), foot, spacing=0, parent=self)
 
     def add_shortcuts(self, keys: list[QKeySequence], command: Callable[[], object]) -> None:
         """Add shortcuts of the main window to a command."""

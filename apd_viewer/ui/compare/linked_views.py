@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen, QResizeEvent
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
 from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.language import tr
@@ -24,6 +24,7 @@ from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -42,7 +43,6 @@ class LinkedViews(QWidget):
     ----------
     span_measured : Signal(object)
         The least and the largest change of all shapes that are shown, or None.
-    views : dict of str to MethodView
     column_count : int
         How many stand beside each other.
     """
@@ -60,8 +60,7 @@ class LinkedViews(QWidget):
         self._place: ProbedPoint | None = None
         self._grid = QGridLayout(self, spacing=1)
         self._grid.setContentsMargins(0, 1, 0, 1)
-        self._reading = QTimer(self, singleShot=True, interval=_READ)
-        self._reading.timeout.connect(self._read)
+        self._reading = QTimer(self, singleShot=True, interval=_READ, timeout=self._read)
         link_cameras([view.viewport.camera_controller for view in self.views.values()])
         for view in self.views.values():
             view.probe.hovered.connect(self.mark_point)
@@ -196,7 +195,6 @@ class SharedScale(QWidget):
 
     Attributes
     ----------
-    scale : Scale
     changed : Signal()
         The range is another one.
     span : tuple of float or None
@@ -218,8 +216,7 @@ class SharedScale(QWidget):
         self.reach.setRange(1e-7, 1e9)
         self.reach.valueChanged.connect(lambda percent: self._rescale(percent / 100.0))
         tip = tr("Fit the scale to the largest change of all shapes")
-        self.fit = QPushButton(tr("Fit"), toolTip=tip)
-        self.fit.clicked.connect(self._fit)
+        self.fit = QPushButton(tr("Fit"), toolTip=tip, clicked=self._fit)
         grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=6)
         grid.setContentsMargins(0, 0, 0, 0)
         title = QLabel(scale.measure.traits.title, objectName="title", toolTip=scale.measure.traits.tip)
@@ -259,15 +256,8 @@ HEAD_HEIGHT = 32  # px
 class MethodView(QWidget):
     """Viewport of one method's shape, captioned with its name and readings.
 
-    Parameters
-    ----------
-    title : str
-
     Attributes
     ----------
-    viewport : Viewport
-    surface : Surface
-    probe : SurfaceProbe
     values_changed : Signal()
         There are other values.
     values : (n,) float array or None
@@ -285,18 +275,12 @@ class MethodView(QWidget):
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         head = QWidget(objectName="head")
         head.setFixedHeight(HEAD_HEIGHT)
-        row = QHBoxLayout(head, spacing=12)
-        row.setContentsMargins(12, 0, 12, 0)
-        row.addWidget(QLabel(title, objectName="title"))
-        row.addWidget(self._state, 1)
-        row.addWidget(self._value)
+        name = QLabel(title, objectName="title")
+        row_layout(name, (self._state, 1), self._value, spacing=12, margins=(12, 0, 12, 0), parent=head)
         self.viewport = Viewport(self)
         self.surface = Surface(self.viewport)
         self._note = CanvasHint(self.viewport)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(head)
-        column.addWidget(self.viewport, 1)
+        column_layout(head, (self.viewport, 1), spacing=0, parent=self)
         self.values: np.ndarray | None = None
         self._change: Deviation | None = None
         self._measured = -1
@@ -400,11 +384,6 @@ class ProbedPoint(NamedTuple):
 
 class SurfaceProbe(MouseTool, QObject):
     """Reports the material point under the cursor and marks one with a ring.
-
-    Parameters
-    ----------
-    viewport : Viewport
-    surface : Surface
 
     Attributes
     ----------

@@ -30,8 +30,6 @@ class FileController:
     ----------
     window : QWidget
         Over which to ask.
-    preferences : Preferences
-    session : Session
     view : callable
         Returns the camera, overlay and unit to be saved with the mesh.
     small_picture : callable
@@ -219,7 +217,6 @@ class Question(NamedTuple):
 
     Attributes
     ----------
-    title : str
     text : str
         The question, with ``{name}`` where the file is named.
     name : str

@@ -59,10 +59,7 @@ def ask_where_to_save_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pa
     """Ask where to save a selection; None if cancelled."""
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
-        parent,
-        tr("Save selection"),
-        str(folder / f"{mesh.stem}-selection.json"),
-        ";;".join(filters.values()),
+        parent, tr("Save selection"), str(folder / f"{mesh.stem}-selection.json"), ";;".join(filters.values())
     )
     if not path or Path(path).suffix.lower() in SELECTION_FORMATS:
         return Path(path) if path else None

@@ -33,7 +33,6 @@ class FileRequests:
     ----------
     window : QWidget
         Parent of the file dialog.
-    preferences : Preferences
     """
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:
@@ -78,11 +77,6 @@ class FileOpenEvents(QObject):
 
     They come as events and not as arguments. Of macOS only: a filter in Python of all events costs time in
     every gesture.
-
-    Parameters
-    ----------
-    application : QApplication
-    requests : FileRequests
     """
 
     def __init__(self, application: QApplication, requests: FileRequests) -> None:

@@ -3,12 +3,13 @@
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolButton
+from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QToolButton
 
 from apd_viewer.language import tr, trc
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, age_text
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 from apd_viewer.ui.widgets.wheel import block_mouse_events
@@ -22,10 +23,6 @@ _BESIDE_WORDS = 80  # px; icon and margins beside the text, if the buttons are b
 
 class RecoveryBar(QFrame):
     """Bar offering recovered sessions, newest first, until one is restored.
-
-    Parameters
-    ----------
-    canvas : Viewport
 
     Attributes
     ----------
@@ -59,16 +56,8 @@ class RecoveryBar(QFrame):
         )
         self.later.clicked.connect(self.postpone_all)
         self._buttons = self.restore, self.discard, self.next, self.later
-        words, answers = QHBoxLayout(spacing=8), QHBoxLayout(spacing=8)
-        for part in (self._symbol, self._text):
-            words.addWidget(part)
-        for button in self._buttons:
-            answers.addWidget(button)
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(12, 8, 8, 8)
-        self._row.setSpacing(8)
-        self._row.addLayout(words)
-        self._row.addLayout(answers)
+        words, answers = row_layout(self._symbol, self._text), row_layout(*self._buttons)
+        self._row = row_layout(words, answers, margins=(12, 8, 8, 8), parent=self)
         for button in self._buttons:
             # A focused button that is hidden would pass its focus to a text field.
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -77,9 +66,7 @@ class RecoveryBar(QFrame):
         canvas.resized.connect(self._place)
 
     def _button(self, text: str, tip: str, pressed: Callable[[], None]) -> QPushButton:
-        button = QPushButton(text, toolTip=tip)
-        button.clicked.connect(pressed)
-        return button
+        return QPushButton(text, toolTip=tip, clicked=pressed)
 
     @property
     def text(self) -> str:

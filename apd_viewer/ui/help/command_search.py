@@ -1,26 +1,16 @@
 """Card over the viewport to search for commands by purpose and run them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from typing import cast
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent
-from PySide6.QtWidgets import (
-    QFrame,
-    QHBoxLayout,
-    QHeaderView,
-    QLabel,
-    QLineEdit,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QVBoxLayout,
-)
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.searchable import Searchable, SearchQuery, match_score
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 from apd_viewer.ui.widgets.wheel import block_mouse_events
@@ -32,21 +22,38 @@ _WALKS = Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown
 _OF_ITEM = Qt.ItemDataRole.UserRole
 
 
-class CommandSearch(QFrame):
+class SearchRow(QtWidgets.QHBoxLayout):
+    """Search field with a close button.
+
+    Parameters
+    ----------
+    name, prompt : str
+        Of the field.
+    closing : str
+        Name of the cross.
+    """
+
+    def __init__(self, name: str, prompt: str, closing: str) -> None:
+        super().__init__(spacing=8)
+        self.field = QtWidgets.QLineEdit(accessibleName=name, placeholderText=prompt, clearButtonEnabled=True)
+        self.close_button = small_button(closing, tr("Close (Esc)"))
+        self.addWidget(self.field, 1)
+        self.addWidget(self.close_button)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icon of the close button."""
+        self.close_button.setIcon(icon("cancel", theme))
+
+
+class CommandSearch(QtWidgets.QFrame):
     """Search field above a list of commands.
 
     Parameters
     ----------
-    canvas : Viewport
     collect : callable
         Everything that can be found, as it is now.
     search_manual : callable
         Opens the search of the manual for words.
-
-    Attributes
-    ----------
-    search : QLineEdit
-    list : SearchResultList
     """
 
     dismissed = Signal()
@@ -62,14 +69,12 @@ class CommandSearch(QFrame):
         self._canvas, self._collect, self._search_manual = canvas, collect, search_manual
         self._known: list[Searchable] = []
         self._found: list[Searchable] = []
-        column = self._column = QVBoxLayout(self, spacing=8)
-        column.setContentsMargins(12, 8, 8, 10)
-        column.addLayout(self._make_head())
         self.list = SearchResultList()
         self.list.itemClicked.connect(self._run)
-        column.addWidget(self.list, 1)
-        self._hint = QLabel(tr("Enter runs it, F1 explains it, Esc closes"), objectName="quiet")
-        column.addWidget(self._hint)
+        self._hint = QtWidgets.QLabel(tr("Enter runs it, F1 explains it, Esc closes"), objectName="quiet")
+        self._column = column_layout(
+            self._make_head(), (self.list, 1), self._hint, spacing=8, margins=(12, 8, 8, 10), parent=self
+        )
         self.hide()
         canvas.resized.connect(self._place)
 
@@ -160,7 +165,7 @@ class CommandSearch(QFrame):
 _ROWS = 10  # rows visible without scrolling
 
 
-class SearchResultList(QTreeWidget):
+class SearchResultList(QtWidgets.QTreeWidget):
     """List of matching entries, ending with one that searches the manual."""
 
     def __init__(self) -> None:
@@ -173,16 +178,16 @@ class SearchResultList(QTreeWidget):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         header = self.header()
         header.setStretchLastSection(False)
-        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        header.setSectionResizeMode(0, QtWidgets.QHeaderView.ResizeMode.Stretch)
         for column in (1, 2):
-            header.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
+            header.setSectionResizeMode(column, QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
 
     def show_entries(self, entries: Sequence[Searchable], text: str) -> None:
         """Show the entries matching a text, and select the first one."""
         self.clear()
         self.addTopLevelItems([_item(each, self.theme) for each in entries])
         if text:
-            pages = QTreeWidgetItem([tr("Search the manual for “{text}”").format(text=text)])
+            pages = QtWidgets.QTreeWidgetItem([tr("Search the manual for “{text}”").format(text=text)])
             pages.setIcon(0, icon("manual", self.theme))
             self.addTopLevelItem(pages)
             pages.setFirstColumnSpanned(True)
@@ -198,40 +203,12 @@ class SearchResultList(QTreeWidget):
         return -1 if item is None else self.indexOfTopLevelItem(item)
 
 
-def _item(found: Searchable, theme: Theme) -> QTreeWidgetItem:
+def _item(found: Searchable, theme: Theme) -> QtWidgets.QTreeWidgetItem:
     """Row of an entry; a disabled one is grey and shows the reason."""
-    item = QTreeWidgetItem([found.texts.title, found.disabled_reason or found.location, found.keys])
+    item = QtWidgets.QTreeWidgetItem([found.texts.title, found.disabled_reason or found.location, found.keys])
     item.setDisabled(bool(found.disabled_reason))
     item.setToolTip(0, found.texts.tip)
     item.setIcon(0, icon(found.image, theme))
     item.setForeground(1, QColor(theme.quiet))
     item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
     return item
-
-
-class SearchRow(QHBoxLayout):
-    """Search field with a close button.
-
-    Parameters
-    ----------
-    name, prompt : str
-        Of the field.
-    closing : str
-        Name of the cross.
-
-    Attributes
-    ----------
-    field : QLineEdit
-    close_button : QToolButton
-    """
-
-    def __init__(self, name: str, prompt: str, closing: str) -> None:
-        super().__init__(spacing=8)
-        self.field = QLineEdit(accessibleName=name, placeholderText=prompt, clearButtonEnabled=True)
-        self.close_button = small_button(closing, tr("Close (Esc)"))
-        self.addWidget(self.field, 1)
-        self.addWidget(self.close_button)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the icon of the close button."""
-        self.close_button.setIcon(icon("cancel", theme))

@@ -43,8 +43,6 @@ class ContextHelp(QObject):
 
     Parameters
     ----------
-    shell : QMainWindow
-    canvas : Canvas
     action : QAction
         Its key opens the manual at once; chosen from the menu, it waits for a click.
     marked_place : callable
@@ -147,7 +145,6 @@ def widget_place(widget: QWidget, mouse: QPoint | None = None) -> ManualPlace | 
 
     Parameters
     ----------
-    widget : QWidget
     mouse : QPoint, optional
         Global position of the mouse, if that chooses a part of the widget.
     """

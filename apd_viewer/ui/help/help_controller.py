@@ -33,23 +33,12 @@ class HelpController(QObject):
 
     Parameters
     ----------
-    window : QMainWindow
     widgets : tuple
         The window's canvas, actions and panel.
-    preferences : Preferences
     open_bottle : callable
         Opens the sample that the tour speaks of.
-    session : Session
     open_settings : callable
         Opens the settings at a preference, by its name.
-
-    Attributes
-    ----------
-    shortcuts : Shortcuts
-    sheet : ShortcutSheet
-    search : CommandSearch
-    context : ContextHelp
-    tour : Tour
     """
 
     def __init__(

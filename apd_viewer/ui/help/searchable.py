@@ -10,23 +10,9 @@ from difflib import SequenceMatcher
 from functools import partial
 from typing import NamedTuple
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import (
-    QAbstractButton,
-    QAbstractItemView,
-    QAbstractSlider,
-    QAbstractSpinBox,
-    QComboBox,
-    QDockWidget,
-    QLabel,
-    QLineEdit,
-    QMainWindow,
-    QMenu,
-    QMenuBar,
-    QScrollArea,
-    QWidget,
-)
 
 from apd_viewer.language import tr
 from apd_viewer.session.state_store import StateStore
@@ -49,13 +35,10 @@ class Searchable:
 
     Attributes
     ----------
-    texts : SearchTexts
     location : str
         The menu, the section of the panel, or the settings.
-    run : callable
     place : ManualPlace
         In the manual.
-    keys : str
     disabled_reason : str
         Why it cannot be run now; empty if it can.
     image : str
@@ -72,7 +55,7 @@ class Searchable:
 
 
 def searchable_entries(
-    shell: QMainWindow,
+    shell: QtWidgets.QMainWindow,
     entries: list[ShortcutEntry],
     panel: Panel,
     store: StateStore,
@@ -86,7 +69,7 @@ def searchable_entries(
 
 
 def command_entries(
-    shell: QMainWindow, entries: list[ShortcutEntry], store: StateStore
+    shell: QtWidgets.QMainWindow, entries: list[ShortcutEntry], store: StateStore
 ) -> Iterator[Searchable]:
     """Search entries of all menu actions."""
     by_action = {entry.action: entry for entry in entries}
@@ -125,7 +108,7 @@ def control_entries(panel: Panel) -> Iterator[Searchable]:
     for section in (panel.area, *panel.sections):
         heading = section.title if isinstance(section, Section) else tr("Area")
         known = set()
-        for widget in filter(is_control, section.findChildren(QWidget)):
+        for widget in filter(is_control, section.findChildren(QtWidgets.QWidget)):
             title, tip = title_and_tip(widget)
             if not (title in known or _is_in_row(widget) or is_section_heading(widget)):
                 known.add(title)
@@ -139,42 +122,42 @@ def control_entries(panel: Panel) -> Iterator[Searchable]:
                 )
 
 
-def is_control(widget: QWidget) -> bool:
+def is_control(widget: QtWidgets.QWidget) -> bool:
     """True for a named input field or button, and a named reading with a tooltip."""
     owner = widget.parentWidget()
     if isinstance(owner, SliderField) and widget in (owner.slider, owner.reset_button):
         return False  # its number field is listed instead
     title, tip = title_and_tip(widget)
-    return bool(title and (tip if isinstance(widget, QLabel) else isinstance(widget, _INPUTS)))
+    return bool(title and (tip if isinstance(widget, QtWidgets.QLabel) else isinstance(widget, _INPUTS)))
 
 
 _INPUTS = (
-    QAbstractButton,
-    QAbstractItemView,
-    QAbstractSlider,
-    QAbstractSpinBox,
-    QComboBox,
-    QLineEdit,
+    QtWidgets.QAbstractButton,
+    QtWidgets.QAbstractItemView,
+    QtWidgets.QAbstractSlider,
+    QtWidgets.QAbstractSpinBox,
+    QtWidgets.QComboBox,
+    QtWidgets.QLineEdit,
     NamedRow,
 )
 
 
-def is_section_heading(widget: QWidget) -> bool:
+def is_section_heading(widget: QtWidgets.QWidget) -> bool:
     """True for the heading of a section of the panel."""
     return isinstance(widget.parentWidget(), Section) and isinstance(widget, Heading)
 
 
-def _is_in_row(widget: QWidget) -> bool:
+def _is_in_row(widget: QtWidgets.QWidget) -> bool:
     """True for a row of a list, its contents, and the buttons of a part's row."""
-    node: QWidget | None = widget
+    node: QtWidgets.QWidget | None = widget
     while node is not None and not isinstance(node, NamedRow | PartButtons):
         node = node.parentWidget()
     return node is not None
 
 
-def _is_offered(widget: QWidget, panel: Panel) -> bool:
+def _is_offered(widget: QtWidgets.QWidget, panel: Panel) -> bool:
     """True if a control is enabled and shown, or would be in an unfolded section."""
-    node: QWidget | None = widget
+    node: QtWidgets.QWidget | None = widget
     while node is not None and node is not panel:
         owner = node.parentWidget()
         heading = getattr(owner, "heading", None)
@@ -185,16 +168,16 @@ def _is_offered(widget: QWidget, panel: Panel) -> bool:
     return widget.isEnabled()
 
 
-def reveal_control(widget: QWidget) -> None:
+def reveal_control(widget: QtWidgets.QWidget) -> None:
     """Show a control of the panel and give it the keyboard focus."""
     node = widget.parentWidget()
     while node is not None:
         if isinstance(heading := getattr(node, "heading", None), Heading):
             heading.setChecked(True)
-        elif isinstance(node, QDockWidget):
+        elif isinstance(node, QtWidgets.QDockWidget):
             node.show()
             node.raise_()
-        elif isinstance(node, QScrollArea):
+        elif isinstance(node, QtWidgets.QScrollArea):
             QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # once it is laid out
         node = node.parentWidget()
     widget.setFocus(Qt.FocusReason.TabFocusReason)
@@ -215,10 +198,10 @@ def setting_entries(open_settings: Callable[[str], object]) -> Iterator[Searchab
             )
 
 
-def title_and_tip(widget: QWidget) -> tuple[str, str]:
+def title_and_tip(widget: QtWidgets.QWidget) -> tuple[str, str]:
     """Title and tooltip of a control, each on one line; empty if missing."""
     title = widget.accessibleName()
-    if isinstance(widget, QAbstractButton) and not title:
+    if isinstance(widget, QtWidgets.QAbstractButton) and not title:
         title = without_mnemonic(widget.text())
     return _single_line(title), _single_line(widget.toolTip())
 
@@ -242,21 +225,21 @@ class MenuEntry(NamedTuple):
         return tr("{menu}: {title}").format(menu=self.submenu_title, title=title)
 
 
-def menu_entries(bar: QMenuBar) -> Iterator[MenuEntry]:
+def menu_entries(bar: QtWidgets.QMenuBar) -> Iterator[MenuEntry]:
     """All entries of a menu bar, in order."""
     for top in bar.actions():
         for action, within in _leaves(submenu(top)):
             yield MenuEntry(without_mnemonic(top.text()), within, action)
 
 
-def submenu(action: QAction) -> QMenu:
+def submenu(action: QAction) -> QtWidgets.QMenu:
     """Submenu opened by an action."""
     menu = action.menu()
-    assert isinstance(menu, QMenu)
+    assert isinstance(menu, QtWidgets.QMenu)
     return menu
 
 
-def _leaves(menu: QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
+def _leaves(menu: QtWidgets.QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
     """Actions of a menu with the titles of their submenus."""
     for action in menu.actions():
         if action.menu() is not None:
@@ -284,7 +267,6 @@ class SearchTexts(NamedTuple):
 
     Parameters
     ----------
-    title, tip : str
     synonyms : str
         Other words for the same.
     """

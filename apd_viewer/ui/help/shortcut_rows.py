@@ -1,16 +1,15 @@
 """Rows of the shortcut sheet: actions with a shortcut editor, mouse gestures."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from PySide6.QtCore import QEvent, QKeyCombination, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPaintEvent, QPalette, QPen
-from PySide6.QtWidgets import QAbstractButton, QFrame, QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
+from PySide6.QtWidgets import QAbstractButton, QFrame, QGridLayout, QLabel, QSizePolicy, QWidget
 
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native_keys, split_keys
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
+from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 
@@ -22,16 +21,13 @@ class ActionRow(QFrame):
 
     Parameters
     ----------
-    entry : ShortcutEntry
     title : str
         With the submenu that it is in.
 
     Attributes
     ----------
-    keys : ShortcutEditor
     back : QToolButton
         Gives it its standard keys; there while it has others.
-    symbol : QLabel
     """
 
     def __init__(self, entry: ShortcutEntry, title: str) -> None:
@@ -50,12 +46,8 @@ class ActionRow(QFrame):
             ),
             tr("Restore default: {standard}").format(standard=standard),
         )
-        row = QHBoxLayout(self, spacing=8)
-        row.setContentsMargins(*_EDGES)
-        row.addWidget(self.symbol)
-        row.addWidget(QLabel(title, wordWrap=True), 1)
-        row.addWidget(self.back)
-        row.addWidget(self.keys)
+        name = QLabel(title, wordWrap=True)
+        row_layout(self.symbol, (name, 1), self.back, self.keys, margins=_EDGES, parent=self)
         self.back.setVisible(entry.is_changed)
 
     def show_keys(self) -> None:
@@ -78,6 +70,22 @@ class ActionRow(QFrame):
     def _draw_back(self) -> None:
         if self.entry.is_changed:
             self.back.setIcon(icon("undo", self._theme))
+
+
+class MouseGesture(NamedTuple):
+    """Title, icon and text of a tool's mouse gestures.
+
+    Parameters
+    ----------
+    title : str
+        Of the tool, or of the way to paint.
+    image : str
+        Name of its icon.
+    """
+
+    title: str
+    image: str
+    text: str
 
 
 class GestureRow(QFrame):
@@ -110,12 +118,7 @@ ShortcutRow = ActionRow | GestureRow
 
 
 class ShortcutGroup(QWidget):
-    """Rows under a heading, hidden together if no row matches.
-
-    Attributes
-    ----------
-    rows : list of ActionRow or GestureRow
-    """
+    """Rows under a heading, hidden together if no row matches."""
 
     def __init__(self, title: str, rows: list[ShortcutRow], column: QWidget) -> None:
         super().__init__(column)
@@ -139,23 +142,6 @@ class ShortcutGroup(QWidget):
             found += fits
         self.setVisible(bool(found))
         return found
-
-
-class MouseGesture(NamedTuple):
-    """Title, icon and text of a tool's mouse gestures.
-
-    Parameters
-    ----------
-    title : str
-        Of the tool, or of the way to paint.
-    image : str
-        Name of its icon.
-    text : str
-    """
-
-    title: str
-    image: str
-    text: str
 
 
 # Camera gestures of apd_viewer.ui.scene.navigation, available with every tool.
@@ -191,13 +177,8 @@ _ALONE = (  # modifier keys, no shortcut by themselves
 class ShortcutEditor(QAbstractButton):
     """Shortcut of one action; click to record, Delete to clear, Esc to cancel.
 
-    Parameters
-    ----------
-    entry : ShortcutEntry
-
     Attributes
     ----------
-    recording_changed : Signal(bool)
     keys_chosen : Signal(str)
         Keys that were pressed.
     step_requested : Signal(int)

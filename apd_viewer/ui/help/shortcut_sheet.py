@@ -5,21 +5,14 @@ from functools import partial
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import (
-    QFrame,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QScrollArea,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QScrollArea, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.ui.help.command_search import SearchRow
 from apd_viewer.ui.help.shortcut_rows import ActionRow, ShortcutGroup
 from apd_viewer.ui.preferences.shortcuts import Shortcuts, native_keys, split_keys
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
 from apd_viewer.ui.widgets.wheel import block_mouse_events
@@ -34,8 +27,6 @@ class ShortcutSheet(QFrame):
 
     Parameters
     ----------
-    canvas : Viewport
-    shortcuts : Shortcuts
     groups : callable
         Makes the groups of rows anew, in the widget that it is given.
 
@@ -43,11 +34,8 @@ class ShortcutSheet(QFrame):
     ----------
     dismissed : Signal()
         Esc, or the cross.
-    search : QLineEdit
     rows : dict of str to ActionRow
         By the names of the entries, while it is open.
-    head : SearchRow
-    groups : list of ShortcutGroup
     no_results : QLabel
         Said where nothing is found.
     """
@@ -66,11 +54,8 @@ class ShortcutSheet(QFrame):
         self._theme = LIGHT
         self._wish: tuple[ActionRow, str] | None = None
         self.rows: dict[str, ActionRow] = {}
-        column = QVBoxLayout(self, spacing=8)
-        column.setContentsMargins(12, 8, 8, 12)
-        column.addLayout(self._make_head())
-        column.addWidget(self._make_list(), 1)
-        column.addLayout(self._make_foot())
+        head, rows, foot = self._make_head(), self._make_list(), self._make_foot()
+        column_layout(head, (rows, 1), foot, spacing=8, margins=(12, 8, 8, 12), parent=self)
         self.hide()
         canvas.resized.connect(self._place)
 
@@ -90,29 +75,19 @@ class ShortcutSheet(QFrame):
     def _make_foot(self) -> QHBoxLayout:
         self.status = QLabel(wordWrap=True, accessibleName=tr("Status"))
         self.status.setMinimumHeight(2 * self.status.fontMetrics().lineSpacing())
-        self.swap = QPushButton(tr("Swap"), objectName="primary")
-        self.swap.clicked.connect(self._swap)
+        self.swap = QPushButton(tr("Swap"), objectName="primary", clicked=self._swap)
         self.restore_all = QPushButton(tr("Restore all defaults"))
         self.restore_all.setToolTip(tr("Restore the default keys of all actions"))
         self.restore_all.clicked.connect(self._reset_all)
-        row = self._foot = QHBoxLayout(spacing=8)
-        row.setContentsMargins(8, 0, 4, 0)
-        row.addWidget(self.status, 1)
-        row.addWidget(self.swap)
-        row.addWidget(self.restore_all)
-        return row
+        self._foot = row_layout((self.status, 1), self.swap, self.restore_all, margins=(8, 0, 4, 0))
+        return self._foot
 
     def open(self) -> None:
         """Open the sheet with all rows and an empty search."""
         body = QWidget(objectName="rows")
-        column = QVBoxLayout(body, spacing=4)
-        column.setContentsMargins(0, 0, 4, 0)
         self.groups = self._make_groups(body)
-        for group in self.groups:
-            column.addWidget(group)
         self.no_results = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True, objectName="quiet")
-        column.addWidget(self.no_results)
-        column.addStretch(1)
+        column_layout(*self.groups, self.no_results, STRETCH, margins=(0, 0, 4, 0), parent=body)
         rows = [row for group in self.groups for row in group.rows if isinstance(row, ActionRow)]
         self.rows = {row.entry.name: row for row in rows}
         for row in rows:

@@ -33,7 +33,6 @@ class TourStep(NamedTuple):
 
     Parameters
     ----------
-    sentence : str
     target : callable
         Where the card points; None where the thing cannot be seen.
     hidden_sentence : str
@@ -82,21 +81,12 @@ def tour_steps(targets: TourTargets) -> tuple[TourStep, ...]:
 class Tour(QObject):
     """Sequence of the tour's steps; it leaves the window usable.
 
-    Parameters
-    ----------
-    window : QMainWindow
-    canvas : Canvas
-    targets : TourTargets
-
     Attributes
     ----------
-    began, ended : Signal()
     ring_requested : Signal()
         The ring should be there to be dragged.
     area_requested : Signal()
         The area should be there to be read.
-    card : TourCard
-    targets : TourTargets
     """
 
     began = Signal()
@@ -118,10 +108,8 @@ class Tour(QObject):
         self._holds: Callable[[], bool] = lambda: True
         self._turned = False
         self._pose: np.ndarray = np.eye(4)
-        self._looking = QTimer(self, singleShot=True, interval=_LOOK)
-        self._looking.timeout.connect(self.update_target)
-        self._reading = QTimer(self, singleShot=True, interval=_READING_TIME)
-        self._reading.timeout.connect(self._advance)
+        self._looking = QTimer(self, singleShot=True, interval=_LOOK, timeout=self.update_target)
+        self._reading = QTimer(self, singleShot=True, interval=_READING_TIME, timeout=self._advance)
         canvas.drag_began.connect(self._begin_drag)
         canvas.drag_ended.connect(self._end_drag)
 
@@ -232,15 +220,7 @@ _MOST_POINTS = 500  # largest sample of mesh vertices, for speed
 
 
 class TourTargets:
-    """Rectangles of the tour's targets in a window, each None if out of sight.
-
-    Parameters
-    ----------
-    window : QMainWindow
-    canvas : Canvas
-    actions : Actions
-    panel : Panel
-    """
+    """Rectangles of the tour's targets in a window, each None if out of sight."""
 
     def __init__(self, window: QMainWindow, canvas: Canvas, actions: Actions, panel: Panel) -> None:
         self._window = window

@@ -2,9 +2,10 @@
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPaintEvent, QPen, QPolygonF
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QMainWindow, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QLabel, QMainWindow, QPushButton, QWidget
 
 from apd_viewer.language import tr, trc
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 _WIDTH = 288
@@ -87,19 +88,12 @@ class _Tip(QWidget):
 class TourCard(QFrame):
     """Card showing one step of the tour.
 
-    Parameters
-    ----------
-    window : QMainWindow
-
     Attributes
     ----------
     step_requested : Signal(int)
         1 asks for the next step, -1 for the one before.
     skipped : Signal()
         Skip, or Esc.
-    sentence : QLabel
-    next, back, skip : QPushButton
-    tip : QWidget
     """
 
     step_requested = Signal(int)
@@ -112,20 +106,11 @@ class TourCard(QFrame):
         self.sentence = QLabel(wordWrap=True)
         self._number = QLabel(objectName="quiet")
         self.skip = QPushButton(tr("Skip"), objectName="flat", toolTip=tr("End the tour (Esc)"))
-        self.back = QPushButton(trc("button", "Back"))
-        self.next = QPushButton(tr("Next"), objectName="primary")
+        self.back = QPushButton(trc("button", "Back"), clicked=lambda: self.step_requested.emit(-1))
+        self.next = QPushButton(tr("Next"), objectName="primary", clicked=lambda: self.step_requested.emit(1))
         self.skip.clicked.connect(self.skipped)
-        self.back.clicked.connect(lambda: self.step_requested.emit(-1))
-        self.next.clicked.connect(lambda: self.step_requested.emit(1))
-        row = QHBoxLayout(spacing=_BETWEEN)
-        row.addWidget(self._number)
-        row.addStretch(1)
-        for button in (self.skip, self.back, self.next):
-            row.addWidget(button)
-        column = self._column = QVBoxLayout(self, spacing=12)
-        column.setContentsMargins(16, 12, 12, 12)
-        column.addWidget(self.sentence)
-        column.addLayout(row)
+        row = row_layout(self._number, STRETCH, self.skip, self.back, self.next, spacing=_BETWEEN)
+        self._column = column_layout(self.sentence, row, spacing=12, margins=(16, 12, 12, 12), parent=self)
         self.hide()
 
     def show_step(self, number: int, count: int, sentence: str) -> None:

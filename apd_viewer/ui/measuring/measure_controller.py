@@ -34,10 +34,8 @@ class MeasureController(QObject):
 
     Parameters
     ----------
-    canvas : Canvas
     section : MeasureSection
         Of the panel.
-    session : Session
     choose_tool : callable
         Puts a tool into the hand.
     show_message : callable
@@ -45,8 +43,6 @@ class MeasureController(QObject):
 
     Attributes
     ----------
-    tool : MeasureTool
-    view : MeasureView
     kind_chosen : Signal(object)
         Another Kind is to be measured.
     """
@@ -154,12 +150,6 @@ _CORNERS = (
 
 class MeasureView(MouseTool):
     """Overlay of the measurements and the points being picked.
-
-    Parameters
-    ----------
-    viewport : Viewport
-    surface : Surface
-    tool : MeasureTool
 
     Attributes
     ----------
@@ -378,18 +368,7 @@ def _write(painter: QPainter, room: QRectF, lines: Sequence[str], chosen: bool) 
 
 
 class MeasureActions:
-    """Actions to choose a kind of measurement, and to copy or clear all measurements.
-
-    Parameters
-    ----------
-    maker : ActionMaker
-    measurements : MeasureController
-
-    Attributes
-    ----------
-    kinds : dict of MeasurementKind to QAction
-    copy, clear : QAction
-    """
+    """Actions to choose a kind of measurement, and to copy or clear all measurements."""
 
     def __init__(self, maker: ActionMaker, measurements: MeasureController) -> None:
         self.kinds = {

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton
+from PySide6.QtWidgets import QLabel, QPushButton
 
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.widgets.box_layouts import add_parts, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
@@ -26,18 +27,14 @@ class MeasureSection(Section):
 
     Attributes
     ----------
-    list : PartList
     shown : CheckBox
         Whether they are drawn in the view.
-    copy, clear : QPushButton
     """
 
     def __init__(self) -> None:
         super().__init__(tr("Measure"))
-        self.empty = quiet_label(tr("About measuring"))
-        self.empty.setText(
-            tr("Take the tool Measure and click the mesh: distances, angles, geodesics and sections.")
-        )
+        about = tr("Take the tool Measure and click the mesh: distances, angles, geodesics and sections.")
+        self.empty = quiet_label(tr("About measuring"), about)
         self.list = PartList([_COLOR], self._row)
         self.shown = CheckBox(tr("Show in the view"), toolTip=tr("Draw the measurements over the mesh"))
         self.shown.setChecked(True)
@@ -45,18 +42,12 @@ class MeasureSection(Section):
         self.copy.setAccessibleName(tr("Copy measurements"))
         self.clear = QPushButton(tr("Remove all"), toolTip=tr("Remove all measurements"))
         self.clear.setAccessibleName(tr("Remove all measurements"))
-        buttons = QHBoxLayout(spacing=8)
-        for button in (self.copy, self.clear):
-            buttons.addWidget(button)
-        for part in (self.empty, self.list, self.shown):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addLayout(buttons)
+        buttons = row_layout(self.copy, self.clear)
+        add_parts(self.column, self.empty, self.list, self.shown, 4, buttons)
         self.show_readings((), Unit.NONE, 0)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet_label(tr("Values of {name}").format(name=name))
-        details.setIndent(22)
+        details = quiet_label(tr("Values of {name}").format(name=name), indent=22)
         row = PartRow("measurement", name, color, details)
         row.buttons.hide()
         return row

@@ -16,19 +16,12 @@ from apd_viewer.ui.tools.selection_tool import may_begin_stroke
 class MeasureTool(MouseTool, QObject):
     """Tool for picking as many surface points as a measurement needs.
 
-    Parameters
-    ----------
-    viewport : Viewport
-    surface : Surface
-
     Attributes
     ----------
-    enabled : bool
     axis : int
         0, 1 or 2: what the plane of a section is perpendicular to.
     picked : Signal(object, object)
         All is there: a tuple of SurfacePoint and None, or an empty one and a Plane.
-    axis_changed : Signal(int)
     """
 
     picked = Signal(object, object)

@@ -19,63 +19,26 @@ _KINDS = {
 
 
 class ObstacleActions:
-    """Actions to add, reset and remove obstacles.
-
-    Parameters
-    ----------
-    maker : ActionMaker
-    obstacles : ObstacleController
-
-    Attributes
-    ----------
-    kinds : dict of ObstacleKind to QAction
-    floor, reset, remove : QAction
-    side_plates : list of QAction
-    """
+    """Actions to add, reset and remove obstacles."""
 
     def __init__(self, maker: ActionMaker, obstacles: ObstacleController) -> None:
         make = maker.make
-        self.kinds = {
-            kind: make(
-                f"add_obstacle:{kind.name}",
-                title,
-                image,
-                TIPS[kind],
-                None,
-                partial(obstacles.begin_placing, kind),
-            )
-            for kind, (title, image) in _KINDS.items()
-        }
+        self.kinds = {}
+        for kind, (title, image) in _KINDS.items():
+            place = partial(obstacles.begin_placing, kind)
+            self.kinds[kind] = make(f"add_obstacle:{kind.name}", title, image, TIPS[kind], None, place)
         self.floor = make(
             "add_floor", tr("Add &floor"), "obstacle-floor", FLOOR_TIP, None, obstacles.add_floor
         )
-        self.side_plates = [
-            make(
-                f"plates:{letter}",
-                tr("Plates on both sides along &{axis}").format(axis=letter),
-                "press",
-                SIDES_TIP,
-                None,
-                partial(obstacles.add_plates, axis),
-            )
-            for axis, letter in enumerate("XYZ")
-        ]
-        self.reset = make(
-            "reset_obstacle",
-            tr("&Reset obstacle"),
-            "reset",
-            tr("Move the obstacle in the hand back to where it was put"),
-            None,
-            obstacles.reset,
-        )
-        self.remove = make(
-            "remove_obstacle",
-            tr("Re&move obstacle"),
-            "remove",
-            tr("Remove the obstacle in the hand"),
-            None,
-            obstacles.remove,
-        )
+        self.side_plates = []
+        for axis, letter in enumerate("XYZ"):
+            title = tr("Plates on both sides along &{axis}").format(axis=letter)
+            place = partial(obstacles.add_plates, axis)
+            self.side_plates.append(make(f"plates:{letter}", title, "press", SIDES_TIP, None, place))
+        tip = tr("Move the obstacle in the hand back to where it was put")
+        self.reset = make("reset_obstacle", tr("&Reset obstacle"), "reset", tip, None, obstacles.reset)
+        tip = tr("Remove the obstacle in the hand")
+        self.remove = make("remove_obstacle", tr("Re&move obstacle"), "remove", tip, None, obstacles.remove)
         self.set_available(False, False)
         obstacles.availability_changed.connect(self.set_available)
 

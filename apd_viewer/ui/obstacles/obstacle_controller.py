@@ -36,10 +36,8 @@ class ObstacleController(QObject):
 
     Parameters
     ----------
-    canvas : Canvas
     section : ObstacleSection
         Of the panel.
-    session : Session
     parts : ActiveParts
         Say which obstacle is in the hand.
     choose_tool : callable
@@ -51,10 +49,6 @@ class ObstacleController(QObject):
 
     Attributes
     ----------
-    gizmo : Gizmo
-    picker : ObstaclePicker
-    placer : ObstaclePlacer
-    scene : ObstacleScene
     drag_moved : Signal()
         An obstacle is being dragged.
     availability_changed : Signal(bool, bool)
@@ -308,8 +302,6 @@ class ObstaclePlacer(MouseTool, QObject):
 
     Parameters
     ----------
-    viewport : Viewport
-    surface : Surface
     propose : callable
         ``propose(kind, point, outwards, at_once)``: the obstacle that would be put there.
 

@@ -23,7 +23,6 @@ class ObstaclePicker(MouseTool, QObject):
 
     Parameters
     ----------
-    viewport : Viewport
     surface : Surface
         What is in front of it is not pressed through.
     gizmo : Gizmo
@@ -31,7 +30,6 @@ class ObstaclePicker(MouseTool, QObject):
 
     Attributes
     ----------
-    enabled : bool
     chosen : Signal(int)
         Number of the obstacle that was pressed.
     hovered : Signal(object)

@@ -1,7 +1,5 @@
 """Obstacles in the scene: translucent surfaces with outlines."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -28,7 +26,6 @@ class DrawnObstacle:
 
     Attributes
     ----------
-    obstacle : NamedObstacle
     shift : (3,) float array
         How far it has come.
     requested_shift : (3,) float array or None
@@ -46,16 +43,7 @@ class DrawnObstacle:
 
 
 class ObstacleScene:
-    """VTK actors of the obstacles in a viewport.
-
-    Parameters
-    ----------
-    viewport : Viewport
-
-    Attributes
-    ----------
-    drawn_obstacles : tuple of DrawnObstacle
-    """
+    """VTK actors of the obstacles in a viewport."""
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport

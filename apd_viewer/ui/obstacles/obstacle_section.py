@@ -1,19 +1,27 @@
-"""Panel section of the obstacles."""
+"""Panel section of the obstacles, with fields of the active one."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton
+from PySide6.QtGui import QFocusEvent, QHideEvent
+from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QWidget
 
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import checked_direction, frozen
 from apd_viewer.language import tr, trc
-from apd_viewer.presentation.obstacle_readings import idle_reason, load_excess_text, load_text, motion_text
+from apd_viewer.notation import editable_number
+from apd_viewer.presentation import obstacle_readings
+from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.presentation.palette import OBSTACLE_COLOR
-from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.obstacles.obstacle_fields import ObstacleFields
+from apd_viewer.ui.widgets.box_layouts import add_parts, row_layout
+from apd_viewer.ui.widgets.fields import ComboBox, ErrorBubble, TextField, return_focus, small_button
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
 from apd_viewer.ui.widgets.theme import Theme, icon
@@ -36,17 +44,12 @@ class ObstacleSection(Section):
 
     Attributes
     ----------
-    list : PartList
-    fields : ObstacleFields
-    kinds : dict of ObstacleKind to QPushButton
-    floor, sides : QPushButton
     contact : QPushButton
         Turns contact on where obstacles push nothing without it.
     note : QLabel
         Why they push nothing.
     sides_requested : Signal(int)
         Plates on both sides along axis 0, 1 or 2.
-    contact_requested : Signal()
     """
 
     sides_requested = Signal(int)
@@ -54,25 +57,20 @@ class ObstacleSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Obstacles"))
-        self.empty = quiet_label(tr("About obstacles"))
-        self.empty.setText(
-            tr(
-                "Plates, spheres and cylinders push the surface by contact, without friction; "
-                "nothing has to be held."
-            )
+        about = tr(
+            "Plates, spheres and cylinders push the surface by contact, without friction; "
+            "nothing has to be held."
         )
+        self.empty = quiet_label(tr("About obstacles"), about)
         self.list = PartList([OBSTACLE_COLOR], self._row)
         self.fields = ObstacleFields()
         self.excess = quiet_label(tr("Expected excess of the loads"))
-        self.note = quiet_label(tr("Why obstacles push nothing"))
-        self.note.setObjectName("unreached")
+        self.note = quiet_label(tr("Why obstacles push nothing"), style="unreached")
         self.contact = QPushButton(tr("Turn contact on"), toolTip=tr("Let the obstacles push the surface"))
         self.contact.clicked.connect(self.contact_requested)
-        for part in (self.empty, self.list, self.excess, self.fields, self.note, self.contact):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addLayout(self._make_buttons())
-        for part in (self.list, self.excess, self.fields, self.note, self.contact):
+        parts = self.list, self.excess, self.fields, self.note, self.contact
+        add_parts(self.column, self.empty, *parts, 4, self._make_buttons())
+        for part in parts:
             part.hide()
         self.heading.show_reading(trc("obstacles", "none"), only_folded=True)
 
@@ -84,26 +82,21 @@ class ObstacleSection(Section):
             button.setAccessibleName(tr("Add {kind}").format(kind=kind.word))
             self.kinds[kind] = button
             grid.addWidget(button, 0, 2 * column, 1, 2)
-        self.floor = QPushButton(tr("Floor"), toolTip=FLOOR_TIP)
-        self.floor.setAccessibleName(tr("Add floor"))
+        self.floor = QPushButton(tr("Floor"), toolTip=FLOOR_TIP, accessibleName=tr("Add floor"))
         self.sides = QPushButton(tr("Both sides"), toolTip=SIDES_TIP, objectName="choice")
         self.sides.setLayoutDirection(Qt.LayoutDirection.RightToLeft)  # places the chevron after the text
         self.sides.setAccessibleName(tr("Plates on both sides"))
         menu = QMenu(self.sides)
         for axis, letter in enumerate("XYZ"):
             asked = menu.addAction(tr("Along {axis}").format(axis=letter))
-            asked.triggered.connect(partial(self._ask_sides, axis))
+            asked.triggered.connect(partial(self.sides_requested.emit, axis))
         self.sides.setMenu(menu)
         grid.addWidget(self.floor, 1, 0, 1, 3)
         grid.addWidget(self.sides, 1, 3, 1, 3)
         return grid
 
-    def _ask_sides(self, axis: int) -> None:
-        self.sides_requested.emit(axis)
-
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet_label(tr("Motion of {name}").format(name=name))
-        details.setIndent(22)
+        details = quiet_label(tr("Motion of {name}").format(name=name), indent=22)
         row = PartRow("obstacle", name, color, details)
         row.buttons.hide()
         return row
@@ -113,11 +106,11 @@ class ObstacleSection(Section):
         obstacles = state.document.obstacles
         self.list.show_names([each.name for each in obstacles], active)
         for k, row in enumerate(self.list.rows):
-            row.reading.setText(load_text(state, k))
+            row.reading.setText(obstacle_readings.load_text(state, k))
             if k == active and isinstance(row.details, QLabel):
-                row.details.setText(motion_text(state, k, unit))
+                row.details.setText(obstacle_readings.motion_text(state, k, unit))
         self.empty.setVisible(not obstacles)
-        self.excess.setText(load_excess_text(state))
+        self.excess.setText(obstacle_readings.load_excess_text(state))
         self.excess.setVisible(bool(self.excess.text()))
         self.fields.setVisible(active is not None)
         if active is not None:
@@ -129,7 +122,7 @@ class ObstacleSection(Section):
 
     def _explain(self, state: State) -> None:
         """Show why the obstacles have no effect on the shape, if so."""
-        why, there = idle_reason(state), bool(state.document.obstacles)
+        why, there = obstacle_readings.idle_reason(state), bool(state.document.obstacles)
         self.note.setText(why)
         self.note.setVisible(there and bool(why))
         self.contact.setVisible(there and bool(why) and state.document.settings.traits.may_use_contact)
@@ -142,3 +135,211 @@ class ObstacleSection(Section):
         for button in (*self.kinds.values(), self.floor):
             button.setIcon(icon("add", theme))
         self.sides.setIcon(icon("unfolded", theme))
+
+
+_AXIS = {
+    ObstacleKind.PLATE: (tr("Normal"), tr("Direction to the side that stays free: three numbers")),
+    ObstacleKind.SPHERE: (tr("Direction"), tr("Direction to move it in: three numbers")),
+    ObstacleKind.CYLINDER: (tr("Axis"), tr("Direction of the axis: three numbers")),
+}
+_DIGITS = 5  # significant digits shown; unedited values keep full precision
+_PLACE = tr("Where it is: three lengths such as 0, 0.5Y, 12mm; X, Y, Z, L and D are sizes of the mesh")
+_BY = tr("Length to move it by, such as 12, 0.1L or 5mm; Enter moves it")
+
+
+class ObstacleFields(QWidget):
+    """Fields for the position, direction and size of an obstacle, and its motion.
+
+    Attributes
+    ----------
+    along : ComboBox
+        What the distance is along: its axis, or one of the mesh.
+    obstacle_entered : Signal(NamedObstacle)
+        The obstacle as typed, to be placed anew.
+    distance_entered : Signal(object, str)
+        The axis of the mesh to move along, or None for its own, and the distance.
+    problem : ErrorBubble
+        Why it cannot be moved as typed.
+    """
+
+    obstacle_entered = Signal(object)
+    distance_entered = Signal(object, str)
+    reset_requested = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._shown: NamedObstacle | None = None
+        self._values: TypedValues | None = None
+        self.place = TypedField(tr("Place of the obstacle"), _PLACE)
+        self.axis = TypedField(tr("Direction of the obstacle"), "")
+        self.radius = TypedField(tr("Radius of the obstacle"), tr("A length such as 12, 0.1L or 5mm"))
+        self.length = TypedField(
+            tr("Length of the cylinder"), tr("Between the centres of its round ends, such as 12, 0.1L or 5mm")
+        )
+        self._fields = self.place, self.axis, self.radius, self.length
+        for field in self._fields:
+            field.value_entered.connect(self._type)
+        self._labels = [
+            QLabel(text, objectName="quiet") for text in (tr("Place"), "", tr("Radius"), tr("Length"))
+        ]
+        self._make_distance()
+        self.reset = small_button(tr("Reset obstacle"), tr("Move the obstacle back to where it was put"))
+        self.reset.clicked.connect(self.reset_requested)
+        grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+        for row, (label, field) in enumerate(zip(self._labels, self._fields, strict=True)):
+            grid.addWidget(label, row, 0)
+            grid.addWidget(field, row, 1)
+        line = row_layout((self.distance, 1), self.along, self.reset)
+        grid.addWidget(QLabel(trc("amount", "Move by"), objectName="quiet"), len(self._fields), 0)
+        grid.addLayout(line, len(self._fields), 1)
+        grid.setColumnStretch(1, 1)
+        grid.setContentsMargins(0, 4, 0, 4)
+        self.setLayout(grid)
+
+    def _make_distance(self) -> None:
+        self.distance = TextField(
+            accessibleName=tr("Distance"), placeholderText=editable_number("0.1") + "L", toolTip=_BY
+        )
+        self.problem = ErrorBubble(self.distance)
+        self.distance.textChanged.connect(self.problem.hide)  # also hides it when Esc restores the text
+        self.distance.focus_lost.connect(self.problem.hide_later)
+        self.distance.returnPressed.connect(self._move)
+        self.along = ComboBox(accessibleName=tr("Direction of the distance"), toolTip=_BY)
+        self.along.addItem("", None)
+        for axis, letter in enumerate("XYZ"):
+            self.along.addItem(tr("along {axis}").format(axis=letter), axis)
+
+    def show_obstacle(self, state: State, k: int, values: TypedValues) -> None:
+        """Show obstacle ``k`` of a state; ``values`` parses the typed texts."""
+        obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
+        self._values = values
+        self._shown = obstacle.with_shift_applied(state.obstacle_shifts[k])
+        kind = obstacle.kind
+        title, tip = _AXIS[kind]
+        self._labels[1].setText(title)
+        self.axis.setToolTip(tip)
+        self.along.setItemText(0, tr("along normal") if kind is ObstacleKind.PLATE else tr("along axis"))
+        if kind is ObstacleKind.SPHERE:
+            self.along.setItemText(0, tr("in direction"))
+        self.place.show_text(obstacle_readings.coordinates_text(self._shown.place, size, _DIGITS))
+        self.axis.show_text(obstacle_readings.coordinates_text(obstacle.axis, digits=_DIGITS - 1))
+        self.radius.show_text(format_editable(obstacle.radius, _DIGITS))
+        self.length.show_text(format_editable(obstacle.length, _DIGITS))
+        for part in (self._labels[2], self.radius):
+            part.setVisible(kind is not ObstacleKind.PLATE)
+        for part in (self._labels[3], self.length):
+            part.setVisible(kind is ObstacleKind.CYLINDER)
+        self.reset.setEnabled(bool(obstacle.shift.any()))
+
+    def show_error(self, sentence: str) -> None:
+        """Show an input error below the edited field."""
+        field = next((field for field in self._fields if field.is_changed), self.place)
+        field.show_error(sentence)
+
+    def show_distance_error(self, sentence: str) -> None:
+        """Show an input error below the distance field."""
+        self.problem.show_message(sentence)
+        self.distance.selectAll()
+
+    def finish_entry(self) -> None:
+        """Hide the error and return the focus after a motion, for Ctrl+Z to undo it."""
+        self.problem.hide()
+        return_focus(self.distance)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icon."""
+        self.reset.setIcon(icon("reset", theme))
+
+    def _type(self) -> None:
+        field = self.sender()
+        assert isinstance(field, TypedField)
+        try:
+            obstacle = self._edited_obstacle()
+        except InputError as error:
+            field.show_error(str(error))
+        else:
+            self.obstacle_entered.emit(obstacle)
+
+    def _edited_obstacle(self) -> NamedObstacle:
+        """Obstacle with the edited values; all others keep their full precision."""
+        assert self._shown is not None
+        assert self._values is not None
+        obstacle, values = self._shown, self._values
+        if self.place.is_changed:
+            obstacle = replace(obstacle, place=frozen(values.parse_point(self.place.text())))
+        if self.axis.is_changed:
+            obstacle = replace(
+                obstacle, axis=frozen(checked_direction(values.parse_vector(self.axis.text())))
+            )
+        if self.radius.is_changed:
+            obstacle = replace(obstacle, radius=_positive_length(values.parse_length(self.radius.text())))
+        if self.length.is_changed:
+            obstacle = replace(obstacle, length=_positive_length(values.parse_length(self.length.text())))
+        return obstacle
+
+    def _move(self) -> None:
+        self.distance_entered.emit(self.along.currentData(), self.distance.text())
+
+
+def _positive_length(length: float) -> float:
+    if not 0.0 < length < np.inf:
+        raise InputError(tr("Enter a length greater than 0."))
+    return length
+
+
+class TypedField(TextField):
+    """Line edit for a value; emits an edited one on Enter or loss of focus."""
+
+    value_entered = Signal()
+
+    def __init__(self, name: str, tip: str) -> None:
+        super().__init__(accessibleName=name, toolTip=tip)
+        self._shown = ""
+        self.error = ErrorBubble(self)
+        self.textEdited.connect(self.error.hide)
+        self.returnPressed.connect(self._enter)
+
+    @property
+    def is_changed(self) -> bool:
+        """True if the text was edited since the value was shown."""
+        return self.text() != self._shown
+
+    def show_text(self, text: str) -> None:
+        """Show a value, but keep an edit in progress if the shown value is unchanged."""
+        if not (self.hasFocus() and self.is_changed and text == self._shown):
+            self._shown = text
+            if self.text() != text:
+                self.setText(text)
+                self.setCursorPosition(0)
+
+    def show_error(self, sentence: str) -> None:
+        """Show an error below the field; the text stays while the field has the focus."""
+        self.error.show_message(sentence)
+        if self.hasFocus():
+            self.selectAll()
+        else:
+            self.setText(self._shown)
+            self.error.hide_later()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Emit an edited value."""
+        super().focusOutEvent(event)
+        if self.is_changed and event.reason() is not Qt.FocusReason.PopupFocusReason:
+            self.value_entered.emit()
+        self.error.hide_later()
+
+    def restore(self) -> None:
+        """Show the current value again and hide the error."""
+        self.setText(self._shown)  # the value may have changed since the field got the focus
+        self.error.hide()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Hide the error together with the field."""
+        self.error.hide()
+        super().hideEvent(event)
+
+    def _enter(self) -> None:
+        if self.is_changed:
+            self.value_entered.emit()
+        if not self.error.isVisible():
+            return_focus(self)

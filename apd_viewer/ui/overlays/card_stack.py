@@ -5,10 +5,11 @@ from typing import cast
 
 from PySide6.QtCore import QEvent, QMargins, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QMouseEvent
-from PySide6.QtWidgets import QToolBar, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QToolBar, QToolButton, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.theme import ICON_SIZE, Theme, icon
 from apd_viewer.ui.widgets.wheel import block_mouse_events
 
@@ -30,7 +31,6 @@ class CardStack(QWidget):
 
     Parameters
     ----------
-    canvas : Viewport
     below : sequence of QWidget
         On the canvas, at its bottom: they must not be covered.
     """
@@ -43,8 +43,7 @@ class CardStack(QWidget):
         self._grip: QPoint | None = None  # offset of the cursor in the column during a drag
         self._corner: QPoint | None = None  # position of the column once dragged; None means the default
         self._placing = False
-        self._column = QVBoxLayout(self, spacing=_GAP)
-        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column = column_layout(spacing=_GAP, parent=self)
         canvas.resized.connect(self.reposition)
         self.hide()
         self.keep_above(below)
@@ -101,8 +100,8 @@ class CardStack(QWidget):
             self._placing = False
 
     def _place(self) -> None:
-        cards = [self._column.itemAt(k).widget() for k in range(self._column.count())]
-        shown = [card for card in cards if card is not None and not card.isHidden()]
+        items = filter(None, map(self._column.itemAt, range(self._column.count())))
+        shown = [card for item in items if (card := item.widget()) is not None and not card.isHidden()]
         if shown:
             self._shrink_cards(shown)
             widest = max(card.minimumSizeHint().width() for card in shown)
@@ -158,8 +157,6 @@ class ModeBar(QToolBar):
 
     Parameters
     ----------
-    canvas : Viewport
-    title : str
     groups : sequence of sequences of QAction
         Parted by lines.
     """

@@ -57,8 +57,6 @@ class DeviationOverlay(QObject):
 
     Parameters
     ----------
-    canvas : Canvas
-    legend : Legend
     covered_rect : callable
         What lies over the canvas at its lower left.
     scales : dict of Measure to Scale
@@ -72,8 +70,6 @@ class DeviationOverlay(QObject):
         What is shown.
     offered_measures : tuple of Measure
         What can be shown.
-    reading : DeviationReading
-    extremes : ExtremeMarker
     mesh : Mesh or None
         Whose rest shape is compared with.
     rest_timer : QTimer
@@ -106,8 +102,7 @@ class DeviationOverlay(QObject):
         self.reading = DeviationReading(canvas, legend)
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
-        self.rest_timer = QTimer(self, singleShot=True, interval=_REST)
-        self.rest_timer.timeout.connect(self._measure_slowly)
+        self.rest_timer = QTimer(self, singleShot=True, interval=_REST, timeout=self._measure_slowly)
         legend.measure_chosen.connect(self.choose_measure)
         legend.scale_changed.connect(self._rescale)
         legend.fit_requested.connect(self._fit)
@@ -313,11 +308,6 @@ _READ = 250  # ms between two updates of the legend while the shape changes
 class DeviationReading(MouseTool, QObject):
     """Tool to update the legend's range and value under the cursor.
 
-    Parameters
-    ----------
-    canvas : Canvas
-    legend : Legend
-
     Attributes
     ----------
     enabled : bool
@@ -334,8 +324,7 @@ class DeviationReading(MouseTool, QObject):
         self.enabled = False
         self.values: np.ndarray | None = None
         self._cursor: QPointF | None = None
-        self.timer = QTimer(self, singleShot=True, interval=_READ)
-        self.timer.timeout.connect(self.update_legend)
+        self.timer = QTimer(self, singleShot=True, interval=_READ, timeout=self.update_legend)
         canvas.viewport.tools.insert(0, self)
 
     @property
@@ -383,7 +372,6 @@ class DocumentMeasures(NamedTuple):
 
     Attributes
     ----------
-    settings : tuple
     calmness, pressure : callable
         See :class:`apd_viewer.geometry.analysis.deviation.Deviation`.
     """

@@ -24,13 +24,8 @@ class ExtremeMarker(MouseTool):
 
     Parameters
     ----------
-    canvas : Canvas
     covered_rect : callable
         The part of the viewport hidden at its lower left.
-
-    Attributes
-    ----------
-    callout : VertexCallout
     """
 
     def __init__(self, canvas: Canvas, covered_rect: Callable[[], QRect]) -> None:
@@ -53,8 +48,6 @@ class ExtremeMarker(MouseTool):
             Of the vertices.
         size : float
             Of the mesh.
-        by : int
-        scale : Scale
         unit : Unit
             They say which value is the largest, and how it is written.
         """
@@ -91,18 +84,7 @@ _INK, _PAPER = QColor(20, 23, 29), QColor(255, 255, 255, 235)
 
 
 class VertexCallout:
-    """Ring and caption at a vertex, following the surface.
-
-    Parameters
-    ----------
-    viewport : Viewport
-    surface : Surface
-
-    Attributes
-    ----------
-    vertex : int or None
-    text : str
-    """
+    """Ring and caption at a vertex, following the surface."""
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         self._viewport, self._surface = viewport, surface

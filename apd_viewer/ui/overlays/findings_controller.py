@@ -5,16 +5,7 @@ from typing import NamedTuple
 
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import (
-    QApplication,
-    QFrame,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QScrollArea,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QApplication, QFrame, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.analysis.mesh_findings import SEPARATE_COMPONENTS, Finding
 from apd_viewer.geometry.analysis.shape_check import SEAMS
@@ -25,6 +16,7 @@ from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.findings_badge import ENTER_KEYS, Badge, issue_count_text
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, small_button
 from apd_viewer.ui.widgets.theme import Theme, icon, set_style_property
 from apd_viewer.ui.widgets.wheel import block_mouse_events
@@ -42,16 +34,6 @@ class FindingsController(QObject):
 
     While the list is open the camera can be moved as ever. It closes, and the marks go, on Esc, on a
     click beside it, with the first stroke or drag of a handle, and when the keys go elsewhere.
-
-    Parameters
-    ----------
-    canvas : Canvas
-    badge : Badge
-    session : Session
-
-    Attributes
-    ----------
-    list : FindingList
     """
 
     def __init__(self, canvas: Canvas, badge: Badge, session: Session) -> None:
@@ -182,7 +164,6 @@ class FindingRow(QFrame):
 
     Attributes
     ----------
-    chosen : Signal()
     step_requested : Signal(int)
         The arrow keys ask for the row above, -1, or below, 1.
     stay_toggled : Signal(bool)
@@ -192,7 +173,6 @@ class FindingRow(QFrame):
 
     Parameters
     ----------
-    sentence : str
     components : tuple of int
         The loose parts that it is about: each may stay.
     weldable : bool
@@ -209,22 +189,20 @@ class FindingRow(QFrame):
         self.setToolTip(tr("Show where this is"))
         self._sentence, self._parts = sentence, components
         self._spot = _Spot()
-        row = QHBoxLayout(self, spacing=8)
-        row.setContentsMargins(
-            _INDENT if components else 8, 3 if components else 6, 8, 3 if components else 6
-        )
-        flags = Qt.AlignmentFlag
-        row.addWidget(self._spot, 0, flags.AlignVCenter if components else flags.AlignTop)
-        row.addWidget(QLabel(sentence, wordWrap=True, textFormat=Qt.TextFormat.PlainText), 1)
+        centre = Qt.AlignmentFlag.AlignVCenter
         self.stay = CheckBox(tr("Stays"), visible=bool(components))
         self.stay.setToolTip(tr("Leave it in place; otherwise it goes along with the nearest surface"))
         self.stay.setAccessibleName(tr("{sentence} Stays in place.").format(sentence=sentence))
         self.stay.clicked.connect(self.stay_toggled)
-        row.addWidget(self.stay, 0, flags.AlignVCenter)
         self.weld = QPushButton(tr("Weld"), visible=weldable)
         self.weld.setToolTip(tr("Hold the seams together; the file keeps all its vertices"))
         self.weld.clicked.connect(self.weld_requested)
-        row.addWidget(self.weld, 0, flags.AlignVCenter)
+        text = QLabel(sentence, wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        spot = self._spot, 0, centre if components else Qt.AlignmentFlag.AlignTop
+        margins = (_INDENT, 3, 8, 3) if components else (8, 6, 8, 6)
+        row_layout(
+            spot, (text, 1), (self.stay, 0, centre), (self.weld, 0, centre), margins=margins, parent=self
+        )
         self.show_marked(False)
 
     def show_staying(self, staying: tuple[int, ...]) -> None:
@@ -269,8 +247,6 @@ class FindingList(QFrame):
         The seams are to be welded.
     dismissed : Signal()
         Esc, or the cross.
-    rows : list of FindingRow
-    close_button : QToolButton
     """
 
     chosen = Signal(int)
@@ -286,33 +262,24 @@ class FindingList(QFrame):
         self._title = QLabel(objectName="heading")
         self.close_button = small_button(tr("Close mesh check"), tr("Close (Esc)"))
         self.close_button.clicked.connect(self.dismissed)
-        head = QHBoxLayout()
-        head.setContentsMargins(8, 0, 0, 0)
-        head.addWidget(self._title, 1)
-        head.addWidget(self.close_button)
+        head = row_layout((self._title, 1), self.close_button, margins=(8, 0, 0, 0), spacing=-1)
         self._lines = QVBoxLayout()
         self._scroll = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
         self._scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(6, 6, 6, 6)
-        column.addLayout(head)
-        column.addWidget(self._scroll)
+        column_layout(head, self._scroll, margins=(6, 6, 6, 6), parent=self)
         self.hide()
         canvas.resized.connect(self._place)
 
     def open(self, title: str, rows: Sequence[FindingRow]) -> None:
         """Open the list with the rows, none marked, and focus the first."""
         body = QWidget(objectName="rows")
-        column = self._lines = QVBoxLayout(body, spacing=2)
-        column.setContentsMargins(0, 0, 0, 0)
         self.rows = list(rows)
+        self._lines = column_layout(*self.rows, STRETCH, spacing=2, parent=body)
         for k, row in enumerate(self.rows):
-            column.addWidget(row)
             row.chosen.connect(lambda k=k: self.chosen.emit(k))
             row.step_requested.connect(lambda step, k=k: self._step(k + step))
             row.stay_toggled.connect(lambda on, k=k: self.stay_toggled.emit(k, on))
             row.weld_requested.connect(self.weld_requested)
-        column.addStretch(1)
         self._scroll.setWidget(body)
         self._title.setText(title)
         self.setAccessibleName(self._title.text())

@@ -3,20 +3,12 @@
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QImage, QPainter, QPaintEvent, QPen, QPolygonF
-from PySide6.QtWidgets import (
-    QFrame,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField, small_button
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 from apd_viewer.ui.widgets.wheel import block_mouse_events
@@ -34,7 +26,6 @@ class Legend(QFrame):
         A Measure, or None by the cross.
     scale_changed : Signal(float, float)
         The end of the scale and what counts for no change, as :class:`Scale` has them.
-    fit_requested, extreme_requested : Signal()
     """
 
     measure_chosen = Signal(object)
@@ -85,10 +76,7 @@ class Legend(QFrame):
 
     def _lay_out(self) -> None:
         self._head: list[QWidget] = [self.choice, self.fold_button, self.close_button]
-        head = QHBoxLayout(spacing=4)
-        head.addWidget(self.choice, 1)
-        head.addWidget(self.fold_button)
-        head.addWidget(self.close_button)
+        head = row_layout((self.choice, 1), self.fold_button, self.close_button, spacing=4)
         self._rows = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         self._rows.setColumnStretch(1, 1)
         self._names: dict[QWidget, QLabel] = {}
@@ -108,12 +96,9 @@ class Legend(QFrame):
             if button is not None:
                 self._rows.addWidget(button, row, 2, Qt.AlignmentFlag.AlignCenter)
             self._lines.append([w for w in (self._names[value], value, button) if w is not None])
-        column = self._column = QVBoxLayout(self, spacing=8)
-        column.setContentsMargins(12, 10, 12, 10)
-        column.addLayout(head)
-        column.addWidget(self.bar)
-        column.addWidget(self.note)
-        column.addLayout(self._rows)
+        self._column = column_layout(
+            head, self.bar, self.note, self._rows, spacing=8, margins=(12, 10, 12, 10), parent=self
+        )
 
     # Display
 

@@ -7,16 +7,7 @@ from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer
 from PySide6.QtGui import QAction, QHideEvent, QShowEvent
-from PySide6.QtWidgets import (
-    QFrame,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QSizePolicy,
-    QToolButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
@@ -28,6 +19,7 @@ from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, moved_above
 from apd_viewer.ui.preferences.shortcuts import with_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.tool_modes import Tool
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fit_to_screen import arrange_row
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon, set_style_property
 
@@ -46,13 +38,11 @@ class Notice(QFrame):
 
     Parameters
     ----------
-    canvas : Viewport
     below : sequence of QWidget
         At the bottom of the canvas, which must not be covered.
 
     Attributes
     ----------
-    close_button : QToolButton
     timer : QTimer
         Hides a message once it can have been read.
     """
@@ -72,13 +62,8 @@ class Notice(QFrame):
         )
         self.close_button.setProperty(SECTION_PROPERTY, type(self).__name__)
         self.close_button.clicked.connect(self.hide)
-        row = self._row = QHBoxLayout(self)
-        row.setContentsMargins(12, 8, 8 + _CLOSE, 8)
-        row.setSpacing(8)
-        row.addWidget(self._symbol)
-        row.addWidget(self._text, 1)
-        self.timer = QTimer(self, singleShot=True, interval=_READING_TIME)
-        self.timer.timeout.connect(self.hide)
+        self._row = row_layout(self._symbol, (self._text, 1), margins=(12, 8, 8 + _CLOSE, 8), parent=self)
+        self.timer = QTimer(self, singleShot=True, interval=_READING_TIME, timeout=self.hide)
         self._kind = "message"
         self._held = ""
         self.hide()
@@ -204,11 +189,7 @@ class EmptyState(QWidget):
         super().__init__(canvas)
         self._canvas = canvas
         self.setObjectName("empty")
-        column = QVBoxLayout(self)
-        column.setSpacing(12)
         title = QLabel(tr("Drop a mesh here or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
-        column.addWidget(title)
-        self._row = QHBoxLayout()
         self.open = QPushButton(tr("Open mesh…"), objectName="primary", clicked=requests.ask_for_file)
         self.samples = [
             QPushButton(sample.title, toolTip=sample.tip, clicked=partial(requests.open_sample, name))
@@ -216,8 +197,9 @@ class EmptyState(QWidget):
         ]
         for button in (self.open, *self.samples):
             button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-            self._row.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
-        column.addLayout(self._row)
+        centre = Qt.AlignmentFlag.AlignHCenter
+        self._row = row_layout(*((button, 0, centre) for button in (self.open, *self.samples)), spacing=-1)
+        column_layout(title, self._row, spacing=12, margins=None, parent=self)
         self.hide()
         canvas.resized.connect(self._place)
 
@@ -244,7 +226,6 @@ class NextStepHint:
 
     Parameters
     ----------
-    invitation : CanvasHint
     tools : mapping of Tool to QAction
         Whose keys are named.
 

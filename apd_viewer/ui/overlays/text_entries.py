@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout
+from PySide6.QtWidgets import QFrame, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr, trn
@@ -17,6 +17,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.selection_tool import StrokeEffect, stroke_effect
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _PIXELS = "px"
@@ -27,15 +28,8 @@ class TextEntries:
 
     Parameters
     ----------
-    canvas : Canvas
-    session : Session
-    parts : ActiveParts
     cancel_drag : callable
         Takes back the drag that is under way; True if there was one.
-
-    Attributes
-    ----------
-    vertices, brush, pivot : TextEntryCard
     """
 
     def __init__(
@@ -175,7 +169,6 @@ class TextEntryCard(QFrame):
 
     Parameters
     ----------
-    canvas : Viewport
     title, name, example : str
         What stands before the line, what the line is called, and what could be typed.
     help : str
@@ -187,7 +180,6 @@ class TextEntryCard(QFrame):
         The text has changed.
     text_entered : Signal(str, object)
         The text, and the Act.
-    closed : Signal()
     message_label : QLabel
         What the text means, or what is wrong with it.
     """
@@ -207,13 +199,10 @@ class TextEntryCard(QFrame):
         self.text.left.connect(self.close_card)
         plain = Qt.TextFormat.PlainText
         self.message_label = QLabel(help, objectName="quiet", wordWrap=True, textFormat=plain)
-        line = QHBoxLayout(spacing=8)
-        line.addWidget(QLabel(title))
-        line.addWidget(self.text, 1)
-        column = self._column = QVBoxLayout(self, spacing=6)
-        column.setContentsMargins(12, 10, 12, 10)
-        column.addLayout(line)
-        column.addWidget(self.message_label)
+        line = row_layout(QLabel(title), (self.text, 1))
+        self._column = column_layout(
+            line, self.message_label, spacing=6, margins=(12, 10, 12, 10), parent=self
+        )
         canvas.resized.connect(self._place)
         self.hide()
 

@@ -8,15 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QIcon, QPainter, QPaintEvent, QPixmap
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QStackedLayout,
-    QToolButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QGridLayout, QLabel, QStackedLayout, QToolButton, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.solver.convergence import stability_text
 from apd_viewer.language import tr
@@ -24,6 +16,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.unit_button import UnitButton
+from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.slider_field import PERCENT, SliderField
@@ -75,10 +68,8 @@ class AreaSection(QWidget):
     ----------
     target : SliderField
         In percent.
-    unit : UnitButton
     keep_toggled : Signal(bool)
         "local" should keep the total area too, or not.
-    percent, area, verdict, unreached, local_change, activity : QLabel
     """
 
     keep_toggled = Signal(bool)
@@ -106,11 +97,9 @@ class AreaSection(QWidget):
     def _add_reading(self, column: QVBoxLayout) -> None:
         self.activity = QLabel("", objectName="quiet", accessibleName=tr("Solver status"))
         self._dot = StatusDot()
-        row = QHBoxLayout()
-        row.addWidget(QLabel(tr("Area"), objectName="heading"))
-        row.addStretch(1)
-        row.addWidget(self.activity)
-        row.addWidget(self._dot)
+        row = row_layout(
+            QLabel(tr("Area"), objectName="heading"), STRETCH, self.activity, self._dot, spacing=-1
+        )
         column.addLayout(row)
         self.percent = QLabel("–", accessibleName=tr("Area in percent of the rest area"))
         font = QFont(self.percent.font())
@@ -125,16 +114,11 @@ class AreaSection(QWidget):
         self.area = quiet_label(tr("Area, and rest area"))
         column.addWidget(self.verdict)
         self.unit = UnitButton()
-        row = QHBoxLayout(spacing=4)
-        row.addWidget(self.area, 1)
-        row.addWidget(self.unit)
+        row = row_layout((self.area, 1), self.unit, spacing=4)
         column.addLayout(row)
 
     def _add_target(self, column: QVBoxLayout) -> None:
-        self.hold = CheckBox(
-            tr("Keep total area"),
-            toolTip=tr("Keep the total area exactly"),
-        )
+        self.hold = CheckBox(tr("Keep total area"), toolTip=tr("Keep the total area exactly"))
         self.hold.toggled.connect(self.keep_toggled)
         label = QLabel(tr("Target"), toolTip=_AREA_TIP)
         title = QWidget()
@@ -216,8 +200,6 @@ class VolumeSection(Section):
         In percent.
     target_changed : Signal(object)
         The volume to keep in percent, or None to leave it free.
-    volume, litres, pairs, least_gap, path_fraction : QLabel
-    crossings : CrossingsButton
     """
 
     target_changed = Signal(object)
@@ -233,8 +215,7 @@ class VolumeSection(Section):
         for part in (self.volume, self.litres, self.crossings):
             self.column.addWidget(part)
         self._add_contact()
-        self.column.addWidget(self.target)
-        self.column.addWidget(self.disabled_note)
+        add_parts(self.column, self.target, self.disabled_note)
         for later in (self.target.field, self.target.slider, self.disabled_note):
             later.hide()  # shown once the volume can be kept
         self.keep.toggled.connect(lambda on: self.target_changed.emit(self.target.value if on else None))
@@ -250,10 +231,7 @@ class VolumeSection(Section):
                 tr("Pairs of vertex and triangle, or of two edges, nearer than the distance that walls keep"),
             ),
             (tr("Least gap"), tr("Least distance of what is in contact")),
-            (
-                tr("Share of the way"),
-                tr("Share of its way from rest that contact has let the handle go"),
-            ),
+            (tr("Share of the way"), tr("Share of its way from rest that contact has let the handle go")),
         )
         values = []
         for row, (title, tip) in enumerate(rows):

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QWidget
 
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
@@ -18,6 +18,7 @@ from apd_viewer.geometry.solver.convergence import (
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
 from apd_viewer.language import tr
+from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.folding_section import Heading, Section, quiet_label
 from apd_viewer.ui.widgets.slider_field import DECADES, SliderField
@@ -39,11 +40,8 @@ class MethodSection(Section):
     ----------
     changed : Signal(str, object)
         Name of a setting and its value, but for contact.
-    contact_chosen : Signal(bool)
-    stiffness : SliderField
     numbers : dict of str to NumberField
         Of the other settings that are numbers, by their names; a dash shows an unset one.
-    convergence : ConvergenceFields
     """
 
     changed = Signal(str, object)
@@ -58,8 +56,7 @@ class MethodSection(Section):
         self.column.addWidget(self.method)
         self._keeps = quiet_label(tr("What the method keeps"))
         self._gives_up = quiet_label(tr("What the method gives up"))
-        self.column.addWidget(self._keeps)
-        self.column.addWidget(self._gives_up)
+        add_parts(self.column, self._keeps, self._gives_up)
         self._describe(METHODS[DEFAULT_METHOD])
         self.column.addSpacing(4)
         self._add_settings()
@@ -164,8 +161,6 @@ class ConvergenceFields(QWidget):
     Attributes
     ----------
     chosen : Signal(Convergence)
-    heading : Heading
-    most_iterations, energy, step, imperfection, seed : NumberField
     """
 
     chosen = Signal(object)
@@ -220,14 +215,8 @@ class ConvergenceFields(QWidget):
 
     def _lay_out(self) -> None:
         body = QWidget()
-        rows = QVBoxLayout(body, spacing=4)
-        rows.setContentsMargins(0, 0, 0, 0)
-        for row in self._rows.values():
-            rows.addWidget(row)
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(0, 4, 0, 0)
-        column.addWidget(self.heading)
-        column.addWidget(body)
+        column_layout(*self._rows.values(), parent=body)
+        column_layout(self.heading, body, margins=(0, 4, 0, 0), parent=self)
         self.heading.toggled.connect(body.setVisible)
         self.heading.setChecked(False)
 
@@ -262,11 +251,6 @@ def _tolerance(name: str, tip: str) -> NumberField:
 def field_row(title: str, field: NumberField) -> QWidget:
     """Row with a title on the left and a field on the right."""
     row = QWidget()
-    line = QHBoxLayout(row)
-    line.setContentsMargins(0, 0, 0, 0)
-    label = QLabel(title, toolTip=field.toolTip())
-    label.setBuddy(field)
-    line.addWidget(label)
-    line.addStretch(1)
-    line.addWidget(field)
+    label = QLabel(title, toolTip=field.toolTip(), buddy=field)
+    row_layout(label, STRETCH, field, parent=row, spacing=-1)
     return row

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QSize, Qt, QTimer
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSizePolicy, QWidget
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr, translations
@@ -22,6 +22,7 @@ from apd_viewer.ui.panel.size_section import SizeSection
 from apd_viewer.ui.posing.pose_section import PoseSection
 from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
 from apd_viewer.ui.target.target_section import TargetSection
+from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout
 from apd_viewer.ui.widgets.folding_section import Section
 from apd_viewer.ui.widgets.part_row import PartButtons, Swatch
 from apd_viewer.ui.widgets.slider_field import SliderField
@@ -38,13 +39,7 @@ _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
 class PaintSection(Section):
-    """Counts of base, handle and free vertices.
-
-    Attributes
-    ----------
-    base : PartButtons
-    clear_all : QPushButton
-    """
+    """Counts of base, handle and free vertices."""
 
     def __init__(self) -> None:
         super().__init__(tr("Vertices"))
@@ -68,8 +63,7 @@ class PaintSection(Section):
         grid.addWidget(self.base, 0, 3)
         self.column.addLayout(grid)
         self.clear_all = QPushButton(tr("Clear all"), toolTip=tr("Clear base, handles and regions"))
-        self.column.addSpacing(4)
-        self.column.addWidget(self.clear_all)
+        add_parts(self.column, 4, self.clear_all)
 
     def show_settings(self, document: Document) -> None:
         """Show the counts of base, handle and free vertices."""
@@ -127,12 +121,7 @@ class Panel(QScrollArea):
             "Vertices": self.paint,
         }
         body = QWidget(objectName="panel")
-        column = QVBoxLayout(body, spacing=4)
-        column.setContentsMargins(16, 12, 16, 12)
-        column.addWidget(self.area)
-        for section in self.sections:
-            column.addWidget(section)
-        column.addStretch(1)
+        column_layout(self.area, *self.sections, STRETCH, margins=(16, 12, 16, 12), parent=body)
         self.setWidget(body)
         self.unit = Unit.NONE
         self._previews = False

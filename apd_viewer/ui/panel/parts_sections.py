@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc, trn
@@ -14,6 +14,7 @@ from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.session.model.status_text import self_passing_warnings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
+from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartList, PartRow
@@ -32,13 +33,8 @@ class HandleSection(Section):
 
     Attributes
     ----------
-    list : PartList
-    motion : MotionField
-    symmetry : SymmetryRow
     falloff : SliderField
         In percent of the longest side.
-    add_requested, reset_all_requested, reset_handle_requested : Signal()
-    drift : QLabel
     crossing_signs : QLabel
         What tells that the surface has passed through itself; hidden without anything.
     """
@@ -52,9 +48,7 @@ class HandleSection(Section):
         self.list = PartList(HANDLE_COLORS, self._row)
         self.column.addWidget(self.list)
         self.crossing_signs = QLabel(
-            objectName="lost",
-            wordWrap=True,
-            accessibleName=tr("Signs of passing through itself"),
+            objectName="lost", wordWrap=True, accessibleName=tr("Signs of passing through itself")
         )
         self.crossing_signs.hide()
         self.column.addWidget(self.crossing_signs)
@@ -76,11 +70,7 @@ class HandleSection(Section):
         grid.addWidget(QLabel(tr("Drift"), objectName="quiet", toolTip=_DRIFT), 0, 0)
         grid.addWidget(self.drift, 0, 1, Qt.AlignmentFlag.AlignRight)
         self.column.addLayout(grid)
-        self.add = QPushButton(
-            tr("Add"),
-            accessibleName=tr("Add handle"),
-            toolTip=tr("Add another handle"),
-        )
+        self.add = QPushButton(tr("Add"), accessibleName=tr("Add handle"), toolTip=tr("Add another handle"))
         self.reset_handle = QPushButton(
             tr("Reset"), toolTip=tr("Return the active handle to its rest position")
         )
@@ -92,15 +82,11 @@ class HandleSection(Section):
         self.add.clicked.connect(self.add_requested)
         self.reset_handle.clicked.connect(self.reset_handle_requested)
         self.reset_all.clicked.connect(self.reset_all_requested)
-        buttons = QHBoxLayout(spacing=8)
-        for button in (self.add, self.reset_handle, self.reset_all):
-            buttons.addWidget(button)
-        self.column.addSpacing(4)
-        self.column.addLayout(buttons)
+        buttons = row_layout(self.add, self.reset_handle, self.reset_all)
+        add_parts(self.column, 4, buttons)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet_label(tr("Displacement and rotation of {name}").format(name=name))
-        details.setIndent(22)
+        details = quiet_label(tr("Displacement and rotation of {name}").format(name=name), indent=22)
         return PartRow("handle", name, color, details)
 
     def show_settings(self, state: State, unit: Unit, active: int) -> None:
@@ -153,8 +139,6 @@ class RegionSection(Section):
 
     Attributes
     ----------
-    list : PartList
-    add_requested : Signal()
     target_changed : Signal(int, object)
         A region and the area to keep in percent, or None to leave it free.
     """
@@ -164,18 +148,14 @@ class RegionSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Regions"))
-        self.empty = quiet_label(tr("About regions"))
-        self.empty.setText(tr("A region is a painted part whose area you can measure and keep."))
+        about = tr("A region is a painted part whose area you can measure and keep.")
+        self.empty = quiet_label(tr("About regions"), about)
         self.list = PartList(REGION_COLORS, self._row)
-        self.note = quiet_label(tr("Why regions are not kept"))
-        self.note.setText(tr("The method Paper only measures regions."))
+        self.note = quiet_label(tr("Why regions are not kept"), tr("The method Paper only measures regions."))
         self.note.hide()
         self.add = QPushButton(tr("Add region"), toolTip=tr("Add another region to measure or keep its area"))
         self.add.clicked.connect(self.add_requested)
-        for part in (self.empty, self.list, self.note):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addWidget(self.add)
+        add_parts(self.column, self.empty, self.list, self.note, 4, self.add)
 
     def _row(self, k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         row = PartRow("region", name, color, RegionTargetField())
@@ -228,11 +208,7 @@ class RegionTargetField(QWidget):
             tr("Keep at"), toolTip=tr("Keep the area of the region exactly, or leave it free")
         )
         self.field: NumberField = percent_field(tr("Area target of the region"), tip)
-        line = QHBoxLayout(self, spacing=8)
-        line.setContentsMargins(22, 0, 0, 2)
-        line.addWidget(self.box)
-        line.addWidget(self.field)
-        line.addStretch(1)
+        row_layout(self.box, self.field, STRETCH, margins=(22, 0, 0, 2), parent=self)
         self.box.toggled.connect(lambda on: self.target_changed.emit(self.field.value() if on else None))
         self.field.valueChanged.connect(lambda percent: self.target_changed.emit(percent))
 

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
+from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
@@ -14,6 +14,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, unambiguous_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, typed_mass
+from apd_viewer.ui.widgets.box_layouts import add_parts, row_layout
 from apd_viewer.ui.widgets.fields import TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 
@@ -28,9 +29,6 @@ class SizeSection(Section):
     Attributes
     ----------
     wall_entered : Signal(WallText)
-    extent, box, packed, compact, mass : QLabel
-    thickness, density : QLineEdit
-    two_walls : QLabel
     box_change, packed_change, compact_change : QLabel
         From rest.
     problem : QLabel
@@ -68,10 +66,8 @@ class SizeSection(Section):
         )
         self._add_wall()
         self.mass = self._row(tr("Mass"), tr("Area × thickness × density"), wide=True)
-        self.column.addLayout(self._grid)
-        self.column.addSpacing(4)
-        self.problem = quiet_label(tr("Why there is no mass"))
-        self.problem.setObjectName("unreached")
+        add_parts(self.column, self._grid, 4)
+        self.problem = quiet_label(tr("Why there is no mass"), style="unreached")
         self.two_walls = quiet_label(tr("Material and capacity of the double wall"))
         for line in (self.problem, self.two_walls):
             line.hide()
@@ -101,13 +97,8 @@ class SizeSection(Section):
         self.thickness = self._field(tr("thickness"), tip)
         tip = tr("Density of the material: 1.38 (g/cm³, as of PET), 1380 kg/m³ or 86 lb/ft³")
         self.density = self._field(tr("density"), tip)
-        label = QLabel(tr("Wall"), objectName="quiet")
-        label.setBuddy(self.thickness)
-        line = QHBoxLayout(spacing=4)
-        line.setContentsMargins(0, 4, 0, 4)
-        line.addWidget(label, 1)
-        line.addWidget(self.thickness, 1)
-        line.addWidget(self.density, 1)
+        label = QLabel(tr("Wall"), objectName="quiet", buddy=self.thickness)
+        line = row_layout((label, 1), (self.thickness, 1), (self.density, 1), spacing=4, margins=(0, 4, 0, 4))
         self._grid.addLayout(line, row, 0, 1, 3)
 
     def _field(self, what: str, tip: str) -> QLineEdit:

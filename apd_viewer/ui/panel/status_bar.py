@@ -7,14 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtWidgets import (
-    QHBoxLayout,
-    QLabel,
-    QSizePolicy,
-    QStatusBar,
-    QToolButton,
-    QWidget,
-)
+from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr, trn
@@ -22,6 +15,7 @@ from apd_viewer.presentation.number_format import format_short
 from apd_viewer.presentation.time_left import TimeLeftEstimate, time_left_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.brush_tool import BrushSize
+from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar
 
 if TYPE_CHECKING:
@@ -43,11 +37,8 @@ class StatusBar(QStatusBar):
 
     Attributes
     ----------
-    cancel_requested, pause_requested, restart_requested : Signal()
     pause : QToolButton
         Stops the solver, or lets it go on; restarts it while it does not answer.
-    progress : ConvergenceProgress
-    compiling : CompilingProgress
     hint : ElidedLabel
         About the current tool.
     extent : QLabel
@@ -64,8 +55,7 @@ class StatusBar(QStatusBar):
         self.hint = ElidedLabel()
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_requested)
-        self.pause = QToolButton(text=tr("Pause"))
-        self.pause.clicked.connect(self._press_pause)
+        self.pause = QToolButton(text=tr("Pause"), clicked=self._press_pause)
         self._silence = ""
         policy = self.pause.sizePolicy()
         policy.setRetainSizeWhenHidden(True)  # keeps its space, so that nothing moves at every drag
@@ -168,10 +158,9 @@ class CompilingProgress(QWidget):
         super().__init__(toolTip=tr("The first shapes may wait for it; at later starts nothing does."))
         self.bar = ThinBar()
         self.bar.setFixedWidth(_WIDTH)
-        row = QHBoxLayout(self, spacing=0)
-        row.setContentsMargins(8, 0, 0, 0)
-        row.addWidget(self.bar, 0, Qt.AlignmentFlag.AlignVCenter)
-        row.addWidget(QLabel(tr("compiling for this computer, only once…")))
+        text = QLabel(tr("compiling for this computer, only once…"))
+        bar = self.bar, 0, Qt.AlignmentFlag.AlignVCenter
+        row_layout(bar, text, spacing=0, margins=(8, 0, 0, 0), parent=self)
         self.hide()
 
     def follow(self, fraction: float | None) -> None:
@@ -209,12 +198,9 @@ class ConvergenceProgress(QWidget):
         self.bar = ThinBar()
         self.bar.setFixedWidth(_WIDTH)
         self.time_left = QLabel()
-        row = QHBoxLayout(self, spacing=0)
-        row.setContentsMargins(8, 0, 0, 0)
-        row.addWidget(self.bar, 0, Qt.AlignmentFlag.AlignVCenter)
-        row.addWidget(self.time_left)
-        self._timer = QTimer(self, interval=_TICK)
-        self._timer.timeout.connect(self._show)
+        bar = self.bar, 0, Qt.AlignmentFlag.AlignVCenter
+        row_layout(bar, self.time_left, spacing=0, margins=(8, 0, 0, 0), parent=self)
+        self._timer = QTimer(self, interval=_TICK, timeout=self._show)
         self.hide()
 
     def follow(self, frame: Frame | None, solving: bool) -> None:

@@ -28,12 +28,8 @@ class VolumeController(QObject):
 
     Parameters
     ----------
-    panel : Panel
-    findings : FindingsController
-    preferences : Preferences
     overlay : DeviationOverlay
         What a session says of its overlay is done there.
-    session : Session
     """
 
     def __init__(

@@ -10,16 +10,7 @@ import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRect, QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import QColor, QHideEvent, QImage, QPaintDevice, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtSvg import QSvgGenerator
-from PySide6.QtWidgets import (
-    QBoxLayout,
-    QGridLayout,
-    QLabel,
-    QMenu,
-    QScrollArea,
-    QToolButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QMenu, QScrollArea, QToolButton, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing_file
@@ -36,6 +27,7 @@ from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart_drawing import Chart, ChartArea, draw_chart
 from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
@@ -72,15 +64,8 @@ class Plots(QWidget):
 
     Parameters
     ----------
-    preferences : Preferences
     notice : Notice
         Where to say what was written.
-    session : Session
-
-    Attributes
-    ----------
-    views : dict of str to ChartView
-    choices : dict of str to QToolButton
     """
 
     def __init__(self, preferences: Preferences, notice: Notice, session: Session) -> None:
@@ -92,26 +77,19 @@ class Plots(QWidget):
         self._loading = threading.Thread(target=warm_up, args=("plots",), name="plots", daemon=True)
         self.views = {name: ChartView(words, partial(self._chart, name)) for name, words in _CHARTS.items()}
         self.choices = {name: self._choice(name) for name in _CHARTS}
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 4)
-        column.setSizeConstraint(QVBoxLayout.SizeConstraint.SetNoConstraint)
         self._head = QGridLayout(spacing=4)
         self._head.setContentsMargins(8, 0, 8, 0)
         self._head.setColumnStretch(len(_CHARTS), 1)
-        column.addLayout(self._head)
         self._make_save()
         charts = QWidget(objectName="charts")
-        self._charts = QBoxLayout(QBoxLayout.Direction.LeftToRight, charts)
-        self._charts.setSpacing(4)
-        self._charts.setContentsMargins(0, 0, 0, 0)
-        for view in self.views.values():
-            self._charts.addWidget(view, 1)
         self._none = QLabel(tr("Choose above what to plot."), objectName="quiet")
         self._none.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self._charts.addWidget(self._none, 1)
+        parts = (*self.views.values(), self._none)
+        self._charts = row_layout(*((part, 1) for part in parts), spacing=4, parent=charts)
         room = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
         room.setWidget(charts)
-        column.addWidget(room, 1)
+        column = column_layout(self._head, (room, 1), spacing=0, margins=(0, 0, 0, 4), parent=self)
+        column.setSizeConstraint(QBoxLayout.SizeConstraint.SetNoConstraint)
         self._arrange_in_row(wide=True)
         self._choose(preferences.plots if preferences.plots is not None else _AT_FIRST)
 
@@ -303,7 +281,6 @@ class ChartView(QWidget):
 
     Parameters
     ----------
-    words : ChartTexts
     chart : callable
         What to draw, asked for at every drawing.
 

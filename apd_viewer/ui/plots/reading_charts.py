@@ -5,6 +5,7 @@ import numpy as np
 from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.language import tr
+from apd_viewer.presentation import number_format
 from apd_viewer.presentation.axis import (
     Axis,
     decade_axis,
@@ -12,13 +13,6 @@ from apd_viewer.presentation.axis import (
     power_of_ten,
     ratio_axis,
     rounded_axis,
-)
-from apd_viewer.presentation.number_format import (
-    format_exact,
-    format_grouped,
-    format_short,
-    format_signed,
-    format_significant,
 )
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import kept_percentages
@@ -64,7 +58,7 @@ def _area_tolerance(document: Document) -> tuple[float | None, str]:
         return None, ""
     if document.settings.traits.has_tolerance:
         limit = document.settings.tolerance
-        return limit, tr("tolerance {percent} %").format(percent=format_short(100.0 * limit))
+        return limit, tr("tolerance {percent} %").format(percent=number_format.format_short(100.0 * limit))
     return TARGET_ACCURACY, tr("exact: {percent} %").format(percent=power_of_ten(-7))
 
 
@@ -76,7 +70,7 @@ def energy(trace: Trace, unit: Unit) -> Chart:
     if len(trace) < 2 or len(known) == 0:
         return Chart(title, empty_text=tr("Move a handle to see the energy here."))
     last = (
-        unit.format_area(format_significant(float(E[-1]), 5))
+        unit.format_area(number_format.format_significant(float(E[-1]), 5))
         if np.isfinite(E[-1])
         else tr("available when the preview ends")
     )
@@ -98,9 +92,11 @@ def area_and_volume(state: State | None, trace: Trace) -> Chart:
         return Chart(title, empty_text=tr("Move a handle to see area and volume here."))
     area, rest = 100.0 * trace["area_error"], state.inspection.volume
     volume = 100.0 * (trace["volume"] / rest - 1.0) if rest else np.full(len(area), np.nan)
-    texts = [(tr("area {change} %").format(change=format_signed(float(area[-1]), 3)), "accent")]
+    texts = [(tr("area {change} %").format(change=number_format.format_signed(float(area[-1]), 3)), "accent")]
     if np.isfinite(volume[-1]):
-        texts.append((tr("volume {change} %").format(change=format_signed(float(volume[-1]), 2)), "warm"))
+        texts.append(
+            (tr("volume {change} %").format(change=number_format.format_signed(float(volume[-1]), 2)), "warm")
+        )
     both = np.concatenate([area, volume[np.isfinite(volume)]])
     y = rounded_axis(min(float(both.min()), -_SMALLEST), max(float(both.max()), _SMALLEST), " %")
     curves = Curve(trace["seconds"], volume, "warm"), Curve(trace["seconds"], area, "accent")
@@ -144,8 +140,8 @@ def _percent(fraction: float) -> str:
     if percent < 1e-3:
         exponent = int(np.floor(np.log10(percent)))
         return (
-            f"{format_grouped(percent / 10.0**exponent, 1)}·{power_of_ten(exponent)}"
+            f"{number_format.format_grouped(percent / 10.0**exponent, 1)}·{power_of_ten(exponent)}"
             if exponent < -3
-            else format_exact(percent, 1)
+            else number_format.format_exact(percent, 1)
         )
-    return format_short(percent)
+    return number_format.format_short(percent)

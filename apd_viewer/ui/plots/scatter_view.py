@@ -20,7 +20,6 @@ class ScatterView(ChartView):
 
     Parameters
     ----------
-    chart : callable
     dot_text : callable
         Words on a dot, by its number.
 

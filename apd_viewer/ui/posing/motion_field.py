@@ -1,11 +1,12 @@
 """Motion of the active handle: a typed amount, and symmetric posing."""
 
 from PySide6.QtCore import QTimer, Signal
-from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QPushButton, QWidget
 
 from apd_viewer.language import tr, trc
 from apd_viewer.notation import editable_number
 from apd_viewer.session.posing.motion import LINE, MOTIONS, Motion
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import quiet_label
 
@@ -52,21 +53,11 @@ class MotionField(QWidget):
         self.amount.focus_gained.connect(self.request_preview)
         self.amount.focus_lost.connect(self._leave)
         self.choice.currentIndexChanged.connect(self._choose)
-        self.problem = quiet_label(tr("Error in the amount"))
-        self.problem.setObjectName("unreached")
-        self.problem.setWordWrap(True)
+        self.problem = quiet_label(tr("Error in the amount"), style="unreached")
         self.problem.hide()
-        self._later = QTimer(self, singleShot=True, interval=_PAUSE)
-        self._later.timeout.connect(self._show_problem)
-        line = QHBoxLayout(spacing=8)
-        line.addWidget(self.relation)
-        line.addWidget(self.amount, 1)
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(0, 4, 0, 4)
-        column.addWidget(self.choice)
-        column.addLayout(line)
-        column.addWidget(self.pick)
-        column.addWidget(self.problem)
+        self._later = QTimer(self, singleShot=True, interval=_PAUSE, timeout=self._show_problem)
+        line = row_layout(self.relation, (self.amount, 1))
+        column_layout(self.choice, line, self.pick, self.problem, margins=(0, 4, 0, 4), parent=self)
         self._choose()
 
     @property
@@ -160,14 +151,8 @@ class SymmetryRow(QWidget):
             toolTip=tr("Add a handle on the free vertices at the mirror image of the active one"),
         )
         self.paint.hide()
-        line = QHBoxLayout(spacing=8)
-        line.addWidget(self.box, 1)
-        line.addWidget(self.axis)
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(0, 0, 0, 4)
-        column.addLayout(line)
-        column.addWidget(self.partner)
-        column.addWidget(self.paint)
+        line = row_layout((self.box, 1), self.axis)
+        column_layout(line, self.partner, self.paint, margins=(0, 0, 0, 4), parent=self)
         self.box.toggled.connect(self._choose)
         self.axis.currentIndexChanged.connect(self._choose)
         self.paint.clicked.connect(self.paint_requested)

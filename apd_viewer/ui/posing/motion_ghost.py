@@ -1,7 +1,5 @@
 """Ghost of handles where a motion would bring them, as one is typed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -31,17 +29,7 @@ _DASHES = [6.0, 4.0]  # lengths in line widths
 
 
 class MotionGhost(MouseTool):
-    """Translucent handles at the end of a motion; ignores the mouse.
-
-    Parameters
-    ----------
-    viewport : Viewport
-
-    Attributes
-    ----------
-    patches : PatchGhost
-    traces : list of (color, MotionTrace)
-    """
+    """Translucent handles at the end of a motion; ignores the mouse."""
 
     def __init__(self, viewport: Viewport) -> None:
         super().__init__()
@@ -215,17 +203,6 @@ class MotionPreview:
 
     It also shows where handles were asked to be that contact has stopped on their way, and where they are
     to be while the first shape waits for its kernels.
-
-    Parameters
-    ----------
-    canvas : Canvas
-    field : MotionField
-    session : Session
-    parts : ActiveParts
-
-    Attributes
-    ----------
-    ghost, requested_ghost : MotionGhost
     """
 
     def __init__(self, canvas: Canvas, field: MotionField, session: Session, parts: ActiveParts) -> None:

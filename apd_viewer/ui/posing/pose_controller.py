@@ -17,8 +17,6 @@ class PoseController:
 
     Parameters
     ----------
-    section : PoseSection
-    session : Session
     cancel_drag : callable
         Takes back the drag that is under way; True if there was one.
     """
@@ -67,9 +65,6 @@ class SymmetryController:
 
     Parameters
     ----------
-    row : SymmetryRow
-    session : Session
-    parts : ActiveParts
     cancel_drag : callable
         Takes back the drag that is under way.
     """

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QHBoxLayout, QPushButton
+from PySide6.QtWidgets import QPushButton
 
 from apd_viewer.language import tr, trc
+from apd_viewer.ui.widgets.box_layouts import add_parts, row_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.named_rows import NamedList, NamedRow
@@ -13,23 +14,16 @@ from apd_viewer.ui.widgets.theme import Theme, icon
 
 
 class PoseRow(NamedRow):
-    """Row of a named pose, with a button to update it.
-
-    Attributes
-    ----------
-    update_pose : QToolButton
-    """
+    """Row of a named pose, with a button to update it."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name, tr("Remove this pose"))
         self.setToolTip(tr("Click to move the handles there, double-click or F2 to rename, Delete to remove"))
         tip = tr("Update this pose: keep the present places of all handles under its name")
         self.update_pose = small_button(tr("Update this pose"), tip)
-        line = QHBoxLayout(self, spacing=4)
-        line.setContentsMargins(8, 3, 4, 3)
-        line.addWidget(self.name, 1)
-        line.addWidget(self.update_pose)
-        line.addWidget(self.remove)
+        row_layout(
+            (self.name, 1), self.update_pose, self.remove, spacing=4, margins=(8, 3, 4, 3), parent=self
+        )
 
     def set_active(self, on: bool) -> None:
         """Mark the pose as current; the update button is then hidden."""
@@ -43,12 +37,7 @@ class PoseRow(NamedRow):
 
 
 class PoseList(NamedList[PoseRow]):
-    """List of the named poses.
-
-    Attributes
-    ----------
-    update_requested : Signal(int)
-    """
+    """List of the named poses."""
 
     update_requested = Signal(int)
 
@@ -66,7 +55,6 @@ class PoseSection(Section):
 
     Attributes
     ----------
-    list : PoseList
     keep_requested : Signal()
         The present pose is to be kept under a new name.
     """
@@ -75,17 +63,14 @@ class PoseSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Poses"))
-        self.empty = quiet_label(tr("About poses"))
-        self.empty.setText(tr("Keep where all handles are now, and return to it with a click."))
+        about = tr("Keep where all handles are now, and return to it with a click.")
+        self.empty = quiet_label(tr("About poses"), about)
         self.list = PoseList()
         self.add = QPushButton(
             tr("Keep pose"), toolTip=tr("Keep the present places of all handles under a name")
         )
         self.add.clicked.connect(self.keep_requested)
-        for part in (self.empty, self.list):
-            self.column.addWidget(part)
-        self.column.addSpacing(4)
-        self.column.addWidget(self.add)
+        add_parts(self.column, self.empty, self.list, 4, self.add)
         self.show_poses((), None)
 
     def show_poses(self, names: Sequence[str], active: int | None) -> None:

@@ -60,8 +60,7 @@ class ActionMaker:
         on: bool = False,
     ) -> QAction:
         """Make a checkable action for a command."""
-        action = QAction(title, self._window, checkable=True, checked=on)
-        action.toggled.connect(lambda on: command(on))
+        action = QAction(title, self._window, checkable=True, checked=on, toggled=lambda on: command(on))
         return self.adopt(name, action, image, tip, key)
 
     def adopt(self, name: str, action: QAction, image: str, tip: str, key: object) -> QAction:

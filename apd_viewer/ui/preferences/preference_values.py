@@ -15,10 +15,6 @@ _LOGGER = logging.getLogger(__name__)
 class PreferenceValues(QObject):
     """Current values of the preferences; unreadable ones fall back to defaults.
 
-    Parameters
-    ----------
-    settings : QSettings
-
     Attributes
     ----------
     changed : Signal(Preference)
@@ -134,8 +130,6 @@ class Preference(Generic[T]):
     name : str
         Under which it is stored; it never changes.
     default : T
-    allowed : OneOf or NumberRange
-    title, tip : str
     note : str
         Shown beside the value; empty where the title says all.
     """

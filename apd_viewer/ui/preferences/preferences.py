@@ -207,7 +207,6 @@ class UpAxes:
 
     Parameters
     ----------
-    preferences : Preferences
     default_axis : callable
         Up axis of a mesh whose format prescribes none, unless it is a sample.
     """

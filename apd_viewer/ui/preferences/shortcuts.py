@@ -39,7 +39,6 @@ class ShortcutEntry:
     ----------
     name : str
         Under which its keys are remembered.
-    action : QAction
     title, image, tip : str
         The image is the name of an icon.
     default_keys : str
@@ -92,10 +91,8 @@ class Shortcuts:
 
     Parameters
     ----------
-    entries : iterable of ShortcutEntry
     mnemonics : dict of str to str
         Keys that open a menu, and its title.
-    preferences : Preferences
     """
 
     def __init__(

@@ -93,7 +93,6 @@ class Units:
 
     Parameters
     ----------
-    preferences : Preferences
     default_unit : callable
         Unit of a file opened for the first time; None follows the habit.
     """

@@ -218,12 +218,10 @@ def unobstructed_camera(
 
     Parameters
     ----------
-    camera : Camera
     points, normals : (k, 3) float array
         Normals are of length one, or zero where there is no surface.
     size : float
         Of the mesh.
-    rays : callable
     """
     every = 1 + len(points) // _SAMPLES
     points, normals = points[::every], normals[::every]

@@ -1,7 +1,5 @@
 """Controller of a viewport's camera."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -22,7 +20,6 @@ class CameraController:
 
     Parameters
     ----------
-    viewport : QtInteractor
     pick : callable
         From a position in the widget to the point of the surface seen there, or None.
 

@@ -22,11 +22,6 @@ if TYPE_CHECKING:
 class Coloring:
     """Keeps the colours of a surface in step with the document.
 
-    Parameters
-    ----------
-    surface : Surface
-    marks : VertexMarks
-
     Attributes
     ----------
     previewed_ids : int array or None
@@ -167,11 +162,6 @@ class VertexMarks(MouseTool):
 
     A vertex of a large mesh is less than a pixel, one without a face is not drawn at all, and one at the
     back is hidden: a dot has the same size everywhere. It is a tool of the viewport that only paints.
-
-    Parameters
-    ----------
-    viewport : Viewport
-    surface : Surface
 
     Attributes
     ----------

@@ -13,12 +13,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 
 
 class RestActor(ABC):
-    """Base class of an optional actor of the rest shape, built only when visible.
-
-    Parameters
-    ----------
-    viewport : Viewport
-    """
+    """Base class of an optional actor of the rest shape, built only when visible."""
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
@@ -74,7 +69,6 @@ class Ghost(RestActor):
 
     Parameters
     ----------
-    viewport : Viewport
     glass : str
         Shader: one of those of :mod:`apd_viewer.ui.scene.surface_shading`.
     """
@@ -102,10 +96,6 @@ class Ghost(RestActor):
 
 class PatchGhost:
     """Translucent patches of a surface at previewed positions, each in its colour.
-
-    Parameters
-    ----------
-    viewport : Viewport
 
     Attributes
     ----------

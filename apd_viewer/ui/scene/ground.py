@@ -29,10 +29,6 @@ class Ground(MouseTool, RestActor):
 
     To the viewport it is a tool that only paints.
 
-    Parameters
-    ----------
-    viewport : Viewport
-
     Attributes
     ----------
     grid_step : float

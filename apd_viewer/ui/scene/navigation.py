@@ -78,7 +78,6 @@ class Navigation(MouseTool):
 
     Parameters
     ----------
-    camera_controller : CameraController
     click : callable
         Called at the position of a press that moved nothing.
     """

@@ -36,7 +36,6 @@ def scene_picture(
 
     Parameters
     ----------
-    viewport : Viewport
     size : QSize
         Pixels.
     transparent : bool
@@ -245,8 +244,6 @@ class OffscreenScene:
     ----------
     viewport : Viewport
         Draws the pictures, which have no background.
-    state : State
-    edges : bool
     shading : Shading
         See :class:`apd_viewer.ui.scene.surface.Surface`.
     """

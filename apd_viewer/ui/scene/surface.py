@@ -12,15 +12,8 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.presentation.color_maps import ColorMap
-from apd_viewer.ui.scene.surface_shading import (
-    Shading,
-    SurfaceArrays,
-    headlight,
-    make_texture,
-    match_view,
-    set_neutral_band,
-    shade,
-)
+from apd_viewer.ui.scene import surface_shading
+from apd_viewer.ui.scene.surface_shading import Shading, SurfaceArrays
 from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:
@@ -40,10 +33,6 @@ class Hit(NamedTuple):
 
 class Surface:
     """Triangle mesh drawn in a viewport.
-
-    Parameters
-    ----------
-    viewport : Viewport
 
     Attributes
     ----------
@@ -88,10 +77,10 @@ class Surface:
         prop.SetInterpolationToPhong()
         prop.SetLineWidth(1.0)
         self.color_map: ColorMap | None = None
-        shade(self._actor)
+        surface_shading.shade(self._actor)
         viewport.pre_draw.append(self._match_view)
         viewport.renderer.AddActor(self._actor)
-        viewport.renderer.AddLight(headlight())
+        viewport.renderer.AddLight(surface_shading.headlight())
         viewport.pick_point = self.point_under
         viewport.box = lambda: self._box
 
@@ -100,7 +89,6 @@ class Surface:
 
         Parameters
         ----------
-        surface_index : SurfaceIndex or PreviewSurface
         U : (n, 3) float array
         rgba : (n, 4) uint8 array
         """
@@ -190,7 +178,7 @@ class Surface:
             self.color_map = color_map
             self._shade()
         if color_map is not None:
-            set_neutral_band(self._actor, neutral)
+            surface_shading.set_neutral_band(self._actor, neutral)
         elif self.surface_index is not None:
             self.shades[:] = 255
             self.update_shades()
@@ -219,7 +207,7 @@ class Surface:
         self._viewport.update()
 
     def _shade(self) -> None:
-        shade(self._actor, self.color_map, inside=self._cut is not None)
+        surface_shading.shade(self._actor, self.color_map, inside=self._cut is not None)
 
     @property
     def has_normals(self) -> bool:
@@ -254,7 +242,7 @@ class Surface:
         if texture is self._texture:
             return
         self._texture = texture
-        self._actor.SetTexture(None if texture is None else make_texture(texture.image))  # type: ignore[arg-type]
+        self._actor.SetTexture(None if texture is None else surface_shading.make_texture(texture.image))  # type: ignore[arg-type]
         self._shade()
         if self.surface_index is not None and self.arrays is not None:
             self._arrange(self.surface_index, self.arrays.rgba)
@@ -262,7 +250,7 @@ class Surface:
 
     def _match_view(self) -> None:
         camera = self._viewport.renderer.GetActiveCamera()
-        match_view(self._actor, self._viewport.is_dark, np.deg2rad(camera.GetViewAngle()))
+        surface_shading.match_view(self._actor, self._viewport.is_dark, np.deg2rad(camera.GetViewAngle()))
 
     @property
     def picking_index(self) -> SurfaceIndex | None:

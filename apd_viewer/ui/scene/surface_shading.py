@@ -189,7 +189,6 @@ class SurfaceArrays:
 
     Parameters
     ----------
-    rendered : RenderMesh or PreviewSurface
     rgba : (n, 4) uint8 array
         Of the vertices; see :attr:`Surface.shades` for the opacities.
     texture : Texture, optional
@@ -263,10 +262,6 @@ IDLE_DELAY = 120  # ms without a draw before a software renderer redraws with sm
 class Antialiasing:
     """Multisampling on a GPU; with software OpenGL, FXAA on an idle scene.
 
-    Parameters
-    ----------
-    viewport : QtInteractor
-
     Attributes
     ----------
     is_software : bool
@@ -280,8 +275,7 @@ class Antialiasing:
     def __init__(self, viewport: QtInteractor) -> None:
         self._viewport = viewport
         self.is_software = self.smooths_next_draw = False
-        self.idle_timer = QTimer(viewport, singleShot=True, interval=IDLE_DELAY)
-        self.idle_timer.timeout.connect(self._smooth)
+        self.idle_timer = QTimer(viewport, singleShot=True, interval=IDLE_DELAY, timeout=self._smooth)
 
     def choose_samples(self, renderer: str) -> None:
         """Set the number of samples for an OpenGL renderer, by its name."""

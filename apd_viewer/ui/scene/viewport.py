@@ -5,18 +5,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from PySide6 import QtGui
 from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
-from PySide6.QtGui import (
-    QColor,
-    QKeyEvent,
-    QMouseEvent,
-    QNativeGestureEvent,
-    QPainter,
-    QPaintEvent,
-    QResizeEvent,
-    QShowEvent,
-    QWheelEvent,
-)
 from PySide6.QtWidgets import QApplication, QWidget
 from pyvistaqt import QtInteractor
 
@@ -40,11 +30,8 @@ class Viewport(QtInteractor):
         Called before each VTK draw.
     draw_count : int
         VTK draws so far: one for each paint after ``update()``, none for a paint of the overlay.
-    tool_layer : QWidget
     camera_controller : CameraController
         The camera.
-    mouse : MouseDispatcher
-    antialiasing : Antialiasing
     pick_point : callable or None
         From a position in the widget to the point of the surface seen there, or None.
     box : callable or None
@@ -55,7 +42,6 @@ class Viewport(QtInteractor):
         Whether the background is dark.
     opengl_info : str
         Vendor, renderer and version, the driver's among them; empty before the first draw.
-    resized : Signal()
     clicked : Signal(QPointF)
         A press that no tool wanted and that moved nothing, at its position in the widget.
     is_stale : bool
@@ -94,7 +80,7 @@ class Viewport(QtInteractor):
 
     def set_theme(self, background_top: str, background_bottom: str | None = None) -> None:
         """Set the background colour, or the two ends of a vertical gradient."""
-        top, bottom = QColor(background_top), QColor(background_bottom or background_top)
+        top, bottom = QtGui.QColor(background_top), QtGui.QColor(background_bottom or background_top)
         self.is_dark = bottom.lightnessF() < 0.5
         self.renderer.SetBackground(bottom.redF(), bottom.greenF(), bottom.blueF())
         self.renderer.SetBackground2(top.redF(), top.greenF(), top.blueF())
@@ -202,24 +188,24 @@ class Viewport(QtInteractor):
 
     # ---- events
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Offer the press to the tools, then to the camera."""
         self.setFocus()  # otherwise keys would still go to the last text field
         self.mouse.press(event)
 
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+    def mouseDoubleClickEvent(self, event: QtGui.QMouseEvent) -> None:
         """Treat the second press of a double click as an ordinary press."""
         self.mouse.press(event)
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         """Continue a drag or hover."""
         self.mouse.move(event)
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """End a drag."""
         self.mouse.release(event)
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
+    def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
         """Offer the wheel to the tools, then zoom."""
         self.mouse.wheel(event)
         event.accept()
@@ -231,7 +217,7 @@ class Viewport(QtInteractor):
         """Notify the tools of the cursor leaving the viewport."""
         self.mouse.leave()
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         """Cancel on Esc and finish on Return, without VTK's one-key shortcuts."""
         key = event.key()
         done = key == Qt.Key.Key_Escape and self.mouse.cancel()
@@ -240,26 +226,26 @@ class Viewport(QtInteractor):
         if not done:
             event.ignore()
 
-    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+    def keyReleaseEvent(self, event: QtGui.QKeyEvent) -> None:
         """Do nothing, to keep the event from VTK."""
         event.ignore()
 
     def event(self, event: QEvent) -> bool:
         """Zoom on a pinch gesture of the trackpad."""
-        if isinstance(event, QNativeGestureEvent):
+        if isinstance(event, QtGui.QNativeGestureEvent):
             if event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
                 self.camera_controller.zoom_at(event.position(), 1.0 + event.value())
             return True
         return super().event(event)
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         """Resize the tool layer, and reframe unless the camera was moved."""
         super().resizeEvent(event)
         self.tool_layer.setGeometry(self.rect())
         self.resized.emit()
         self.camera_controller.keep_framing()
 
-    def showEvent(self, event: QShowEvent) -> None:
+    def showEvent(self, event: QtGui.QShowEvent) -> None:
         """Draw the changes made while hidden."""
         super().showEvent(event)
         self.update()
@@ -287,7 +273,6 @@ class ToolLayer(QWidget):
 
     Parameters
     ----------
-    viewport : QWidget
     tools : list
         Of the viewport; looked at in every paint.
     """
@@ -298,10 +283,10 @@ class ToolLayer(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
+    def paintEvent(self, _event: QtGui.QPaintEvent) -> None:
         """Paint the tools in reverse order, the first one on top."""
-        with QPainter(self) as painter:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        with QtGui.QPainter(self) as painter:
+            painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
             for tool in reversed(self._tools):
                 tool.paint(painter)
 
@@ -311,10 +296,8 @@ class MouseDispatcher:
 
     Parameters
     ----------
-    viewport : QWidget
     tools : list
         Of the viewport; looked at for every event.
-    navigation : Navigation
     """
 
     def __init__(self, viewport: QWidget, tools: list[MouseTool], navigation: Navigation) -> None:
@@ -324,7 +307,7 @@ class MouseDispatcher:
         self._holder: MouseTool | None = None
         self._button = Qt.MouseButton.NoButton
 
-    def press(self, event: QMouseEvent) -> None:
+    def press(self, event: QtGui.QMouseEvent) -> None:
         """Offer a press; the accepting tool holds the mouse until the release."""
         if self._holder is not None:
             return
@@ -332,7 +315,7 @@ class MouseDispatcher:
         takers = (tool for tool in self._all_tools() if tool.press(event))
         self._holder = next(takers, None)
 
-    def move(self, event: QMouseEvent) -> None:
+    def move(self, event: QtGui.QMouseEvent) -> None:
         """Send the move to the holding tool, or to all tools as a preview."""
         if self._holder is not None and not event.buttons() & self._button:
             self.release(event)  # the release went to another window
@@ -341,7 +324,7 @@ class MouseDispatcher:
         elif event.buttons() == Qt.MouseButton.NoButton:
             self._hover(event)
 
-    def release(self, event: QMouseEvent) -> None:
+    def release(self, event: QtGui.QMouseEvent) -> None:
         """End the drag on release of its button."""
         if self._holder is not None and not event.buttons() & self._button:
             holder, self._holder = self._holder, None
@@ -349,7 +332,7 @@ class MouseDispatcher:
         if event.type() == QEvent.Type.MouseButtonRelease and event.buttons() == Qt.MouseButton.NoButton:
             self._hover(event)
 
-    def wheel(self, event: QWheelEvent) -> None:
+    def wheel(self, event: QtGui.QWheelEvent) -> None:
         """Offer a wheel event to the tools, then to the navigation."""
         any(tool.wheel(event) for tool in self._all_tools())
 
@@ -373,7 +356,7 @@ class MouseDispatcher:
     def _all_tools(self) -> tuple[MouseTool, ...]:
         return (*self._tools, self._navigation)
 
-    def _hover(self, event: QMouseEvent) -> None:
+    def _hover(self, event: QtGui.QMouseEvent) -> None:
         """Offer a move; tools after the accepting one are notified of leaving."""
         taken = False
         for tool in self._tools:

@@ -62,12 +62,7 @@ COLOR_SCHEME: Preference[Qt.ColorScheme] = Preference(
 UNIT: Preference[Unit | None] = Preference(
     "default_unit",
     None,
-    OneOf(
-        (
-            Option("", None, tr("Automatic")),
-            *(_unit(unit, name) for unit, name in UNIT_NAMES.items()),
-        )
-    ),
+    OneOf((Option("", None, tr("Automatic")), *(_unit(unit, name) for unit, name in UNIT_NAMES.items()))),
     tr("Unit of length"),
     tr("Unit of files opened for the first time"),
     tr("Automatic follows your last two files"),

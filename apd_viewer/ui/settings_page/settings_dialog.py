@@ -7,33 +7,15 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QSize, Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import (
-    QDialog,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QScrollArea,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QDialog, QGridLayout, QHBoxLayout, QLabel, QPushButton, QScrollArea, QWidget
 
 from apd_viewer.language import choose_language, tr
 from apd_viewer.session.session import Session
 from apd_viewer.ui.preferences.preference_values import NumberRange, OneOf, Preference, PreferenceValues
-from apd_viewer.ui.settings_page.preference_table import (
-    AUTOSAVE,
-    BRUSH_RADIUS,
-    COLOR_SCHEME,
-    GROUPS,
-    LANGUAGE,
-    PREFERENCES,
-    SELECTION_MODE,
-    UNDO_MEMORY,
-    PreferenceGroup,
-)
+from apd_viewer.ui.settings_page import preference_table
 from apd_viewer.ui.tools.brush_tool import BrushSize
 from apd_viewer.ui.tools.tool_choice import ToolChoice
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
@@ -46,14 +28,8 @@ class SettingsDialog(QDialog):
 
     Parameters
     ----------
-    window : QWidget
-    values : PreferenceValues
     list_shortcuts : callable
         Shows the shortcuts, in the window behind.
-
-    Attributes
-    ----------
-    restore, shortcuts, close_ : QPushButton
     """
 
     def __init__(
@@ -64,24 +40,17 @@ class SettingsDialog(QDialog):
         self.setWindowTitle(tr("Settings"))
         self._values, self._list_shortcuts = values, list_shortcuts
         page = QWidget(objectName="page")
-        rows = QVBoxLayout(page, spacing=20)
-        rows.setContentsMargins(0, 0, 0, 0)
-        groups = [self._group(group) for group in GROUPS]
-        for grid in groups:
-            rows.addLayout(grid)
+        groups = [self._group(group) for group in preference_table.GROUPS]
         _align(groups)
-        rows.addStretch(1)
+        column_layout(*groups, STRETCH, spacing=20, parent=page)
         area = QScrollArea(widgetResizable=True, objectName="pages", focusPolicy=Qt.FocusPolicy.NoFocus)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         area.setWidget(page)
-        column = QVBoxLayout(self, spacing=20)
-        column.setContentsMargins(24, 20, 24, 20)
-        column.addWidget(area, 1)
-        column.addLayout(self._buttons())
+        column = column_layout((area, 1), self._buttons(), spacing=20, margins=(24, 20, 24, 20), parent=self)
         needed = page.sizeHint().height() + column.sizeHint().height() - area.sizeHint().height()
         resize_on_screen(self, QSize(_WIDTH, needed))
 
-    def _group(self, group: PreferenceGroup) -> QGridLayout:
+    def _group(self, group: preference_table.PreferenceGroup) -> QGridLayout:
         grid = QGridLayout(horizontalSpacing=16, verticalSpacing=8)
         grid.setColumnStretch(2, 1)
         grid.addWidget(QLabel(group.title, objectName="heading"), 0, 0, 1, 3)
@@ -97,25 +66,18 @@ class SettingsDialog(QDialog):
         self.shortcuts = QPushButton(tr("Keyboard shortcuts…"), autoDefault=False)
         self.restore = QPushButton(tr("Restore defaults"), autoDefault=False)
         # No default button: Enter in a field only ends its editing, and does not close the dialog.
-        self.close_ = QPushButton(tr("Close"), objectName="primary", autoDefault=False)
+        self.close_ = QPushButton(tr("Close"), objectName="primary", autoDefault=False, clicked=self.close)
         self.shortcuts.setToolTip(tr("View and change the keyboard shortcuts"))
         self.restore.setToolTip(tr("Return all settings of this page to their defaults"))
         self.shortcuts.clicked.connect(self._show_shortcuts)
-        self.restore.clicked.connect(lambda: self._values.restore_defaults(PREFERENCES))
-        self.close_.clicked.connect(self.close)
+        self.restore.clicked.connect(lambda: self._values.restore_defaults(preference_table.PREFERENCES))
         self._values.changed.connect(self._offer_restore)
         self._offer_restore()
         self.help = HelpButton()
-        row = QHBoxLayout(spacing=8)
-        row.addWidget(self.help)
-        row.addWidget(self.shortcuts)
-        row.addWidget(self.restore)
-        row.addStretch(1)
-        row.addWidget(self.close_)
-        return row
+        return row_layout(self.help, self.shortcuts, self.restore, STRETCH, self.close_)
 
     def _offer_restore(self) -> None:
-        self.restore.setEnabled(any(self._values[row] != row.default for row in PREFERENCES))
+        self.restore.setEnabled(any(self._values[row] != row.default for row in preference_table.PREFERENCES))
 
     def _show_shortcuts(self) -> None:
         self.close()
@@ -132,14 +94,7 @@ def _align(grids: list[QGridLayout]) -> None:
 
 
 class SettingsPage(QObject):
-    """Opens the settings dialog, one at a time.
-
-    Parameters
-    ----------
-    window : QWidget
-    values : PreferenceValues
-    list_shortcuts : callable
-    """
+    """Opens the settings dialog, one at a time."""
 
     def __init__(
         self, window: QWidget, values: PreferenceValues, list_shortcuts: Callable[[], object]
@@ -234,15 +189,15 @@ def connect_preferences(
     values: PreferenceValues, session: Session, tools: ToolChoice, brush: BrushSize
 ) -> None:
     """Apply the preferences to session and tools, now and after changes."""
-    values.follow(UNDO_MEMORY, session.gestures.limit_memory)
-    values.follow(AUTOSAVE, session.autosave.set_interval)
-    values.follow(SELECTION_MODE, tools.set_mode)
-    values.follow(BRUSH_RADIUS, brush.set_radius)
+    values.follow(preference_table.UNDO_MEMORY, session.gestures.limit_memory)
+    values.follow(preference_table.AUTOSAVE, session.autosave.set_interval)
+    values.follow(preference_table.SELECTION_MODE, tools.set_mode)
+    values.follow(preference_table.BRUSH_RADIUS, brush.set_radius)
 
 
 def connect_menu(values: PreferenceValues, schemes: dict[Qt.ColorScheme, QAction]) -> None:
     """Keep the colour scheme checked in the menu."""
-    values.follow(COLOR_SCHEME, lambda scheme: schemes[scheme].setChecked(True))
+    values.follow(preference_table.COLOR_SCHEME, lambda scheme: schemes[scheme].setChecked(True))
 
 
 def connect_language(values: PreferenceValues, show_failure: Callable[[str], object]) -> None:
@@ -255,4 +210,4 @@ def connect_language(values: PreferenceValues, show_failure: Callable[[str], obj
             reason = error.strerror or str(error)
             show_failure(tr("The language cannot be stored ({reason}).").format(reason=reason))
 
-    values.on_change(LANGUAGE, keep)
+    values.on_change(preference_table.LANGUAGE, keep)

@@ -8,7 +8,7 @@ from pathlib import Path
 from PySide6.QtCore import QByteArray, QPointF, QRect, QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter, QPaintEvent, QPen
 from PySide6.QtSvg import QSvgRenderer
-from PySide6.QtWidgets import QDialog, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QGridLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing_file
@@ -20,6 +20,7 @@ from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.scene.scene_picture import check_picture_size, picture_scale, scene_picture
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.gizmo import Gizmo
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
@@ -65,8 +66,6 @@ class PictureDialog(QDialog):
 
     Parameters
     ----------
-    parent : QWidget
-    pictures : Pictures
     settings : PictureSettings
         To begin with.
 
@@ -76,8 +75,6 @@ class PictureDialog(QDialog):
         Multiples of the view, and a size of one's own.
     width_, height_ : NumberField
         Pixels.
-    transparent, legend, gizmo : CheckBox
-    save, copy : QPushButton
     """
 
     def __init__(self, parent: QWidget, pictures: Pictures, settings: PictureSettings) -> None:
@@ -87,8 +84,7 @@ class PictureDialog(QDialog):
         self.preview = _Preview()
         self._make_fields(settings)
         self._lay_out()
-        self._soon = QTimer(self, singleShot=True, interval=_SOON)
-        self._soon.timeout.connect(self._show)
+        self._soon = QTimer(self, singleShot=True, interval=_SOON, timeout=self._show)
         self._connect()
         self._show_times()
         self._show()
@@ -119,10 +115,7 @@ class PictureDialog(QDialog):
 
     def _lay_out(self) -> None:
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=12)
-        sides = QHBoxLayout(spacing=8)
-        for part in (self.width_, QLabel("×"), self.height_):
-            sides.addWidget(part)
-        sides.addStretch(1)
+        sides = row_layout(self.width_, QLabel("×"), self.height_, STRETCH)
         grid.addWidget(QLabel(tr("Size"), buddy=self.times), 0, 0)
         grid.addWidget(self.times, 0, 1)
         grid.addLayout(sides, 1, 1)
@@ -131,19 +124,10 @@ class PictureDialog(QDialog):
         self.problem = QLabel("", objectName="problem", wordWrap=True)
         grid.addWidget(self.problem, 5, 0, 1, 2)
         grid.setRowStretch(6, 1)
-        top = QHBoxLayout(spacing=20)
-        top.addWidget(self.preview)
-        top.addLayout(grid)
+        top = row_layout(self.preview, grid, spacing=20)
         self.help = HelpButton()
-        buttons = QHBoxLayout(spacing=8)
-        buttons.addWidget(self.help)
-        buttons.addStretch(1)
-        for button in (self._cancel, self.copy, self.save):
-            buttons.addWidget(button)
-        column = QVBoxLayout(self, spacing=16)
-        column.setContentsMargins(16, 16, 16, 16)
-        column.addLayout(top)
-        column.addLayout(buttons)
+        buttons = row_layout(self.help, STRETCH, self._cancel, self.copy, self.save)
+        column = column_layout(top, buttons, spacing=16, margins=(16, 16, 16, 16), parent=self)
         column.setSizeConstraint(QVBoxLayout.SizeConstraint.SetFixedSize)
 
     def _connect(self) -> None:
@@ -235,15 +219,7 @@ class PictureSettings:
 
 
 class Pictures:
-    """Renders pictures of a canvas.
-
-    Parameters
-    ----------
-    canvas : Canvas
-    display_options : DisplayOptions
-    notice : Notice
-    jobs : Jobs
-    """
+    """Renders pictures of a canvas."""
 
     def __init__(self, canvas: Canvas, display_options: DisplayOptions, notice: Notice, jobs: Jobs) -> None:
         self._canvas, self._looks, self._notice, self._jobs = canvas, display_options, notice, jobs

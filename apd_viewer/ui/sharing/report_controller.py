@@ -70,17 +70,8 @@ class ReportController:
     ----------
     window : QWidget
         Over which to ask.
-    canvas : Canvas
-    display_options : DisplayOptions
     view : callable
         Returns the camera, the wall and the overlay.
-    preferences : Preferences
-    notice : Notice
-    session : Session
-
-    Attributes
-    ----------
-    pictures : Pictures
     """
 
     def __init__(

@@ -5,13 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from apd_viewer.cases.case_file import DONE, FAILED, read_case
 from apd_viewer.errors import InputError
@@ -23,6 +17,7 @@ from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 from apd_viewer.ui.plots.scatter_view import ScatterView
 from apd_viewer.ui.studies.result_columns import ResultColumn, reading_texts
 from apd_viewer.ui.studies.result_table import ResultModel
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import ComboBox
 
 _NARROWEST, _AROUND = 72, 44  # px: smallest width of the box, and space around its title
@@ -60,10 +55,6 @@ class ColumnChoice(ComboBox):
         For those who do not see it.
     may_be_none : bool
         Whether no column can be chosen too.
-
-    Attributes
-    ----------
-    chosen : Signal()
     """
 
     chosen = Signal()
@@ -119,17 +110,7 @@ class ColumnChoice(ComboBox):
 
 
 class CaseCurves(QWidget):
-    """Chart of one reading along the motion, with a curve for each selected case.
-
-    Parameters
-    ----------
-    model : ResultModel
-
-    Attributes
-    ----------
-    reading : ColumnChoice
-    view : ChartView
-    """
+    """Chart of one reading along the motion, with a curve for each selected case."""
 
     def __init__(self, model: ResultModel) -> None:
         super().__init__()
@@ -144,30 +125,21 @@ class CaseCurves(QWidget):
             for name in _OFFERED
         ]
         self.reading.set_columns(offered, offered)
-        self.reading.chosen.connect(self._redraw)
         self.view = ChartView(ChartTexts(tr("Curves of the chosen cases"), ""), self._chart)
+        self.reading.chosen.connect(self.view.update)
         self.view.setMinimumSize(_LOWEST)
-        head = QHBoxLayout(spacing=6)
-        head.setContentsMargins(8, 4, 8, 0)
-        head.addWidget(self.reading)
-        head.addWidget(QLabel(tr("by motion"), objectName="quiet"))
-        head.addStretch(1)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(head)
-        column.addWidget(self.view, 1)
+        abscissa = QLabel(tr("by motion"), objectName="quiet")
+        head = row_layout(self.reading, abscissa, STRETCH, spacing=6, margins=(8, 4, 8, 0))
+        column_layout(head, (self.view, 1), spacing=0, parent=self)
 
     def show_study(self, folder: Path) -> None:
         """Set the study folder and clear the cached curves."""
         self._folder, self._kept, self._shown = folder, {}, {}
-        self._redraw()
+        self.view.update()
 
     def show_cases(self, colors: Mapping[int, str]) -> None:
         """Show the curves of plan rows, given with their colours."""
         self._shown = dict(colors)
-        self._redraw()
-
-    def _redraw(self) -> None:
         self.view.update()
 
     def _curves(self, row: int) -> _Curves:
@@ -201,17 +173,7 @@ class CaseCurves(QWidget):
 
 
 class ScatterPlot(QWidget):
-    """Scatter plot with the choice of its columns.
-
-    Parameters
-    ----------
-    model : ResultModel
-
-    Attributes
-    ----------
-    across, upright, color : ColumnChoice
-    view : ScatterView
-    """
+    """Scatter plot with the choice of its columns."""
 
     def __init__(self, model: ResultModel) -> None:
         super().__init__()
@@ -231,15 +193,11 @@ class ScatterPlot(QWidget):
         for k, (word, choice) in enumerate(
             ((tr("y"), self.upright), (tr("x"), self.across), (tr("colour"), self.color))
         ):
-            label = QLabel(word, objectName="quiet")
-            label.setBuddy(choice)
+            label = QLabel(word, objectName="quiet", buddy=choice)
             head.addWidget(label, 0, 2 * k)
             head.addWidget(choice, 0, 2 * k + 1)
         head.setColumnStretch(head.columnCount(), 1)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(head)
-        column.addWidget(self.view, 1)
+        column_layout(head, (self.view, 1), spacing=0, parent=self)
 
     def refresh(self) -> None:
         """Offer the columns of the model, and redraw the plot."""
@@ -281,12 +239,7 @@ class ScatterPlot(QWidget):
             ramp, colors = ColorBar(axis, color_bar_colors()), dot_colors(axis, places)
         failed = np.array([row.status == FAILED for row in self._model.rows], dtype=bool)
         crosses = np.column_stack([at_x, np.where(np.isfinite(at_y), at_y, upright.low)])[failed]
-        dots = Dots(
-            at_x,
-            np.where(failed, np.nan, at_y),
-            colors,
-            crosses[np.isfinite(crosses).all(axis=1)],
-        )
+        dots = Dots(at_x, np.where(failed, np.nan, at_y), colors, crosses[np.isfinite(crosses).all(axis=1)])
         return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
 
     def _row_tooltip(self, row: int) -> str:

@@ -39,24 +39,14 @@ class CaseStudyController(QObject):
 
     Parameters
     ----------
-    window : QWidget
     dock : QDockWidget
         For the results.
-    preferences : Preferences
-    session : Session
     files : FileController
         Asks before unsaved work is left.
     open_document : callable
         What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
-    notice : Notice
     ghost : MotionGhost
         Of handles where a motion would bring them.
-
-    Attributes
-    ----------
-    panel : ResultsPanel
-    run : StudyRun
-    dialog : PlanDialog or None
     """
 
     def __init__(
@@ -259,7 +249,6 @@ class FolderWatch(QObject):
         :class:`ReadResults`.
     failed : Signal(str)
         Why they cannot be read, once.
-    folder : Path or None
     """
 
     results_read = Signal(object)
@@ -273,8 +262,7 @@ class FolderWatch(QObject):
         self._shown = True
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
-        self._timer = QTimer(self, interval=_EVERY)
-        self._timer.timeout.connect(self.check_folder)
+        self._timer = QTimer(self, interval=_EVERY, timeout=self.check_folder)
 
     def watch_folder(self, folder: Path) -> None:
         """Start watching a folder, even before it holds results."""

@@ -13,8 +13,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import parse_number
-from apd_viewer.ui.studies.run_dialog import count_field, widget_row
+from apd_viewer.ui.studies.run_dialog import count_field
 from apd_viewer.ui.studies.study_run import path_from_text
+from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.fields import ComboBox, TextField
 
 _HERE, _SCHEDULER = "here", "scheduler"
@@ -28,7 +29,6 @@ class EngineFields(QObject):
     ----------
     layout_, limit_layout : QHBoxLayout
         The rows of the fields.
-    check : SchedulerCheck
     engine_ready : Signal()
         There is somebody to run the cases.
     """
@@ -49,8 +49,8 @@ class EngineFields(QObject):
         self.address.setAccessibleName(tr("Address of the scheduler"))
         self.address.setMinimumWidth(220)
         self.where.currentIndexChanged.connect(self._show_fields)
-        self.layout_: QHBoxLayout = widget_row(
-            self.where, self.processes, self._at_a_time, self.address, spacing=8
+        self.layout_: QHBoxLayout = row_layout(
+            self.where, self.processes, self._at_a_time, self.address, STRETCH
         )
         self.address.hide()
         self.limit_layout = self._make_limit()
@@ -61,7 +61,7 @@ class EngineFields(QObject):
         tip = tr("A case that takes longer has failed, and the others go on")
         self.limit = TextField(placeholderText=tr("no limit"), toolTip=tip, maximumWidth=104)
         self.limit.setAccessibleName(tr("Seconds that a case may take"))
-        return widget_row(self.limit, QLabel(tr("seconds a case")), spacing=8)
+        return row_layout(self.limit, QLabel(tr("seconds a case")), STRETCH)
 
     def _show_fields(self) -> None:
         here = self.where.currentData() == _HERE
@@ -113,7 +113,6 @@ class SchedulerCheck(QObject):
 
     Attributes
     ----------
-    answered : Signal()
     failed : Signal(str)
         A sentence.
     timer : QTimer

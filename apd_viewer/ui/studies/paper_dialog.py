@@ -4,19 +4,14 @@ import csv
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QLabel,
-    QScrollArea,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QWidget
 
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_grouped, format_signed
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog
+from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
@@ -46,18 +41,7 @@ def _figures() -> dict[str, str]:
 
 
 class PaperDialog(RunDialog):
-    """Dialog to recompute the paper's tables, shown with their figures.
-
-    Parameters
-    ----------
-    window : QWidget
-    preferences : Preferences
-
-    Attributes
-    ----------
-    table : QGridLayout or None
-    figures : list of FigureView
-    """
+    """Dialog to recompute the paper's tables, shown with their figures."""
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:
         super().__init__(window, tr("The paper's tables"), RunBar(tr("Run"), "paper", preferences))
@@ -79,14 +63,12 @@ class PaperDialog(RunDialog):
             resize_on_screen(self, QSize(self.width(), needed))
 
     def _show(self, folder: Path, said: str) -> None:
-        lines = list(csv.DictReader(read_bytes(folder / "tables.csv").decode().splitlines()))
+        cells = list(csv.DictReader(read_bytes(folder / "tables.csv").decode().splitlines()))
         page = QWidget(objectName="page")
-        column = QVBoxLayout(page, spacing=16)
-        column.setContentsMargins(0, 0, 12, 0)
-        self.table = _table(lines)
-        column.addLayout(self.table)
-        verdicts = [line for line in said.splitlines() if line and line[0] not in "|T"]
-        column.addWidget(QLabel("\n".join(verdicts), objectName="verdict", wordWrap=True))
+        self.table = _table(cells)
+        lines = [line for line in said.splitlines() if line and line[0] not in "|T"]
+        verdicts = QLabel("\n".join(lines), objectName="verdict", wordWrap=True)
+        column = column_layout(self.table, verdicts, spacing=16, margins=(0, 0, 12, 0), parent=page)
         self.figures = []
         for name, words in _figures().items():
             if (folder / name).exists():

@@ -4,18 +4,7 @@ import math
 from pathlib import Path
 
 from PySide6.QtCore import QObject, QSize, Qt, Signal
-from PySide6.QtWidgets import (
-    QDialog,
-    QFileDialog,
-    QFrame,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QLayout,
-    QPushButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QDialog, QFileDialog, QFrame, QGridLayout, QLabel, QLayout, QPushButton, QWidget
 
 from apd_viewer.cases.case import MOST_STEPS
 from apd_viewer.cases.design import GRID, LATIN, MOST_SAMPLES, SOBOL
@@ -30,16 +19,11 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.studies import study_run
 from apd_viewer.ui.studies.engine_fields import EngineFields
-from apd_viewer.ui.studies.run_dialog import add_titled_rows, count_field, widget_row
-from apd_viewer.ui.studies.study_run import (
-    PlanRows,
-    StudyDesign,
-    document_with_values,
-    path_from_text,
-    write_study,
-)
+from apd_viewer.ui.studies.run_dialog import add_titled_rows, count_field
 from apd_viewer.ui.studies.varied_fields import TITLE_COLUMN_WIDTH, VariedFields
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
@@ -54,13 +38,10 @@ class PlanDialog(QDialog):
 
     Parameters
     ----------
-    window : QWidget
     session : Session
         On whose mesh the ends of ranges are shown.
     handle : int
         That typed motions move.
-    view : View
-    preferences : Preferences
     ghost : MotionGhost
         Shows handles at once where the mesh follows.
 
@@ -113,19 +94,22 @@ class PlanDialog(QDialog):
         self.move(there.right() + 1 - self.width(), there.center().y() - self.height() // 2)
 
     def _lay_out(self, folder: Path) -> None:
-        column = QVBoxLayout(self, spacing=12)
-        column.setContentsMargins(20, 16, 20, 16)
         about = tr(
             "Computes many variants of this deformation, each walked in steps, and collects their "
             "measurements in a table. While you edit an end of a range, the view shows it."
         )
-        column.addWidget(QLabel(about, objectName="quiet", wordWrap=True))
-        column.addWidget(QLabel(self._vary_heading, objectName="heading"))
-        column.addWidget(self.varied)
-        column.addWidget(QFrame(objectName="rule", frameShape=QFrame.Shape.HLine))
-        column.addLayout(self._make_rows(folder))
-        column.addStretch(1)
-        column.addLayout(self._make_foot())
+        column = column_layout(
+            QLabel(about, objectName="quiet", wordWrap=True),
+            QLabel(self._vary_heading, objectName="heading"),
+            self.varied,
+            QFrame(objectName="rule", frameShape=QFrame.Shape.HLine),
+            self._make_rows(folder),
+            STRETCH,
+            self._make_foot(),
+            spacing=12,
+            margins=(20, 16, 20, 16),
+            parent=self,
+        )
         column.activate()
         resize_on_screen(self, QSize(_WIDTH, column.totalHeightForWidth(_WIDTH)))
 
@@ -149,7 +133,7 @@ class PlanDialog(QDialog):
         add_titled_rows(grid, rows)
         return grid
 
-    def _make_design(self) -> QHBoxLayout:
+    def _make_design(self) -> QLayout:
         self.design = ComboBox(accessibleName=tr("Design"))
         for method, title, tip in (
             (LATIN, tr("Latin hypercube"), tr("Each range is covered evenly, by any number of cases")),
@@ -165,32 +149,21 @@ class PlanDialog(QDialog):
         self.count = QLabel(objectName="quiet")
         self._of_samples = QLabel()
         each = QLabel(tr("steps each"))
-        return widget_row(
-            self.samples, self._of_samples, self.design, self.count, self.steps, each, spacing=8
-        )
+        return row_layout(self.samples, self._of_samples, self.design, self.count, self.steps, each, STRETCH)
 
-    def _make_folder(self, folder: Path) -> QHBoxLayout:
+    def _make_folder(self, folder: Path) -> QLayout:
         self.folder = TextField(toolTip=tr("New folder of the plan and the results"))
         self.folder.setAccessibleName(tr("Folder"))
         self.folder.setText(str(folder))
         self.browse = QPushButton(tr("Choose…"), clicked=self._browse, autoDefault=False)
-        row = QHBoxLayout(spacing=8)
-        row.addWidget(self.folder, 1)
-        row.addWidget(self.browse)
-        return row
+        return row_layout((self.folder, 1), self.browse)
 
-    def _make_foot(self) -> QHBoxLayout:
+    def _make_foot(self) -> QLayout:
         self.message = QLabel(objectName="quiet", wordWrap=True)
         self.cancel = QPushButton(tr("Cancel"), clicked=self.reject, autoDefault=False)
-        self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin)
-        self.start.setDefault(True)
+        self.start = QPushButton(tr("Run"), objectName="primary", clicked=self.begin, default=True)
         self.help = HelpButton()
-        row = QHBoxLayout(spacing=8)
-        row.addWidget(self.help)
-        row.addWidget(self.message, 1)
-        row.addWidget(self.cancel)
-        row.addWidget(self.start)
-        return row
+        return row_layout(self.help, (self.message, 1), self.cancel, self.start)
 
     # Choice of design, methods and ranges
 
@@ -215,7 +188,7 @@ class PlanDialog(QDialog):
         """Preview one end of a range on the mesh."""
         try:
             said = self.varied.values_at_end(name, upper)
-            document = document_with_values(self._state, Unit(self._view.unit), self._handle, said)
+            document = study_run.document_with_values(self._state, Unit(self._view.unit), self._handle, said)
         except InputError as error:
             self.message.setText(str(error))
             self._preview.hide()
@@ -249,11 +222,11 @@ class PlanDialog(QDialog):
         self.start.setEnabled(True)
         self.message.setText(sentence)
 
-    def _designed_study(self) -> tuple[Path, PlanRows, list[str]]:
+    def _designed_study(self) -> tuple[Path, study_run.PlanRows, list[str]]:
         """Folder, plan rows and command options as entered; raises InputError."""
-        folder = path_from_text(self.folder.text())
+        folder = study_run.path_from_text(self.folder.text())
         options = self.engine.options()
-        design = StudyDesign(
+        design = study_run.StudyDesign(
             self.varied.ranges(),
             self.methods.chosen_methods(),
             self.design.currentData(),
@@ -270,14 +243,14 @@ class PlanDialog(QDialog):
         self.start.setEnabled(True)
         folder, rows, options = self._asked
         try:
-            write_study(folder, rows, self._state, self._view)
+            study_run.write_study(folder, rows, self._state, self._view)
         except InputError as error:
             self.message.setText(str(error))
             return
         self.study_designed.emit(folder, options)
         self.accept()
 
-    def _check(self, folder: Path, design: StudyDesign) -> None:
+    def _check(self, folder: Path, design: study_run.StudyDesign) -> None:
         """Raise InputError for a missing or used folder, or without any motion."""
         if not self.folder.text().strip():
             raise InputError(tr("Enter a new folder for the plan and the results."))
@@ -298,7 +271,6 @@ class RangeEndPreview:
 
     Parameters
     ----------
-    session : Session
     ghost : MotionGhost
         Shows the handles at once; the mesh follows.
     """
@@ -342,16 +314,11 @@ class RangeEndPreview:
 class MethodFields(QObject):
     """Check box for each method, with the document's method checked.
 
-    Parameters
-    ----------
-    document : Document
-
     Attributes
     ----------
-    changed : Signal()
     checks : dict of str to CheckBox
         By the names of methods.
-    layout_ : QHBoxLayout
+    layout_ : QLayout
         The row of the boxes.
     """
 
@@ -368,7 +335,7 @@ class MethodFields(QObject):
             check.setEnabled(method.may_use_contact or not document.has_active_obstacles)
             check.setChecked(name == document.settings.method)
             check.toggled.connect(self.changed)
-        self.layout_: QHBoxLayout = widget_row(*self.checks.values())
+        self.layout_: QLayout = row_layout(*self.checks.values(), STRETCH, spacing=16)
 
     @property
     def chosen_count(self) -> int:

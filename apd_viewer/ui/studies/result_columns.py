@@ -36,10 +36,8 @@ class ReadingTexts(NamedTuple):
 
     Attributes
     ----------
-    title, tip : str
     percent : bool
         Whether it is a fraction, written in percent.
-    whole : bool
     """
 
     title: str
@@ -103,11 +101,8 @@ class ResultColumn:
 
     Attributes
     ----------
-    name : str
-    title, tip : str
     values : (n,) float array
         NaN where there is no number.
-    texts : tuple of str
     suffix : str
         Behind a number on an axis.
     is_from_plan : bool

@@ -43,7 +43,6 @@ class ResultModel(QAbstractTableModel):
 
     Attributes
     ----------
-    columns : list of ResultColumn
     rows : tuple of ResultRow
         In the order of the plan.
     order : (n,) int array
@@ -161,10 +160,6 @@ class ResultModel(QAbstractTableModel):
 
 class ResultsView(QTableView):
     """Sortable table of cases; Enter or a click opens one, Ctrl or Shift selects more.
-
-    Parameters
-    ----------
-    model : ResultModel
 
     Attributes
     ----------

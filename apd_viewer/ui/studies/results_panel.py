@@ -6,13 +6,7 @@ from typing import Any
 
 from PySide6.QtCore import QSize, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices, QResizeEvent
-from PySide6.QtWidgets import (
-    QHBoxLayout,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QPushButton, QSizePolicy, QWidget
 
 from apd_viewer.cases.case_file import DONE, FAILED
 from apd_viewer.cases.results import WAITING, WRONG, ResultTable
@@ -23,6 +17,7 @@ from apd_viewer.ui.studies.case_plots import CaseColors, CaseCurves, ScatterPlot
 from apd_viewer.ui.studies.result_columns import ReadResults
 from apd_viewer.ui.studies.result_table import ResultModel, ResultsView
 from apd_viewer.ui.studies.study_run import may_continue
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
 from apd_viewer.ui.widgets.theme import Theme
 from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar
@@ -40,12 +35,6 @@ class ResultsPanel(QWidget):
     ----------
     case_requested : Signal(int)
         A row of the plan whose shape is to be opened.
-    continue_requested, retry_requested, stop_requested, open_requested : Signal()
-    model : ResultModel
-    table : ResultsView
-    scatter : ScatterPlot
-    curves : CaseCurves
-    folder : Path or None
     """
 
     case_requested = Signal(int)
@@ -86,25 +75,16 @@ class ResultsPanel(QWidget):
         self.go_on = QPushButton(tr("Continue"), toolTip=tr("Compute the cases that are missing"))
         self.retry = QPushButton(tr("Run failed again"), toolTip=tr("Run failed cases once more"))
         self.stop = QPushButton(tr("Stop"))
+        self.stop.clicked.connect(self.stop_requested)
         self.show_folder = QPushButton(tr("Show folder"), toolTip=tr("Plan, tables and cases as files"))
         self.open = QPushButton(tr("Open study…"))
+        self.open.clicked.connect(self.open_requested)
         self.go_on.clicked.connect(self.continue_requested)
         self.retry.clicked.connect(self.retry_requested)
-        self.stop.clicked.connect(self.stop_requested)
-        self.open.clicked.connect(self.open_requested)
         self.show_folder.clicked.connect(self._show_folder)
-        head = QHBoxLayout(spacing=8)
-        head.setContentsMargins(4, 4, 8, 4)
-        head.addWidget(self.name)
-        head.addWidget(self.panes.tabs)
-        head.addWidget(self.message, 1)
-        for button in (self.go_on, self.retry, self.stop, self.show_folder, self.open):
-            head.addWidget(button)
-        column = QVBoxLayout(self, spacing=0)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(head)
-        column.addWidget(self.bar)
-        column.addWidget(self.panes, 1)
+        buttons = self.go_on, self.retry, self.stop, self.show_folder, self.open
+        head = row_layout(self.name, self.panes.tabs, (self.message, 1), *buttons, margins=(4, 4, 8, 4))
+        column_layout(head, self.bar, (self.panes, 1), spacing=0, parent=self)
 
     # Display
 

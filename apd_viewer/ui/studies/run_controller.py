@@ -27,8 +27,6 @@ class RunController(QObject):
 
     Parameters
     ----------
-    window : QWidget
-    preferences : Preferences
     session : Session
         Whose last step can be exported.
     files : FileController

@@ -12,23 +12,14 @@ from typing import Any
 
 from PySide6.QtCore import QCoreApplication, QSize, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
-from PySide6.QtWidgets import (
-    QDialog,
-    QFileDialog,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QLayout,
-    QPushButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QDialog, QFileDialog, QGridLayout, QLabel, QLayout, QPushButton, QWidget
 
 from apd_viewer.files.storage.atomic_file import remove_scratch_of, staging_folder, unused_folder
 from apd_viewer.language import tr
 from apd_viewer.session.background_job import Job, JobOutcome
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.command_process import CommandProcess
+from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import largest_on_screen, resize_on_screen
@@ -43,18 +34,10 @@ class RunDialog(QDialog):
 
     Parameters
     ----------
-    window : QWidget
-    title : str
-    run : RunBar
     figure : str
         File name of the figure among the results.
     caption : str
         What is to be seen there, for those who do not see it.
-
-    Attributes
-    ----------
-    run : RunBar
-    figure : FigureView or None
     """
 
     def __init__(self, window: QWidget, title: str, run: RunBar, figure: str = "", caption: str = "") -> None:
@@ -65,8 +48,7 @@ class RunDialog(QDialog):
         self.run.busy_changed.connect(self._show_busy)
         self.run.ended.connect(self._show)
         self.figure: FigureView | None = None
-        self._column = QVBoxLayout(self, spacing=12)
-        self._column.setContentsMargins(20, 16, 20, 16)
+        self._column = column_layout(spacing=12, margins=(20, 16, 20, 16), parent=self)
 
     def lay_out(self, description: str, rows: Sequence[tuple[str, QLayout]]) -> None:
         """Arrange the description and the titled rows of options."""
@@ -78,9 +60,7 @@ class RunDialog(QDialog):
         add_titled_rows(grid, rows)
         self.summary = QLabel(wordWrap=True, visible=False)
         self.summary.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self._column.addWidget(self.summary)
-        self._column.addStretch(1)
-        self._column.addWidget(self.run)
+        add_parts(self._column, self.summary, STRETCH, self.run)
         self._fit(_WIDTH)
 
     def _show_busy(self, on: bool) -> None:
@@ -136,15 +116,6 @@ def add_titled_rows(grid: QGridLayout, rows: Sequence[tuple[str, QLayout]]) -> N
         grid.addLayout(row, number, 1)
 
 
-def widget_row(*widgets: QWidget, spacing: int = 16) -> QHBoxLayout:
-    """Row layout of widgets, aligned to the left."""
-    row = QHBoxLayout(spacing=spacing)
-    for widget in widgets:
-        row.addWidget(widget)
-    row.addStretch(1)
-    return row
-
-
 class RunBar(QWidget):
     """Runs a command with results in a temporary folder, and saves them on request.
 
@@ -169,7 +140,6 @@ class RunBar(QWidget):
         The file of the saved mesh, which is to be opened.
     busy_changed : Signal(bool)
         Work has begun, or is over.
-    command : CommandProcess
     scratch_folder : Path or None
         The temporary folder.
     """
@@ -210,16 +180,10 @@ class RunBar(QWidget):
         self.cancel = QPushButton(tr("Cancel"), clicked=self.stop)
         self.start = QPushButton(start, objectName="primary", clicked=lambda: self.start_requested.emit())
         self.start.setDefault(True)
-        column = QVBoxLayout(self, spacing=8)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(self.bar)
-        row = QHBoxLayout(spacing=8)
         self.help = HelpButton()
-        row.addWidget(self.help)
-        row.addWidget(self.message, 1)
-        for button in (self.open_mesh, self.open, self.save, self.cancel, self.start):
-            row.addWidget(button)
-        column.addLayout(row)
+        buttons = self.open_mesh, self.open, self.save, self.cancel, self.start
+        row = row_layout(self.help, (self.message, 1), *buttons)
+        column_layout(self.bar, row, spacing=8, parent=self)
 
     @property
     def running(self) -> bool:

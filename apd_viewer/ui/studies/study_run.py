@@ -42,7 +42,6 @@ class StudyDesign(NamedTuple):
 
     Attributes
     ----------
-    spans : tuple of QuantityRange
     methods : tuple of str
         Of deformation; at least one.
     method : str
@@ -144,8 +143,6 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
 
     Parameters
     ----------
-    state : State
-    unit : Unit
     handle : int
         That typed motions move.
     values : mapping of str to str
@@ -180,7 +177,6 @@ class StudyRun(QObject):
         Its progress, a dict as in a line of ``--progress-lines``.
     ended : Signal(object, str)
         The folder of the study that runs no more; a sentence if it has not ended by itself.
-    command : CommandProcess
     """
 
     reported = Signal(object)
@@ -205,7 +201,6 @@ class StudyRun(QObject):
 
         Parameters
         ----------
-        folder : Path
         options : sequence of str or None
             Of the command, about where it runs; None for those of the last time.
         retry_failed : bool

@@ -21,7 +21,8 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing.file_dialogs import ask_where_to_save
 from apd_viewer.ui.preferences.preferences import Preferences
-from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field, widget_row
+from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field
+from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox
 
@@ -40,13 +41,10 @@ class SweepDialog(RunDialog):
 
     Parameters
     ----------
-    window : QWidget
-    state : State
     handle : int
         Which a twist turns.
     view : View
         How an animation looks at the mesh.
-    preferences : Preferences
     """
 
     def __init__(
@@ -70,8 +68,7 @@ class SweepDialog(RunDialog):
     def _make_motion(self) -> QHBoxLayout:
         document = self._state.document
         name = document.handles[self._handle].name
-        self.motion = ComboBox()
-        self.motion.setAccessibleName(tr("Motion to sweep"))
+        self.motion = ComboBox(accessibleName=tr("Motion to sweep"))
         pushed = self._is_pushed
         if document.relative_to_rest.is_posed or pushed:
             words = tr("current motion of the handles and obstacles")
@@ -83,7 +80,7 @@ class SweepDialog(RunDialog):
         self.twist.setAccessibleName(tr("Angle of the twist"))
         self.motion.currentIndexChanged.connect(self._show_motion)
         self._show_motion()
-        return widget_row(self.motion, self.twist, spacing=8)
+        return row_layout(self.motion, self.twist, STRETCH)
 
     @property
     def _is_pushed(self) -> bool:
@@ -101,7 +98,7 @@ class SweepDialog(RunDialog):
         self.iterations = count_field(tr("Iterations per step"), 1, 100_000, DEFAULT_ITERATIONS)
         words = tr("end at"), tr("of the motion, with at most"), tr("iterations each")
         first, second, third = map(QLabel, words)
-        return widget_row(self.steps, first, self.to, second, self.iterations, third, spacing=8)
+        return row_layout(self.steps, first, self.to, second, self.iterations, third, STRETCH)
 
     def _make_methods(self) -> QHBoxLayout:
         own = self._state.document.settings.method
@@ -112,14 +109,14 @@ class SweepDialog(RunDialog):
             check.setEnabled(may)
             check.setChecked(may and (not slow or own == name))
             check.setToolTip(tr("Takes several times as long as the others") if slow else "")
-        return widget_row(*self.methods.values())
+        return row_layout(*self.methods.values(), STRETCH, spacing=16)
 
     def _make_extras(self) -> QHBoxLayout:
         self.meshes = CheckBox(tr("the mesh of each step"))
         self.animation, self.format = CheckBox(tr("an animation:")), format_choice(".gif")
         self.format.setEnabled(False)
         self.animation.toggled.connect(self.format.setEnabled)
-        return widget_row(self.meshes, self.animation, self.format)
+        return row_layout(self.meshes, self.animation, self.format, STRETCH, spacing=16)
 
     def begin(self) -> None:
         """Start the sweep with the options chosen."""
@@ -149,13 +146,10 @@ class AnimationDialog(RunDialog):
 
     Parameters
     ----------
-    window : QWidget
-    state : State
     motions : sequence of (str, Document)
         What can be exported, with its title; at least one.
     view : View
         How a film looks at the mesh.
-    preferences : Preferences
     """
 
     def __init__(
@@ -184,19 +178,18 @@ class AnimationDialog(RunDialog):
         self.lay_out(about, rows)
 
     def _make_motion(self, motions: Sequence[tuple[str, Document]]) -> QHBoxLayout:
-        self.motion = ComboBox()
-        self.motion.setAccessibleName(tr("Motion to export"))
+        self.motion = ComboBox(accessibleName=tr("Motion to export"))
         for title, document in motions:
             self.motion.addItem(title, document)
-        return widget_row(self.motion)
+        return row_layout(self.motion, STRETCH, spacing=16)
 
     def _make_steps(self) -> QHBoxLayout:
         self.steps = count_field(tr("Number of steps"), 1, MOST_STEPS, 24)
-        return widget_row(self.steps, QLabel(tr("shapes after the first")), spacing=8)
+        return row_layout(self.steps, QLabel(tr("shapes after the first")), STRETCH)
 
     def _make_format(self) -> QHBoxLayout:
         self.format = format_choice(".glb")
-        return widget_row(self.format)
+        return row_layout(self.format, STRETCH, spacing=16)
 
     def begin(self) -> None:
         """Ask for the file, and start."""
@@ -249,8 +242,7 @@ def _file_identity(path: Path) -> tuple[int, int] | None:
 
 def format_choice(first: str) -> ComboBox:
     """Combo box of animation formats by suffix, with ``first`` selected."""
-    choice = ComboBox()
-    choice.setAccessibleName(tr("Format of the animation"))
+    choice = ComboBox(accessibleName=tr("Format of the animation"))
     for ending, title in ANIMATION_FORMATS.items():
         choice.addItem(title, ending)
     choice.setCurrentIndex(choice.findData(first))

@@ -14,12 +14,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.motion import MOTION_KINDS
-from apd_viewer.session.quantities.expressions import (
-    parse_angle,
-    parse_length,
-    parse_number,
-    unambiguous_text,
-)
+from apd_viewer.session.quantities import expressions
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.fields import CheckBox, TextField
 
@@ -65,10 +60,8 @@ class QuantityRange(NamedTuple):
 
     Attributes
     ----------
-    quantity : VariedQuantity
     low : str
         Its number and unit, as a plan has it.
-    high : str or None
     """
 
     quantity: VariedQuantity
@@ -148,8 +141,8 @@ def quantity_range(quantity: VariedQuantity, low: str, high: str, state: State, 
         If an end is none, or they are of two kinds; a sentence names the quantity.
     """
     try:
-        first = _plan_text(quantity, unambiguous_text(low), state, unit)
-        last = _plan_text(quantity, unambiguous_text(high), state, unit) if high.strip() else None
+        first = _plan_text(quantity, expressions.unambiguous_text(low), state, unit)
+        last = _plan_text(quantity, expressions.unambiguous_text(high), state, unit) if high.strip() else None
         if last is not None and first.endswith(PERCENT) != last.endswith(PERCENT):
             raise InputError(tr("Give both ends in percent, or both as lengths."))
         if not quantity.is_motion:  # reject values that every row of the plan would reject
@@ -167,15 +160,15 @@ def quantity_range(quantity: VariedQuantity, low: str, high: str, state: State, 
 def _plan_text(quantity: VariedQuantity, text: str, state: State, unit: Unit) -> str:
     """Number with unit in the notation of a plan; raises InputError."""
     if quantity.unit == DEGREES:
-        return _rounded_text(math.degrees(parse_angle(text, {}))) + DEGREES
+        return _rounded_text(math.degrees(expressions.parse_angle(text, {}))) + DEGREES
     if quantity.unit == NO_UNIT:
-        return _rounded_text(parse_number(text, {}))
+        return _rounded_text(expressions.parse_number(text, {}))
     share = text.strip()
     if not (share.endswith(PERCENT) or quantity.is_motion):
         SETTING_COLUMNS[quantity.name].parse(share)  # raises InputError on a bare number that may be a factor
     if share.endswith(PERCENT) or not quantity.is_motion:
-        return _rounded_text(parse_number(share.removesuffix(PERCENT), {})) + PERCENT
-    return _rounded_text(parse_length(text, unit, state.document.mesh.named_lengths))
+        return _rounded_text(expressions.parse_number(share.removesuffix(PERCENT), {})) + PERCENT
+    return _rounded_text(expressions.parse_length(text, unit, state.document.mesh.named_lengths))
 
 
 def _rounded_text(value: float) -> str:
@@ -214,13 +207,11 @@ class VariedFields(QWidget):
 
     Parameters
     ----------
-    state : State
     unit : Unit
         In which lengths are typed.
 
     Attributes
     ----------
-    rows : dict of str to VariedRow
     changed : Signal()
         Another quantity, or another end.
     end_focused : Signal(str, bool)
@@ -320,8 +311,7 @@ class VariedFields(QWidget):
 
 
 def _end_field(name: str, text: str, tip: str) -> TextField:
-    field = TextField(toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
-    field.setAccessibleName(name)
+    field = TextField(toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight, accessibleName=name)
     field.setText(text)
     field.setFixedWidth(_WIDTH)
     return field

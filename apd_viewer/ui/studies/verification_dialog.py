@@ -6,22 +6,14 @@ from typing import Any
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QFont, QGuiApplication, QResizeEvent
-from PySide6.QtWidgets import (
-    QAbstractItemView,
-    QHBoxLayout,
-    QHeaderView,
-    QLabel,
-    QPushButton,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QWidget,
-)
+from PySide6.QtWidgets import QHeaderView, QLabel, QPushButton, QTreeWidget, QTreeWidgetItem, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.verification_text import COLUMN_TITLES, row_cells
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog
+from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.figure_view import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.verification.verification_run import VerificationRow
@@ -34,18 +26,7 @@ _Parent = QTreeWidget | QTreeWidgetItem
 
 
 class VerificationDialog(RunDialog):
-    """Dialog to run the cases, with their table and the figure of the chosen one.
-
-    Parameters
-    ----------
-    window : QWidget
-    preferences : Preferences
-
-    Attributes
-    ----------
-    table : VerificationTable
-    copy : QPushButton
-    """
+    """Dialog to run the cases, with their table and the figure of the chosen one."""
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:
         super().__init__(window, tr("Verify"), RunBar(tr("Run"), "verification", preferences))
@@ -55,9 +36,7 @@ class VerificationDialog(RunDialog):
         self.table.currentItemChanged.connect(self._show_figure)
         self.summary = QLabel(wordWrap=True, objectName="verdict")
         self.copy = QPushButton(tr("Copy table"), clicked=self._copy)
-        below = QHBoxLayout(spacing=8)
-        below.addWidget(self.summary, 1)
-        below.addWidget(self.copy)
+        below = row_layout((self.summary, 1), self.copy)
         about = tr(
             "Runs cases with exact or published answers, from coarse to fine, and shows by how much this "
             "program is off. It takes a few minutes; you can keep working in the window."
@@ -127,7 +106,7 @@ class VerificationTable(QTreeWidget):
         self.setItemsExpandable(False)
         self.setIndentation(12)
         self.setUniformRowHeights(True)
-        self.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self.setHorizontalScrollMode(QTreeWidget.ScrollMode.ScrollPerPixel)
         self.setFont(with_tabular_figures(self.font()))
         head = self.header()
         head.setStretchLastSection(False)

@@ -32,11 +32,8 @@ class TargetController(QObject):
     ----------
     window : QWidget
         Over which to ask.
-    section : TargetSection
-    preferences : Preferences
     overlay : DeviationOverlay
         Shows the distance of a target shape once it is loaded.
-    session : Session
     """
 
     def __init__(

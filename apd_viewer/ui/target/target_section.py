@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.widgets.box_layouts import add_parts
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ class TargetSection(Section):
 
     Attributes
     ----------
-    clear : QPushButton
     closest, vertex : tuple of QLabel
         Largest, RMS and mean distance from the closest points, and from the same vertices.
     name : QLabel
@@ -56,8 +56,7 @@ class TargetSection(Section):
                 "only where the triangles of both meshes are the same"
             ),
         )
-        self.column.addLayout(self._grid)
-        self.column.addSpacing(4)
+        add_parts(self.column, self._grid, 4)
         self.clear = QPushButton(tr("Clear target shape"), toolTip=tr("Stop comparing with the target shape"))
         self.column.addWidget(self.clear)
         self.hide()

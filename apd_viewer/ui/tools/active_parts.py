@@ -9,11 +9,6 @@ from apd_viewer.session.session import Session
 class ActiveParts(QObject):
     """Active handle and region, and the active obstacle if any.
 
-    Parameters
-    ----------
-    session : Session
-    parent : QObject
-
     Attributes
     ----------
     handle, region : int

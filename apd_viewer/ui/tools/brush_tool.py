@@ -20,15 +20,6 @@ class BrushTool(SelectionTool):
 
     A left press on the surface begins a stroke; the wheel changes the radius, with Ctrl it zooms; Esc takes
     the stroke back. What ``painted`` brings are the vertices that a stroke covers for the first time.
-
-    Parameters
-    ----------
-    viewport : Viewport
-    surface : Surface
-
-    Attributes
-    ----------
-    size : BrushSize
     """
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
@@ -186,10 +177,6 @@ SMALLEST_RADIUS, LARGEST_RADIUS, DEFAULT_RADIUS = 4.0, 200.0, 24.0
 
 class BrushSize(QObject):
     """Radius of the brush, fixed either in pixels or in mesh units.
-
-    Parameters
-    ----------
-    viewport : Viewport
 
     Attributes
     ----------

@@ -45,7 +45,6 @@ class Canvas(QObject):
 
     Parameters
     ----------
-    parent : QWidget
     up_axes : UpAxes
         Of the meshes, as remembered.
 
@@ -53,14 +52,10 @@ class Canvas(QObject):
     ----------
     viewport : Viewport
         The widget.
-    strokes : SelectionStrokes
-    view : MeshView
-    drag_began, gesture_cancelled, drag_ended : Signal()
     handle_moved : Signal(object)
         The (4, 4) pose of the active handle while the gizmo is dragged.
     handle_chosen : Signal(int)
         Another handle was pressed.
-    coloring : Coloring
     bend_line : (2, 3) float array or None
         Two points on the line to bend about.
     is_covered : callable
@@ -296,13 +291,7 @@ def _movable_pivot(pivots: tuple[HandlePivot, ...], handle: int) -> HandlePivot 
 
 
 class MeshView:
-    """Camera moves to the mesh or to parts of it.
-
-    Parameters
-    ----------
-    camera_controller : CameraController
-    surface : Surface
-    """
+    """Camera moves to the mesh or to parts of it."""
 
     def __init__(self, camera_controller: CameraController, surface: Surface) -> None:
         self._look, self._surface = camera_controller, surface

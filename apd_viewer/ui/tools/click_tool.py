@@ -38,7 +38,6 @@ class ClickTool(SelectionTool):
     ----------
     crease_angle : float
         Where a fill stops, in degrees between the normals of two neighbours; the wheel changes it.
-    crease_angle_changed : Signal(float)
     nothing_found : Signal()
         There is nothing of the kind that was clicked for.
     """

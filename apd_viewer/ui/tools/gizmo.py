@@ -26,10 +26,6 @@ class Gizmo(MouseTool, QObject):
     plane of the picture, as does what :attr:`may_grab` says; the square out at the corner scales. Ctrl
     snaps to 15 degrees, to round lengths or to tenths, Esc goes back.
 
-    Parameters
-    ----------
-    viewport : Viewport
-
     Attributes
     ----------
     began, ended, cancelled : Signal()
@@ -251,7 +247,6 @@ class InactiveHandles(MouseTool, QObject):
 
     Parameters
     ----------
-    viewport : Viewport
     gizmo : Gizmo
         Drags what was taken.
     handle_at : callable

@@ -28,7 +28,6 @@ class GizmoDrag:
 
     Parameters
     ----------
-    handle : str
     frame : GizmoFrame
         The gizmo when the drag began.
     start_pose : (4, 4) float array
@@ -247,7 +246,6 @@ class GizmoFrame:
 
     Parameters
     ----------
-    camera : Camera
     centre : (3,) float array
     axes : (3, 3) float array
         Unit axes, as rows.

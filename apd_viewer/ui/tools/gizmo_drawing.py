@@ -7,26 +7,9 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen
 
 from apd_viewer.ui.scene.camera import rotation, unit
-from apd_viewer.ui.tools.gizmo_drag import (
-    ALONG_VIEW,
-    ARROWS,
-    DOT_RADIUS,
-    EDGE_ON,
-    RING_RADIUS,
-    RINGS,
-    SQUARES,
-    GizmoDrag,
-    GizmoFrame,
-    axis_index,
-    offset_in_plane,
-)
-from apd_viewer.ui.tools.polylines import (
-    chosen_runs,
-    convex_hull,
-    draw_polyline,
-    to_polygon,
-    with_opacity,
-)
+from apd_viewer.ui.tools import gizmo_drag
+from apd_viewer.ui.tools.gizmo_drag import GizmoDrag, GizmoFrame
+from apd_viewer.ui.tools.polylines import chosen_runs, convex_hull, draw_polyline, to_polygon, with_opacity
 
 # Rose, lime and violet differ in hue from the base blue and the handle vermilion, and in lightness
 # from one another, for any kind of colour vision. The letters identify the axes as well.
@@ -47,7 +30,6 @@ class GizmoAppearance:
         Whether the background is dark.
     hovered_handle : str or None
         Handle under the cursor.
-    drag : GizmoDrag or None
     """
 
     dark: bool
@@ -67,7 +49,7 @@ class GizmoAppearance:
         name = (
             CENTRE[self.dark]
             if handle in ("centre", "scale")
-            else AXIS_COLOURS[self.dark][axis_index(handle)]
+            else AXIS_COLOURS[self.dark][gizmo_drag.axis_index(handle)]
         )
         color = QColor(name)
         return color.lighter(112) if handle == self.hovered_handle else color
@@ -79,12 +61,12 @@ def draw_gizmo(painter: QPainter, frame: GizmoFrame, appearance: GizmoAppearance
         return
     if appearance.drag is not None:
         _draw_motion(painter, frame, appearance)
-    for i, name in enumerate(RINGS):
+    for i, name in enumerate(gizmo_drag.RINGS):
         _draw_ring(painter, frame, appearance, i, name)
-    for i, name in enumerate(SQUARES):
+    for i, name in enumerate(gizmo_drag.SQUARES):
         _draw_square(painter, frame, appearance, i, name)
     for i in np.argsort(frame.facing):
-        _draw_arrow(painter, frame, appearance, int(i), ARROWS[i])
+        _draw_arrow(painter, frame, appearance, int(i), gizmo_drag.ARROWS[i])
     _draw_scale(painter, frame, appearance)
     _draw_centre(painter, frame, appearance)
     painter.setOpacity(1.0)
@@ -126,7 +108,7 @@ def _draw_ring(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: i
 def _draw_square(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: int, name: str) -> None:
     if not frame.is_usable(name):
         return
-    visible = min(1.0, (abs(frame.facing[i]) - EDGE_ON) / 0.1)
+    visible = min(1.0, (abs(frame.facing[i]) - gizmo_drag.EDGE_ON) / 0.1)
     painter.setOpacity(look.opacity(name) * visible)
     color = look.color(name)
     fill = QColor(color)
@@ -140,7 +122,7 @@ def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: 
     if not frame.is_usable(name):
         return
     start, end, _, letter = frame.arrow(i)
-    visible = min(1.0, (ALONG_VIEW - abs(frame.facing[i])) / 0.06)
+    visible = min(1.0, (gizmo_drag.ALONG_VIEW - abs(frame.facing[i])) / 0.06)
     painter.setOpacity(look.opacity(name) * visible)
     color = look.color(name)
     draw_polyline(painter, np.array([start, end]), color, look.width(name), INK[look.dark])
@@ -170,7 +152,7 @@ def _draw_scale(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> 
     corner = frame.corner if look.drag is None or not hot else np.array(look.drag.last)
     half = 5.5 if hot else 4.5
     way = (corner - frame.screen_centre) / np.linalg.norm(corner - frame.screen_centre)
-    ends = np.array([frame.screen_centre + (RING_RADIUS + 6.0) * way, corner - 8.0 * way])
+    ends = np.array([frame.screen_centre + (gizmo_drag.RING_RADIUS + 6.0) * way, corner - 8.0 * way])
     draw_polyline(painter, ends, look.color("scale"), 1.4, INK[look.dark])
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
     painter.setBrush(look.color("scale"))
@@ -184,7 +166,7 @@ def _draw_centre(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
     painter.setOpacity(look.opacity("centre"))
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
     painter.setBrush(look.color("centre"))
-    radius = DOT_RADIUS + 1.5 if hot else DOT_RADIUS
+    radius = gizmo_drag.DOT_RADIUS + 1.5 if hot else gizmo_drag.DOT_RADIUS
     painter.drawEllipse(QPointF(*frame.to_screen(np.zeros((1, 3)))[0]), radius, radius)
 
 
@@ -194,10 +176,10 @@ def _draw_motion(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
     if drag is None:
         return
     color = look.color(drag.handle)
-    if drag.handle in RINGS:
+    if drag.handle in gizmo_drag.RINGS:
         _draw_slice(painter, frame, drag, color)
         return
-    if drag.handle in ARROWS:
+    if drag.handle in gizmo_drag.ARROWS:
         reach = min(2000 * frame.pixel_length, 0.8 * float(frame.camera.depth(frame.centre)))
         line = frame.camera.project(frame.centre + np.outer([-reach, reach], drag.axis))
         painter.setPen(QPen(with_opacity(color, 0.35), 1.2))
@@ -211,11 +193,11 @@ def _draw_motion(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
 
 
 def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: GizmoDrag, color: QColor) -> None:
-    spoke = offset_in_plane(drag.frame, drag.axis, *drag.start)
-    if spoke is None or abs(drag.frame.facing[axis_index(drag.handle)]) < EDGE_ON:
+    spoke = gizmo_drag.offset_in_plane(drag.frame, drag.axis, *drag.start)
+    if spoke is None or abs(drag.frame.facing[gizmo_drag.axis_index(drag.handle)]) < gizmo_drag.EDGE_ON:
         towards = frame.camera.position - frame.centre
         spoke = towards - (towards @ drag.axis) * drag.axis
-    spoke = RING_RADIUS * frame.pixel_length * unit(spoke)
+    spoke = gizmo_drag.RING_RADIUS * frame.pixel_length * unit(spoke)
     angles = np.linspace(0.0, np.clip(drag.snapped_angle, -2 * np.pi, 2 * np.pi), 65)
     rim = np.array([rotation(drag.axis, a) @ spoke for a in angles])
     points = frame.camera.project(frame.centre + np.vstack([np.zeros((1, 3)), rim]))

@@ -54,8 +54,7 @@ class OutlineTool(SelectionTool):
         self._cursor = QPointF()
         self._seen: tuple[object, np.ndarray, BoundingVolumeHierarchy] | None = None
         self._foreseen: tuple[object, ...] = ()  # inputs of the latest preview
-        self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE)
-        self.preview_timer.timeout.connect(self._preview)
+        self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE, timeout=self._preview)
 
     @property
     def selects_hidden(self) -> bool:
@@ -209,7 +208,6 @@ class SlabTool(SelectionTool):
     ----------
     axis : int
         0, 1 or 2.
-    axis_changed : Signal(int)
     planes_moved : Signal(float, float)
         Where the two planes are along the axis.
     preview_timer : QTimer

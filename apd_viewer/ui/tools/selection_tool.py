@@ -45,11 +45,6 @@ def may_begin_stroke(event: QMouseEvent) -> bool:
 class SelectionTool(MouseTool, QObject):
     """Base class of tools to select vertices by strokes.
 
-    Parameters
-    ----------
-    viewport : Viewport
-    surface : Surface
-
     Attributes
     ----------
     effect : StrokeEffect
@@ -58,7 +53,6 @@ class SelectionTool(MouseTool, QObject):
         The Act.
     vertices_painted : Signal(object)
         Int array of vertices; of those at a seam one of each place.
-    stroke_ended, stroke_cancelled : Signal()
     previewed : Signal(object)
         Int array of the vertices that a press or a release would choose; None where there are none.
     """
@@ -126,7 +120,6 @@ class SelectionStrokes(QObject):
 
     Attributes
     ----------
-    began : Signal()
     painted : Signal(object, int)
         Vertices, and the label that they are painted with.
     region_painted : Signal(object, int)

@@ -9,10 +9,6 @@ from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 class ToolChoice(QObject):
     """Sets the tool and the selection mode of a canvas, and announces changes.
 
-    Parameters
-    ----------
-    canvas : Canvas
-
     Attributes
     ----------
     tool_chosen : Signal(Tool)

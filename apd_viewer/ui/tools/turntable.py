@@ -16,16 +16,7 @@ _LONGEST = 0.1  # s: longest time step, so that the camera does not jump after a
 
 
 class Turntable(MouseTool, QObject):
-    """Tool to orbit the camera until another tool is used.
-
-    Parameters
-    ----------
-    viewport : Viewport
-
-    Attributes
-    ----------
-    stopped : Signal()
-    """
+    """Tool to orbit the camera until another tool is used."""
 
     stopped = Signal()
 
@@ -33,8 +24,7 @@ class Turntable(MouseTool, QObject):
         super().__init__(viewport)
         self._viewport = viewport
         self._last = 0.0
-        self._timer = QTimer(self, interval=_TICK)
-        self._timer.timeout.connect(self._turn)
+        self._timer = QTimer(self, interval=_TICK, timeout=self._turn)
         viewport.tools.insert(0, self)
 
     @property

@@ -3,36 +3,11 @@
 from functools import partial
 from typing import Any
 
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QPoint, QPointF, QRectF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import (
-    QAccessible,
-    QAccessibleEvent,
-    QFocusEvent,
-    QHideEvent,
-    QKeyEvent,
-    QPainter,
-    QPaintEvent,
-    QPen,
-    QValidator,
-)
-from PySide6.QtWidgets import (
-    QAbstractScrollArea,
-    QCheckBox,
-    QComboBox,
-    QDoubleSpinBox,
-    QLabel,
-    QLineEdit,
-    QToolButton,
-    QWidget,
-)
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.percentage import (
-    LEAST_PERCENTAGE,
-    MOST_PERCENTAGE,
-    PERCENT_SIGN,
-    check_no_factor,
-)
+from apd_viewer.geometry.goals import percentage
 from apd_viewer.language import tr
 from apd_viewer.notation import editable_number
 from apd_viewer.presentation.number_format import format_short
@@ -43,7 +18,7 @@ _UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to 
 _QUOTED = 20  # characters quoted from invalid input
 
 
-class ComboBox(QComboBox):
+class ComboBox(QtWidgets.QComboBox):
     """Combo box ignoring the wheel, so that a panel can scroll over it."""
 
     def __init__(self, **properties: Any) -> None:
@@ -61,11 +36,11 @@ class ComboBox(QComboBox):
         """Preferred size, so that no entry is cut off."""
         return self.sizeHint()
 
-    def paintEvent(self, _: QPaintEvent) -> None:
+    def paintEvent(self, _: QtGui.QPaintEvent) -> None:
         """Draw the current entry and a chevron."""
         room, ink = QRectF(self.rect()), self.palette().windowText().color()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = QtGui.QPainter(self)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
         _draw_field(painter, self)
         painter.setPen(ink)
         words = room.adjusted(8, 0, -28, 0)
@@ -73,26 +48,26 @@ class ComboBox(QComboBox):
             self.currentText(), Qt.TextElideMode.ElideRight, int(words.width())
         )
         painter.drawText(words, Qt.AlignmentFlag.AlignVCenter, text)
-        painter.setPen(QPen(ink, 1.5, c=Qt.PenCapStyle.RoundCap, j=Qt.PenJoinStyle.RoundJoin))
+        painter.setPen(QtGui.QPen(ink, 1.5, c=Qt.PenCapStyle.RoundCap, j=Qt.PenJoinStyle.RoundJoin))
         tip = room.center() + QPointF(room.width() / 2 - 14, 2)
         painter.drawPolyline([tip - QPointF(4, 4), tip, tip + QPointF(4, -4)])
 
 
-class CheckBox(QCheckBox):
+class CheckBox(QtWidgets.QCheckBox):
     """Check box visible on dark panels too."""
 
-    def paintEvent(self, _: QPaintEvent) -> None:
+    def paintEvent(self, _: QtGui.QPaintEvent) -> None:
         """Draw the box, its check mark and the text."""
         palette, on = self.palette(), self.isChecked()
         accent, line = palette.highlight().color(), palette.placeholderText().color()
         box = QRectF(0.75, self.height() / 2 - 7.25, 14.5, 14.5)
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(accent if on or self.hasFocus() else line, 1.5))
+        painter = QtGui.QPainter(self)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        painter.setPen(QtGui.QPen(accent if on or self.hasFocus() else line, 1.5))
         painter.setBrush(accent if on else palette.base())
         painter.drawRoundedRect(box, 4, 4)
         if on:
-            painter.setPen(QPen(palette.highlightedText().color(), 1.75, c=Qt.PenCapStyle.RoundCap))
+            painter.setPen(QtGui.QPen(palette.highlightedText().color(), 1.75, c=Qt.PenCapStyle.RoundCap))
             middle = box.center()
             painter.drawPolyline([middle + QPointF(*p) for p in ((-3.5, 0.25), (-1, 2.75), (3.5, -2.5))])
         painter.setPen(palette.windowText().color())
@@ -113,7 +88,7 @@ class CheckBox(QCheckBox):
         return self.sizeHint()
 
 
-class NumberField(QDoubleSpinBox):
+class NumberField(QtWidgets.QDoubleSpinBox):
     """Number field; Enter and Esc return the focus, invalid input is explained.
 
     Parameters
@@ -124,16 +99,12 @@ class NumberField(QDoubleSpinBox):
         Whether a small number, typed without a sign of its own, could be meant as a factor.
     properties
         Of the spin box.
-
-    Attributes
-    ----------
-    error : ErrorBubble
     """
 
     def __init__(self, brief: bool = False, is_percentage: bool = False, **properties: Any) -> None:
         self._brief, self._is_percentage = brief, is_percentage
         super().__init__(keyboardTracking=False, alignment=Qt.AlignmentFlag.AlignRight, **properties)
-        self.setButtonSymbols(QDoubleSpinBox.ButtonSymbols.NoButtons)
+        self.setButtonSymbols(QtWidgets.QDoubleSpinBox.ButtonSymbols.NoButtons)
         self.setFixedSize(84, max(28, self.fontMetrics().height() + 12))
         self.lineEdit().setTextMargins(4, 0, 4, 0)
         self.error = ErrorBubble(self)
@@ -148,20 +119,24 @@ class NumberField(QDoubleSpinBox):
             self.setValue(value)
             self.blockSignals(False)
 
-    def paintEvent(self, _: QPaintEvent) -> None:
+    def paintEvent(self, _: QtGui.QPaintEvent) -> None:
         """Draw the background; the line edit inside draws the text."""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = QtGui.QPainter(self)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
         _draw_field(painter, self)
 
     def textFromValue(self, value: float) -> str:
         """Ungrouped number with all digits, readable as input."""
         return editable_number(f"{value:.10g}" if self._brief else f"{value:.{self.decimals()}f}")
 
-    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
+    def validate(self, text: str, position: int) -> tuple[QtGui.QValidator.State, str, int]:
         """Accept any text while typing; loss of focus replaces invalid ones."""
         wrong = self._problem(text)
-        return (QValidator.State.Intermediate if wrong else QValidator.State.Acceptable), text, position
+        return (
+            (QtGui.QValidator.State.Intermediate if wrong else QtGui.QValidator.State.Acceptable),
+            text,
+            position,
+        )
 
     def fixup(self, _: str) -> str:
         """Text of the last valid number."""
@@ -198,8 +173,10 @@ class NumberField(QDoubleSpinBox):
         """Question about an ambiguous number; empty if it is clear."""
         try:
             check_unambiguous(unambiguous_text(self._number_text(text)), ",")
-            if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(PERCENT_SIGN):
-                check_no_factor(value)
+            if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(
+                percentage.PERCENT_SIGN
+            ):
+                percentage.check_no_factor(value)
         except InputError as error:
             return str(error)
         return ""
@@ -215,24 +192,24 @@ class NumberField(QDoubleSpinBox):
             return tr("greater than 0")
         return tr("of at least {least}").format(least=format_short(least) + unit)
 
-    def focusInEvent(self, event: QFocusEvent) -> None:
+    def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
         """Select the number, ready to be overwritten."""
         super().focusInEvent(event)
         if event.reason() in (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason):
             self.selectAll()
 
-    def focusOutEvent(self, event: QFocusEvent) -> None:
+    def focusOutEvent(self, event: QtGui.QFocusEvent) -> None:
         """Restore the number, and show why an entry was invalid."""
         self._refuse()
         super().focusOutEvent(event)
         self.error.hide_later()
 
-    def hideEvent(self, event: QHideEvent) -> None:
+    def hideEvent(self, event: QtGui.QHideEvent) -> None:
         """Hide the error together with the field."""
         self.error.hide()
         super().hideEvent(event)
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         """Restore the number on Esc; on Enter keep an invalid text for correction."""
         if event.key() == Qt.Key.Key_Escape:
             self.lineEdit().setText(self.fixup(""))
@@ -251,7 +228,7 @@ class NumberField(QDoubleSpinBox):
         return bool(problem)
 
 
-class TextField(QLineEdit):
+class TextField(QtWidgets.QLineEdit):
     """Line edit; Esc restores its text and returns the focus.
 
     Attributes
@@ -267,18 +244,18 @@ class TextField(QLineEdit):
         super().__init__(objectName="typed", **properties)
         self._before = self.text()
 
-    def focusInEvent(self, event: QFocusEvent) -> None:
+    def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
         """Store the text for Esc to restore."""
         super().focusInEvent(event)
         self._before = self.text()
         self.focus_gained.emit()
 
-    def focusOutEvent(self, event: QFocusEvent) -> None:
+    def focusOutEvent(self, event: QtGui.QFocusEvent) -> None:
         """Keep the text, and emit the loss of focus."""
         super().focusOutEvent(event)
         self.focus_lost.emit()
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         """Restore the text on Esc and return the focus."""
         if event.key() == Qt.Key.Key_Escape:
             self.restore()
@@ -297,25 +274,25 @@ def percent_field(name: str, tip: str) -> NumberField:
         is_percentage=True,
         accessibleName=name,
         toolTip=tip,
-        minimum=LEAST_PERCENTAGE,
-        maximum=MOST_PERCENTAGE,
+        minimum=percentage.LEAST_PERCENTAGE,
+        maximum=percentage.MOST_PERCENTAGE,
         value=100.0,
         decimals=2,
         suffix=" %",
     )
 
 
-def return_focus(field: QWidget) -> None:
+def return_focus(field: QtWidgets.QWidget) -> None:
     """Return the keyboard focus to the window, for the document's shortcuts."""
     field.window().setFocus()
 
 
-def small_button(name: str, tip: str) -> QToolButton:
+def small_button(name: str, tip: str) -> QtWidgets.QToolButton:
     """Small icon button without a frame."""
-    return QToolButton(objectName="small", accessibleName=name, toolTip=tip, iconSize=QSize(16, 16))
+    return QtWidgets.QToolButton(objectName="small", accessibleName=name, toolTip=tip, iconSize=QSize(16, 16))
 
 
-def _draw_field(painter: QPainter, field: QWidget) -> None:
+def _draw_field(painter: QtGui.QPainter, field: QtWidgets.QWidget) -> None:
     """Draw the field's background; the style's own is invisible on a dark panel."""
     palette = field.palette()
     painter.setPen(palette.highlight().color() if field.hasFocus() else palette.mid().color())
@@ -328,19 +305,13 @@ _GAP = 4
 _AFTER_LEAVING = 6_000  # ms
 
 
-class ErrorBubble(QLabel):
-    """Error message below a field, floating over the layout.
+class ErrorBubble(QtWidgets.QLabel):
+    """Error message below a field, floating over the layout."""
 
-    Parameters
-    ----------
-    field : QWidget
-    """
-
-    def __init__(self, field: QWidget) -> None:
+    def __init__(self, field: QtWidgets.QWidget) -> None:
         super().__init__(field, objectName="error", wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self._field = field
-        self._leaving = QTimer(self, singleShot=True, interval=_AFTER_LEAVING)
-        self._leaving.timeout.connect(self.hide)
+        self._leaving = QTimer(self, singleShot=True, interval=_AFTER_LEAVING, timeout=self.hide)
         field.destroyed.connect(self.deleteLater)
         self.hide()
 
@@ -356,13 +327,13 @@ class ErrorBubble(QLabel):
         self.move(self._bubble_position(ground))
         self.show()
         self.raise_()
-        QAccessible.updateAccessibility(QAccessibleEvent(self, QAccessible.Event.Alert))
+        QtGui.QAccessible.updateAccessibility(QtGui.QAccessibleEvent(self, QtGui.QAccessible.Event.Alert))
 
     def hide_later(self) -> None:
         """Hide the message after 6 s."""
         self._leaving.start()
 
-    def _bubble_position(self, ground: QWidget) -> QPoint:
+    def _bubble_position(self, ground: QtWidgets.QWidget) -> QPoint:
         """Position below the field, or above it, inside ``ground``."""
         field = self._field
         corner = field.mapTo(ground, QPoint(field.width() - self.width(), field.height() + _GAP))
@@ -372,11 +343,11 @@ class ErrorBubble(QLabel):
         return corner
 
 
-def _ground(field: QWidget) -> QWidget:
+def _ground(field: QtWidgets.QWidget) -> QtWidgets.QWidget:
     """Content widget of the scroll area around a field, or its window."""
     ground = field
     while (above := ground.parentWidget()) is not None and not ground.isWindow():
-        if isinstance(above.parentWidget(), QAbstractScrollArea):
+        if isinstance(above.parentWidget(), QtWidgets.QAbstractScrollArea):
             break
         ground = above
     return ground

@@ -18,7 +18,6 @@ class FigureView(QWidget):
 
     Parameters
     ----------
-    path : Path
     description : str
         What is to be seen, for those who do not see it.
     """

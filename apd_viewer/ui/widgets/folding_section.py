@@ -2,9 +2,10 @@
 
 from PySide6.QtCore import QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QFont, QPainter, QPaintEvent
-from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QWidget
 
 from apd_viewer.language import tr
+from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 _CHEVRON = 16
@@ -68,13 +69,8 @@ class Heading(QAbstractButton):
 class Section(QWidget):
     """Section of a panel: rule, heading and folding content.
 
-    Parameters
-    ----------
-    title : str
-
     Attributes
     ----------
-    heading : Heading
     column : QVBoxLayout
         What the section consists of.
     """
@@ -84,17 +80,10 @@ class Section(QWidget):
         self.title = title
         self.heading = Heading(title)
         self._body = QWidget()
-        self.column = QVBoxLayout(self._body, spacing=4)
-        self.column.setContentsMargins(0, 4, 0, 4)
-        whole = QVBoxLayout(self, spacing=0)
-        whole.setContentsMargins(0, 0, 0, 0)
+        self.column = column_layout(margins=(0, 4, 0, 4), parent=self._body)
         rule = QFrame(objectName="rule")
         rule.setFixedHeight(1)
-        whole.addWidget(rule)
-        whole.addSpacing(8)
-        whole.addWidget(self.heading)
-        whole.addWidget(self._body)
-        whole.addSpacing(4)
+        column_layout(rule, 8, self.heading, self._body, 4, spacing=0, parent=self)
         self.heading.toggled.connect(self._body.setVisible)
 
     @property
@@ -123,6 +112,6 @@ class Section(QWidget):
         self.heading.set_theme(theme)
 
 
-def quiet_label(name: str) -> QLabel:
-    """Wrapping label in a muted colour."""
-    return QLabel("", objectName="quiet", accessibleName=name, wordWrap=True)
+def quiet_label(name: str, text: str = "", style: str = "quiet", indent: int = -1) -> QLabel:
+    """Wrapping label in a muted colour, or another style; its indent in px."""
+    return QLabel(text, objectName=style, accessibleName=name, wordWrap=True, indent=indent)

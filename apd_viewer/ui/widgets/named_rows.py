@@ -5,20 +5,16 @@ from typing import Generic, TypeVar
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent
-from PySide6.QtWidgets import QFrame, QLineEdit, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QLineEdit, QToolButton, QWidget
 
 from apd_viewer.language import tr
+from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon, set_style_property
 
 
 class NameField(QLineEdit):
-    """Name edited in place: Enter accepts, Esc restores the previous one.
-
-    Attributes
-    ----------
-    name_entered : Signal(str)
-    """
+    """Name edited in place: Enter accepts, Esc restores the previous one."""
 
     name_entered = Signal(str)
 
@@ -91,18 +87,13 @@ class NamedRow(QFrame):
 
     Parameters
     ----------
-    name : str
     remove : str
         What the button to remove it says.
 
     Attributes
     ----------
-    chosen, removed : Signal()
-    renamed : Signal(str)
     step_requested : Signal(int)
         The arrow keys ask for the row above, -1, or below, 1.
-    name : NameField
-    remove : QToolButton
     """
 
     chosen = Signal()
@@ -161,12 +152,6 @@ class NamedList(QWidget, Generic[Row]):
     ----------
     make : callable
         From a place and a name to a new row, connected to what only its kind has.
-
-    Attributes
-    ----------
-    chosen, removed : Signal(int)
-    renamed : Signal(int, str)
-    rows : list of NamedRow
     """
 
     chosen = Signal(int)
@@ -178,8 +163,7 @@ class NamedList(QWidget, Generic[Row]):
         self._make = make
         self._theme = LIGHT
         self.rows: list[Row] = []
-        self._column = QVBoxLayout(self, spacing=2)
-        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column = column_layout(spacing=2, parent=self)
 
     def show_names(self, names: Sequence[str], active: int | None) -> None:
         """Show one row per name, and mark the active one, if any."""

@@ -4,10 +4,11 @@ from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.handles_and_regions import NO_FLAGS, PartFlags
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.named_rows import NamedList, NamedRow
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
@@ -40,14 +41,7 @@ _SAID = {
 
 
 class PartRow(NamedRow):
-    """Row of a part: colour, name, reading, and details of the active one.
-
-    Attributes
-    ----------
-    reading : QLabel
-    buttons : PartButtons
-    details : QWidget
-    """
+    """Row of a part: colour, name, reading, and details of the active one."""
 
     def __init__(self, kind: str, name: str, color: tuple[int, int, int], details: QWidget) -> None:
         reading, remove = _SAID[kind]
@@ -56,18 +50,9 @@ class PartRow(NamedRow):
         self.reading = QLabel("", objectName="quiet", accessibleName=reading)
         self.details = details
         self.buttons = PartButtons()
-        line = QHBoxLayout(spacing=8)
-        line.addWidget(Swatch(color))
-        line.addWidget(self.name, 1)
-        line.addWidget(self.reading)
-        line.addWidget(self.remove)
-        below = QHBoxLayout(spacing=4)
-        below.addWidget(details, 1)
-        below.addWidget(self.buttons, 0, Qt.AlignmentFlag.AlignRight)
-        column = QVBoxLayout(self, spacing=2)
-        column.setContentsMargins(8, 3, 4, 3)
-        column.addLayout(line)
-        column.addLayout(below)
+        line = row_layout(Swatch(color), (self.name, 1), self.reading, self.remove)
+        below = row_layout((details, 1), (self.buttons, 0, Qt.AlignmentFlag.AlignRight), spacing=4)
+        column_layout(line, below, spacing=2, margins=(8, 3, 4, 3), parent=self)
         self.set_active(False)
 
     def set_active(self, on: bool) -> None:
@@ -88,13 +73,7 @@ class PartRow(NamedRow):
 
 
 class PartButtons(QWidget):
-    """Buttons to hide, lock and clear a part, in its row.
-
-    Attributes
-    ----------
-    hide_requested, lock_requested : Signal(bool)
-    clear_requested : Signal()
-    """
+    """Buttons to hide, lock and clear a part, in its row."""
 
     hide_requested = Signal(bool)
     lock_requested = Signal(bool)
@@ -104,10 +83,7 @@ class PartButtons(QWidget):
         super().__init__()
         self._flags, self._theme = NO_FLAGS, LIGHT
         self.hide_part, self.lock_part, self.clear_part = (small_button("", "") for _ in range(3))
-        row = QHBoxLayout(self, spacing=0)
-        row.setContentsMargins(0, 0, 0, 0)
-        for button in (self.hide_part, self.lock_part, self.clear_part):
-            row.addWidget(button)
+        row_layout(self.hide_part, self.lock_part, self.clear_part, spacing=0, parent=self)
         self.hide_part.clicked.connect(lambda: self.hide_requested.emit(not self._flags.hidden))
         self.lock_part.clicked.connect(lambda: self.lock_requested.emit(not self._flags.locked))
         self.clear_part.clicked.connect(self.clear_requested)
@@ -151,14 +127,8 @@ class PartList(NamedList[PartRow]):
 
     Parameters
     ----------
-    colors : sequence of (int, int, int)
     make : callable
         From a name and a colour to a new row.
-
-    Attributes
-    ----------
-    hidden, locked : Signal(int, bool)
-    cleared : Signal(int)
     """
 
     hidden = Signal(int, bool)

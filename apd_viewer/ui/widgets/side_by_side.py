@@ -5,7 +5,9 @@ from functools import partial
 from typing import NamedTuple
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtWidgets import QHBoxLayout, QSplitter, QToolButton, QWidget
+from PySide6.QtWidgets import QSplitter, QToolButton, QWidget
+
+from apd_viewer.ui.widgets.box_layouts import row_layout
 
 _WIDE = 1000  # px; smallest width for all panes in a row
 
@@ -21,23 +23,16 @@ class Pane(NamedTuple):
 class SideBySide(QSplitter):
     """Panes in a row, in a column, or one at a time on tabs.
 
-    Parameters
-    ----------
-    panes : sequence of Pane
-
     Attributes
     ----------
     tabs : QWidget
         A row of buttons, for its owner to place; hidden where all parts are shown.
-    buttons : list of QToolButton
     """
 
     def __init__(self, panes: Sequence[Pane]) -> None:
         super().__init__(childrenCollapsible=False, handleWidth=5)
         self._parts, self._chosen, self._one = panes, 0, False
         self.tabs = QWidget(visible=False)
-        row = QHBoxLayout(self.tabs, spacing=2)
-        row.setContentsMargins(0, 0, 0, 0)
         self.buttons = [QToolButton(text=part.title, checkable=True, objectName="choice") for part in panes]
         for k, (part, button) in enumerate(zip(panes, self.buttons, strict=True)):
             self.addWidget(part.widget)
@@ -45,7 +40,7 @@ class SideBySide(QSplitter):
             button.setAutoExclusive(True)
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
             button.clicked.connect(partial(self.choose, k))
-            row.addWidget(button)
+        row_layout(*self.buttons, spacing=2, parent=self.tabs)
         self.buttons[0].setChecked(True)
         self._share_width()
 

@@ -1,19 +1,37 @@
 """Number field combined with a slider."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QSlider, QStyle, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QSizePolicy, QSlider, QStyle, QWidget
 
 from apd_viewer.language import tr
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import NumberField, small_button
 from apd_viewer.ui.widgets.theme import Theme, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
+
+
+class SliderScale(NamedTuple):
+    """Conversion between slider steps and values.
+
+    Attributes
+    ----------
+    value_at : callable
+        From a step to its value.
+    step_of : callable
+        From a value to its step, not rounded.
+    neutral : int
+        The step that the knob falls into, and from which the bar is drawn.
+    """
+
+    steps: int
+    value_at: Callable[[int], float]
+    step_of: Callable[[float], float]
+    neutral: int
 
 
 class SliderField(QWidget):
@@ -23,8 +41,6 @@ class SliderField(QWidget):
     ----------
     title : QLabel or QCheckBox
         Before the field; a check box also says whether the value counts at all.
-    scale : SliderScale
-    field : NumberField
     name : str
         For those who cannot see the title.
     ends : (str, str), optional
@@ -34,7 +50,6 @@ class SliderField(QWidget):
     ----------
     chosen : Signal(float)
         By the field, by a step of the keyboard, or many times within a sweep of the knob.
-    drag_began, drag_ended, drag_cancelled : Signal()
     """
 
     chosen = Signal(float)
@@ -67,18 +82,11 @@ class SliderField(QWidget):
         self.reset_button.setSizePolicy(kept)
         if isinstance(title, QLabel):
             title.setBuddy(field)
-        row = QHBoxLayout(spacing=0)
-        row.addWidget(title)
-        row.addStretch(1)
-        row.addWidget(self.reset_button)
-        row.addSpacing(4)
-        row.addWidget(self.field)
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(row)
-        column.addWidget(self.slider)
+        row = row_layout(title, STRETCH, self.reset_button, 4, self.field, spacing=0)
+        column = column_layout(row, self.slider, parent=self)
         if ends is not None:
-            column.addLayout(_end_labels(*ends))
+            left, right = (QLabel(text, objectName="quiet") for text in ends)
+            column.addLayout(row_layout(left, STRETCH, right, spacing=-1))
         self.show_value(self._neutral_value)
         self._connect()
 
@@ -129,38 +137,10 @@ class SliderField(QWidget):
             self._choose(self._neutral_value)
 
 
-def _end_labels(left: str, right: str) -> QHBoxLayout:
-    row = QHBoxLayout()
-    row.addWidget(QLabel(left, objectName="quiet"))
-    row.addStretch(1)
-    row.addWidget(QLabel(right, objectName="quiet"))
-    return row
-
-
 _KNOB = 14
 
 
 _MAGNET = 3  # pixels around the neutral value within which the knob snaps to it
-
-
-class SliderScale(NamedTuple):
-    """Conversion between slider steps and values.
-
-    Attributes
-    ----------
-    steps : int
-    value_at : callable
-        From a step to its value.
-    step_of : callable
-        From a value to its step, not rounded.
-    neutral : int
-        The step that the knob falls into, and from which the bar is drawn.
-    """
-
-    steps: int
-    value_at: Callable[[int], float]
-    step_of: Callable[[float], float]
-    neutral: int
 
 
 # Scales: half a percent per step from 0, the same around 100 %, and three decades with 0 below.

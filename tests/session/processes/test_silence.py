@@ -11,8 +11,8 @@ import pytest
 from driven_session import pose
 from new_threads import new_threads
 
-from apd_viewer.session.processes import silence_watch, solver_process
-from apd_viewer.session.processes.silence_watch import SilenceWatch
+from apd_viewer.session.processes import solver_process
+from apd_viewer.session.processes.solver_process import SilenceWatch
 from apd_viewer.session.state_store import Activity
 
 SOON = 12.0  # s; it is told after 5
@@ -37,7 +37,7 @@ def stop(session, processes):
 def test_store_says_that_a_solver_is_stopped_until_it_goes_on(processes, session, monkeypatch):
     session.settle()
     stop(session, processes)
-    monkeypatch.setattr(silence_watch, "TICK", TICK)
+    monkeypatch.setattr(solver_process, "TICK", TICK)
     began = time.monotonic()
     session.until(lambda: session.store.silence_text, SOON)
     assert time.monotonic() - began > 3 * TICK
@@ -117,7 +117,7 @@ def heard():
 @pytest.fixture
 def short_seconds(monkeypatch):
     """Of silence; one test has them as they are."""
-    monkeypatch.setattr(silence_watch, "TICK", TICK)
+    monkeypatch.setattr(solver_process, "TICK", TICK)
 
 
 def wait(happened, seconds=5.0):

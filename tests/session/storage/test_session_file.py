@@ -16,7 +16,7 @@ from meshes import box, ends, rotation, soup
 
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_location import mesh_location_to_json
+from apd_viewer.files import mesh_location
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
@@ -30,7 +30,6 @@ from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.session import Session
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity, Listener
-from apd_viewer.session.storage import session_file
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 Change = Callable[[SettingsEditor], object]
@@ -314,9 +313,8 @@ def test_open_session_finds_a_sample_by_its_name(tmp_path, monkeypatch):
     """Another installation has it elsewhere."""
     mesh, _ = open_sample("duck")
     gone = {"path": "/gone/duck.obj", "relative": "gone/duck.obj"}
-    monkeypatch.setattr(
-        session_file, "mesh_location_to_json", lambda *given: {**mesh_location_to_json(*given), **gone}
-    )
+    to_json = mesh_location.mesh_location_to_json
+    monkeypatch.setattr(mesh_location, "mesh_location_to_json", lambda *given: {**to_json(*given), **gone})
     save_session(tmp_path / "a.apd", initial_state(mesh), VIEW)
     assert open_session(tmp_path / "a.apd")[0].document.mesh.path == mesh.path
 

@@ -9,7 +9,7 @@ from driving import LEFT, idle, work_off
 from process_tree import text_of, tree_of
 
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.session.processes import silence_watch
+from apd_viewer.session.processes import solver_process
 
 MAIN = "solver_main import main"  # in what a process of the solver runs
 SOON = 15_000  # ms; it is said after 5 s, short ones here
@@ -38,7 +38,7 @@ def test_notice_says_a_stopped_solver_until_it_is_restarted(qtbot, bottle, monke
     idle(qtbot, bottle)
     (stopped,) = solvers()
     os.kill(stopped, signal.SIGSTOP)
-    monkeypatch.setattr(silence_watch, "TICK", 0.2)
+    monkeypatch.setattr(solver_process, "TICK", 0.2)
     bottle.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
     before = store.state.frame.U
     qtbot.waitUntil(lambda: bool(notice.text), timeout=SOON)

@@ -8,12 +8,7 @@ from apd_viewer.cases.plan_columns import COLUMNS
 from apd_viewer.cases.results import ResultRow, ResultTable
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.studies.case_plots import CaseColors, axis_of, dot_colors
-from apd_viewer.ui.studies.result_columns import (
-    MOTION_COLUMN,
-    PLAN_TITLES,
-    result_columns,
-    shown_columns,
-)
+from apd_viewer.ui.studies.result_columns import MOTION_COLUMN, PLAN_TITLES, result_columns, shown_columns
 
 
 def table(columns, *rows):
