@@ -14,6 +14,7 @@ from apd_viewer.verification.verification_case import AnswerPair, CaseQuantity, 
 
 _PLAIN_ITERATIONS = 1000
 _STRICT = Convergence(energy_tolerance=1e-9)  # at 1e-7 the sags are off by 0.02 % more
+_THIN = 1e-4  # thickness of a wall that hardly stretches, in sizes of the shape
 
 
 def _shape(
@@ -21,16 +22,20 @@ def _shape(
     path: np.ndarray,
     sides: tuple[np.ndarray, np.ndarray],
     is_plain: bool,
-    stiffness: float = 0.0,
+    thickness: float | None = None,
 ) -> np.ndarray:
-    """Shape with base and handle, its ``sides``, held along a path (s, n, 3)."""
+    """Shape with base and handle, its ``sides``, held along a path (s, n, 3).
+
+    That of a wall, if it has a thickness, and of fabric without.
+    """
     held, handle = np.concatenate(sides), sides[1]
     V, targets = path[0], path[1:, held]
     if is_plain:
         return deform(V, F, held, targets[-1], "arap", _PLAIN_ITERATIONS, handle=handle).U
     return deform(
-        *(V, F, held, targets, "local"),
-        stiffness=stiffness,
+        *(V, F, held, targets, "local" if thickness is None else "wall"),
+        wall_thickness=thickness,
+        poisson=0.0,
         handle=handle,
         contact=False,
         convergence=_STRICT,
@@ -40,6 +45,11 @@ def _shape(
 def _distance(U: np.ndarray, goal: np.ndarray, free: np.ndarray, size: float) -> AnswerPair:
     """Root mean square distance of the free vertices from their goal, over a size."""
     return AnswerPair(0.0, float(np.sqrt(((U - goal)[free] ** 2).sum(axis=1).mean())) / size)
+
+
+def _mean_area_change(V: np.ndarray, U: np.ndarray, F: np.ndarray) -> float:
+    rest = face_areas(V, F)
+    return float(np.abs(face_areas(U, F) - rest).sum() / rest.sum())
 
 
 # Elastica
@@ -58,7 +68,8 @@ def _strip(n: int, is_plain: bool) -> Measured:
     V = np.insert(uv * [1.0, _STRIP_WIDTH], 2, 0.0, axis=1)
     rows = np.arange(len(V)).reshape(n + 1, -1)
     shapes = [
-        _shape(F, np.array([V, V * [d, 1.0, 1.0]]), (rows[0], rows[-1]), is_plain, 1e-4) for d in _DISTANCES
+        _shape(F, np.array([V, V * [d, 1.0, 1.0]]), (rows[0], rows[-1]), is_plain, 1.0 / 300.0)
+        for d in _DISTANCES
     ]
     sags = [float(np.abs(U[rows[n // 2], 2]).mean()) for U in shapes]
     answers = [AnswerPair(elastica_sag(d), sag) for d, sag in zip(_DISTANCES, sags, strict=True)]
@@ -77,12 +88,12 @@ _INFLATED, _OVERFULL = 120.0, 139.0  # percent; the sphere of the same area hold
 
 def _cube(n: int, _: bool) -> Measured:
     V, F = cube(n)
-    held, rest = np.array([0]), face_areas(V, F)
+    held = np.array([0])
     full, over = (
         deform(V, F, held, V[held], "local", area=100.0, volume=percent, contact=False)
         for percent in (_INFLATED, _OVERFULL)
     )
-    change = float(np.abs(face_areas(full.U, F) - rest).sum() / rest.sum())
+    change = _mean_area_change(V, full.U, F)
     refused = float(not over.converged and len(over.warnings) > 0)
     return Measured((AnswerPair(0.0, change), AnswerPair(1.0, refused)), np.array([[n, 100.0 * change]]))
 
@@ -111,12 +122,11 @@ def _kresling(n: int, is_plain: bool) -> Measured:
     base, top = np.flatnonzero(V[:, 2] == 0.0), np.flatnonzero(V[:, 2] == 2.0 * _TALL)
     push = 2.0 * (_TALL - kresling_height(_TALL, _TURN)) / (2.0 * _TALL)
     path = V * np.column_stack([np.ones((21, 2)), 1.0 - push * np.linspace(0.0, 1.0, 21)])[:, None]
-    U = _shape(F, path, (base, top), is_plain)
+    U = _shape(F, path, (base, top), is_plain, _THIN)
     corners = [int(np.linalg.norm(V - corner, axis=1).argmin()) for corner in B]
     turn = np.degrees(np.angle((U[corners] @ [1.0, 1j, 0.0]) / (B @ [1.0, 1j, 0.0])))
-    return Measured(
-        (AnswerPair(60.0, float(turn.mean())),), np.column_stack([np.arange(1, _SIDES + 1), turn])
-    )
+    answers = AnswerPair(60.0, float(turn.mean())), AnswerPair(0.0, _mean_area_change(V, U, F))
+    return Measured(answers, np.column_stack([np.arange(1, _SIDES + 1), turn]))
 
 
 # Spindle of Minding
@@ -190,7 +200,7 @@ ELASTICA = VerificationCase(
     tr("Strip pushed together (elastica)"),
     "A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed., 1927, § 262",
     tuple(
-        CaseQuantity(tr("sag, ends at {distance:g}").format(distance=distance), 0.001)
+        CaseQuantity(tr("sag, ends at {distance:g}").format(distance=distance), 0.0005)
         for distance in _DISTANCES
     ),
     (20, 40, 80),
@@ -217,11 +227,8 @@ KRESLING = VerificationCase(
     tr("Kresling cell folded"),
     "B. Kresling, Natural twist buckling in shells, Proc. IASS-IACM, 2008",
     (
-        CaseQuantity(
-            tr("turn of the middle ring, degrees"),
-            0.01,
-            reason=tr("Triangles shear at the usual shear stiffness; at 100 the turn is 59.7 degrees."),
-        ),
+        CaseQuantity(tr("turn of the middle ring, degrees"), 0.1 / 60.0),
+        CaseQuantity(tr("mean area change"), 0.0001),
     ),
     (3, 6, 12),
     _kresling,

@@ -185,6 +185,26 @@ def test_press_command_fills_in_the_wall_by_a_material_and_gives_loads_in_newton
 
 
 @pytest.mark.night
+def test_press_command_takes_the_wall_itself_where_its_thickness_and_modulus_are_known(press, tmp_path):
+    """A ring of 60 mm with a wall of 0.3 mm: the load of an inextensional ring in newtons."""
+    V, F = tube(60, 2)
+    save_mesh(Mesh(V, F), 30.0 * V, tmp_path / "ring.obj")
+    known = "--unit", "mm", "--material", "pet-bottle", "--young", "3.4GPa", "--poisson", 0
+    curve = tmp_path / "c.csv"
+    status, said, err, _ = press(
+        tmp_path / "ring.obj", "--axis", "x", "--to", "50%", "--steps", 2, *known, "--curve", curve
+    )
+    assert (status, err) == (0, "")
+    assert "of this thin elastic wall" in said
+    last, width = rows(curve)[-1], 0.03 * np.ptp(V[:, 2])
+    rigidity = 3.4e9 * 0.3e-3**3 / 12.0
+    gap = 1e-3 * (last["distance"] - 2.0 * 0.08)  # less what the plates keep, about
+    for side in ("low", "high"):
+        assert last[f"load_{side}_newton"] == pytest.approx(5.742160 * rigidity * width / gap**2, rel=0.02)
+    assert last["newton_factor"] == pytest.approx(1.0)
+    assert last["load_excess_percent"] == 0.0
+
+
 def test_press_command_tells_the_expected_excess_beside_the_load(smooth_ball, press, tmp_path):
     """0.75 h^2 over D = 2 stiffness area; the edges of a ball are nearly alike. A tenth of it for local."""
     mesh = trimesh.load(smooth_ball, process=False)

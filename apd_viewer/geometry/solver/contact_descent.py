@@ -42,6 +42,9 @@ from apd_viewer.language import tr
 
 # Motion of held vertices at once, in mesh sizes, and number of steps between two motions.
 _PART, _STEPS = 0.05, 10
+# Stiffness of the gaps of a thin wall, by its thickness in mesh sizes: stiffer ones would close to nothing for
+# the small forces that bend it, softer ones under those that dent it.
+_SOFTNESS = 10.0
 # Substeps of blocked steps taken as a sign of contact; the first shapes after a motion may be rough.
 _PATIENCE = 60
 
@@ -123,8 +126,9 @@ def contact_descent(
     shape, fixed = rest.solve_mesh, elastic.fixed
     if len(fixed) and not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
-    # A thin wall gives way to gaps that are as much softer as it is itself.
-    softness = elastic.material.thickness / rest.diagonal if isinstance(inner, WallSurface) else 1.0
+    softness = 1.0
+    if isinstance(inner, WallSurface):
+        softness = min(1.0, _SOFTNESS * elastic.material.thickness / rest.diagonal)
     held = shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness
     contact = mesh_contact(*held, loose, softness=softness, touches=touches)
     return ContactDescent(inner, goals, contact, handle_of, obstacles, gas)

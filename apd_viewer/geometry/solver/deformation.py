@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 from functools import partial
-from typing import NoReturn
+from typing import NoReturn, cast
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from apd_viewer.geometry.mesh.arrays import checked, frozen
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.contact_descent import (
+    ContactDescent,
     check_contact,
     check_obstacles,
     contact_descent,
@@ -70,10 +71,9 @@ class Deformation:
     fixed : (k,) int array
         Vertices that are held: base and handles together.
     method : str
-        "exact" (as rigid as possible, the total area kept to the last digits), "local" (every
-        triangle keeps its area), "wall" (a thin elastic wall), "paper" (Li & Hui: the total area kept to
-        the tolerance, handles give way), "arap" (as rigid as possible) or "sr-arap" (with smooth rotations,
-        as CGAL has it).
+        "exact" (as rigid as possible, the total area kept to the last digits), "local" (every triangle
+        keeps its area), "wall" (a thin elastic wall), "paper" (Li & Hui: the total area kept to the
+        tolerance, handles give way), "arap" (as rigid as possible) or "sr-arap" (as CGAL has it).
     handle : int array or sequence of int arrays, optional
         Those of ``fixed`` that are handle, or those of each handle; "paper", calm parts and drift need it.
     tolerance : float
@@ -204,20 +204,17 @@ class Deformation:
             of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
             touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
             enclosed = None if gas is None else EnclosedGas(rest, gas)
-            self.contact = None
-            self.solver: IterativeSolver
-            if contact or self._traits.is_wall:
-                check_contact(self._traits, plain)
+            inner: IterativeSolver | WallSurface
             if self._traits.is_wall:
-                wall = WallSurface(rest.solve_mesh, held, thin, self._soft)
-                self.contact = contact_descent(wall, goals, *touching, enclosed, contact)
+                inner = WallSurface(rest.solve_mesh, held, thin, self._soft)
             else:
                 elastic = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
-                self.solver = make_solver(elastic, goals, self._traits, of, plain or needs_contact)
-                if contact:
-                    self.contact = contact_descent(self.solver, goals, *touching, enclosed)
-            if self.contact is not None:
-                self.solver = self.contact
+                inner = make_solver(elastic, goals, self._traits, of, plain or needs_contact)
+            self.contact: ContactDescent | None = None
+            if contact or self._traits.is_wall:
+                check_contact(self._traits, plain)
+                self.contact = contact_descent(inner, goals, *touching, enclosed, contact)
+            self.solver = cast(IterativeSolver, self.contact or inner)
         self._stability = Stability(self.solver, rest.diagonal)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence

@@ -55,7 +55,7 @@ class NewtonConversion:
 
     @property
     def is_of_the_wall(self) -> bool:
-        """True if the model bends and stretches as the wall does, and no conversion is in doubt."""
+        """True if the model bends and stretches as the wall itself does."""
         return math.isclose(self.pressed_stiffness, self.stiffness, rel_tol=1e-6)
 
     def underestimate_factor(self, stretching: float) -> float:
