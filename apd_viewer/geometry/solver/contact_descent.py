@@ -42,8 +42,8 @@ from apd_viewer.language import tr
 
 # Motion of held vertices at once, in mesh sizes, and number of steps between two motions.
 _PART, _STEPS = 0.05, 10
-# Stiffness of the gaps of a thin wall, by its thickness in mesh sizes: stiffer ones would close to nothing for
-# the small forces that bend it, softer ones under those that dent it.
+# Stiffness of the gaps of a thin wall, by its thickness in mesh sizes: stiffer ones would hardly close by
+# the small forces that bend it, softer ones would close to nothing under those that dent it.
 _SOFTNESS = 10.0
 # Substeps of blocked steps taken as a sign of contact; the first shapes after a motion may be rough.
 _PATIENCE = 60
