@@ -298,9 +298,9 @@ KEYS = {
         format version program mesh target arrays document frame view
         mesh: name vertices faces digest path sample relative embedded
         target: name vertices faces digest path sample relative embedded
-        document: handles regions method stiffness area_stiffness shear_stiffness wall_thickness poisson area volume tolerance
-            hold_area calm contact thickness yield_radius gas convergence obstacles staying
-            measurements base poses mirror
+        document: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
+            poisson area volume tolerance hold_area calm contact thickness yield_radius gas convergence
+            obstacles staying measurements base poses mirror
         document.handles: name pose pivot locked hidden waypoints earlier line falloff
         document.regions: name area locked hidden
         document.convergence: most_iterations energy_tolerance step_tolerance imperfection seed
