@@ -28,6 +28,7 @@ from apd_viewer.geometry.linalg.threads import parallel, total
 from apd_viewer.geometry.mesh.operators import cotangents, well_shaped
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
+from apd_viewer.language import trn
 
 # Firmness of a shift of the whole, in bending rigidities over the fourth power of the mesh size.
 _SHIFT = 0.1
@@ -188,6 +189,19 @@ class WallSurface(HeldSurface):
         blocks[own] += self._diagonal[:, None, None] * np.eye(3)
         blocks *= 0.25
         return blocks
+
+
+def joints_sentence(surface: HeldSurface) -> str | None:
+    """Sentence on the edges of a wall that resist no bending; None if it has none."""
+    count = len(surface.hinges.others) if isinstance(surface, WallSurface) else 0
+    if not count:
+        return None
+    said = trn(
+        "At {n:,} edge of more than two triangles the wall bends freely.",
+        "At {n:,} edges of more than two triangles the wall bends freely.",
+        count,
+    )
+    return said.format(n=count)
 
 
 class Stretching:

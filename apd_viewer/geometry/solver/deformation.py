@@ -13,7 +13,7 @@ from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.wall_surface import WallSurface
+from apd_viewer.geometry.energy.wall_surface import WallSurface, joints_sentence
 from apd_viewer.geometry.goals.calm_parts import calm_levels
 from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.linalg.linear_solver import Factorizer
@@ -457,7 +457,8 @@ class Deformation:
         """Warnings about loose parts, a missing volume and open seams, a sentence each."""
         why = None if self.rest.volume_capped else self.rest.missing_volume_reason
         said = self.loose.warning, tr("There is no volume: {why}.").format(why=why) if why else None
-        return tuple(sentence for sentence in (*said, *self.rest.seams.sentences) if sentence)
+        joints = joints_sentence(self.solver.elastic)
+        return tuple(sentence for sentence in (*said, joints, *self.rest.seams.sentences) if sentence)
 
     def readings(self, frame: Frame) -> tuple[RegionReading, ...]:
         """Readings of the regions in ``frame``."""

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 _FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
 # The stiffness has a slider, and the distance of walls is that of the wall's thickness.
 _ELSEWHERE = ("stiffness", "thickness")
-_UNSET = "–"
 
 
 class MethodSection(Section):
@@ -41,7 +40,7 @@ class MethodSection(Section):
     changed : Signal(str, object)
         Name of a setting and its value, but for contact.
     numbers : dict of str to NumberField
-        Of the other settings that are numbers, by their names; a dash shows an unset one.
+        Of the other settings that are numbers, by their names; 0 shows an unset one.
     """
 
     changed = Signal(str, object)
@@ -112,8 +111,6 @@ class MethodSection(Section):
         )
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
         default = getattr(DEFAULT_SETTINGS, name)
-        if default is None:
-            field.setSpecialValueText(_UNSET)
         field.valueChanged.connect(
             lambda value: self.changed.emit(name, value or None if default is None else value)
         )

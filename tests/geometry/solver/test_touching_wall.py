@@ -169,6 +169,17 @@ def test_deformation_approaches_a_very_thin_wall_by_thicker_ones():
     assert changes[1] < 1e-3 * changes[0]
 
 
+def test_deformation_by_wall_names_joints_of_more_than_two_sheets():
+    flat, T = grid(4, 3)
+    across = np.column_stack([flat[:, 0], np.full(len(flat), 1.0), flat[:, 1]])
+    two, held = np.vstack([flat, across]), [0, 1, 2, 3]
+    sheets = np.vstack([T, T + len(flat)])
+    said = {method: Deformation(two, sheets, held, method=method).warnings for method in ("wall", "arap")}
+    joints = "At 4 edges of more than two triangles the wall bends freely."
+    assert joints in said["wall"]
+    assert joints not in said["arap"]
+
+
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [

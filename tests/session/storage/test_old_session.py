@@ -104,7 +104,8 @@ def test_save_session_saves_an_old_session_with_the_same_content(tmp_path):
     # What it did not say, and is always said today.
     added = {name: again["document"].pop(name) for name in set(again["document"]) - set(said["document"])}
     assert not any(added.pop(name) for name in ("contact", "calm", "thickness", "yield_radius", "gas"))
-    assert added == {"convergence": DEFAULT_CONVERGENCE._asdict()}
+    defaults = {name: getattr(DEFAULT_SETTINGS, name) for name in ("wall_thickness", "poisson")}
+    assert added == {"convergence": DEFAULT_CONVERGENCE._asdict(), **defaults}
     assert [again["frame"].pop(name) for name in ("stable", "saddle_escapes")] == [None, 0]
     assert again == said
 
