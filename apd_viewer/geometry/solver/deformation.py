@@ -53,6 +53,7 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     check_method,
+    check_wall_size,
     method_material,
     wall_material,
 )
@@ -206,6 +207,7 @@ class Deformation:
             enclosed = None if gas is None else EnclosedGas(rest, gas)
             inner: IterativeSolver | WallSurface
             if self._traits.is_wall:
+                check_wall_size(len(rest.solve_mesh.V))
                 inner = WallSurface(rest.solve_mesh, held, thin, self._soft)
             else:
                 elastic = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)

@@ -19,6 +19,8 @@ DEFAULT_POISSON = 0.4
 _LOCAL_RIGIDITY = 0.1
 # Most vertices for interactive speed in contact. A fixed number, so that all machines behave alike.
 MOST_VERTICES_IN_CONTACT = 20_000
+# Most vertices of a wall: the factors of its Hessian take about 3 GB there.
+_MOST_WALL_VERTICES = 100_000
 
 
 @dataclass(frozen=True)
@@ -231,6 +233,16 @@ def method_material(
 # Thickness of a wall unless another is given, the smallest and the largest one, in diagonals of the bounding
 # box. As thin as the smallest a wall hardly stretches any more.
 _THICKNESS, _THINNEST, _THICKEST = 1e-3, 1e-5, 0.05
+
+
+def check_wall_size(vertices: int) -> None:
+    """Raise InputError if a wall of so many vertices would take too much memory."""
+    if vertices > _MOST_WALL_VERTICES:
+        raise InputError(
+            tr("The method Wall takes at most {most:,} vertices; choose Local, or thin the mesh.").format(
+                most=_MOST_WALL_VERTICES
+            )
+        )
 
 
 def wall_material(diagonal: float, thickness: float | None, poisson: float) -> Material:

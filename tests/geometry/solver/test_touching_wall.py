@@ -11,6 +11,7 @@ from apd_viewer import Convergence, Deformation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_obstacles import plate
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.solver.methods import check_wall_size
 from apd_viewer.verification.press_cases import LIFT_OFF, flattened_load, flattened_volume
 from apd_viewer.verification.shape_cases import elastica_sag
 
@@ -192,3 +193,9 @@ def test_deformation_by_wall_names_joints_of_more_than_two_sheets():
 def test_deformation_by_wall_says_what_it_cannot(given, sentence):
     with pytest.raises(InputError, match=sentence):
         Deformation(V, F, FIXED, **{"handle": HANDLE, "method": "wall"} | given)
+
+
+def test_check_wall_size_refuses_what_would_not_fit_into_memory():
+    check_wall_size(100_000)
+    with pytest.raises(InputError, match="at most 100,000 vertices"):
+        check_wall_size(100_001)
