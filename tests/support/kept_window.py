@@ -172,6 +172,7 @@ class KeptWindow:
         window.display_options.cutting_plane.slider.setValue(
             window.display_options.cutting_plane.slider.maximum() // 2
         )
+        window.actions_.file.fill_recent(())
         window.canvas.brush.size.radius = DEFAULT_RADIUS
         window.panel.obstacles.fields.along.setCurrentIndex(0)
         shell.showNormal()
