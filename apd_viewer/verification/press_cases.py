@@ -76,7 +76,7 @@ def _tube_curve() -> np.ndarray:
 
 _LENGTH, _POISSON = 0.52, 0.3  # radii: three half waves
 # Of the classical strain.
-_STRAINS = np.concatenate([np.arange(0.1, 0.75, 0.1), np.arange(0.8, 1.2, 0.0125)])
+_STRAINS = np.concatenate([np.arange(0.1, 0.75, 0.1), np.arange(0.8, 1.2, 0.025)])
 
 
 def _cylinder(n: int, _: bool) -> Measured:

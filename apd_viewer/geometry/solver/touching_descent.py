@@ -17,8 +17,8 @@ from apd_viewer.geometry.solver.iterative_solver import SolverProgress
 from apd_viewer.geometry.solver.quasi_newton import Equilibrium, QuasiNewton
 from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
-# Path increments in mesh sizes: the first and the longest.
-_FIRST, _LONGEST = 2e-3, 8e-3
+# Path increments in mesh sizes: the first, the longest, and the least that another path begins with.
+_FIRST, _LONGEST, _LEAST_FIRST = 2e-3, 8e-3, 2e-5
 # Attempts at a path increment; factors of the increment after a blocked and after a successful attempt.
 _TRIES, _LESS, _MORE = 6, 0.4, 1.4
 # Steps between two path increments: fewest, most, and the relative energy gain below which they end. A shape
@@ -72,7 +72,7 @@ class TouchingDescent:
         self._size = float(np.linalg.norm(np.ptp(surface.rest.V, axis=0)))
         longest = surface.longest_step * self._size
         self._quasi_newton = QuasiNewton(surface, self._projection, surface.growth, longest)
-        self.share, self._steps = 1.0, 0
+        self.share, self._steps, self._last = 1.0, 0, _FIRST
         self._begin_to_converge()
 
     @property
@@ -159,7 +159,10 @@ class TouchingDescent:
             self._surface.thicken()
         least = self._surface.least_part
         part = self._size / max(path.length, least * self._size)
-        self._part, self._longest, self._no_part = _FIRST * part, _LONGEST * part, least * part
+        self._longest, self._no_part = _LONGEST * part, least * part
+        self._goes_at_once = self._surface.follows_at_once
+        self._part = part * (max(self._last, _LEAST_FIRST) if self._goes_at_once else _FIRST)
+        self._per_part = 1.0 / part
         self._steps, self._waited, self._mark = 0, 0, share
         self._begin_to_converge()
         self._quasi_newton.resume()
@@ -170,7 +173,8 @@ class TouchingDescent:
 
     def step(self) -> None:
         """Advance the held vertices if due, or reduce the energy."""
-        if self.is_on_its_way and self._has_followed:
+        if self.is_on_its_way and (self._goes_at_once or self._has_followed):
+            self._goes_at_once = False
             self._walk()
             return
         self._steps += 1
@@ -207,6 +211,7 @@ class TouchingDescent:
                 self._part = min(self._longest, _MORE * self._part)
                 break
             self._part = max(_LESS * self._part, self._no_part)
+        self._last = self._part * self._per_part
         if self.share - self._mark > _PATIENCE * self._no_part:
             self._mark, self._waited = self.share, 0
         self._waited += 1

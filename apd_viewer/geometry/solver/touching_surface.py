@@ -48,9 +48,11 @@ class TouchingSurface(ABC):
         length of the last one is collision-free.
     least_part : float
         Shortest part of the path of held vertices and obstacles, in mesh sizes.
+    follows_at_once : bool
+        Another path goes on as the last one did: steps take so long that hands are faster.
     """
 
-    longest_step, growth, least_part = np.inf, 1.6, 1e-4
+    longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False
 
     def __init__(self, elastic: HeldSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
         self.elastic, self.contact, self.gas = elastic, contact, gas

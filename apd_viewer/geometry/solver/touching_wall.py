@@ -43,7 +43,7 @@ class TouchingWall(TouchingSurface):
     """
 
     elastic: WallSurface
-    longest_step, growth, least_part = 0.05, 4.0, 1e-7
+    longest_step, growth, least_part, follows_at_once = 0.05, 4.0, 1e-7, True
 
     def __init__(self, elastic: WallSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
         super().__init__(elastic, contact, gas)
@@ -63,8 +63,9 @@ class TouchingWall(TouchingSurface):
     def thicken(self) -> None:
         """Begin anew with a wall that is thick enough to follow handles and obstacles."""
         last, thin = self.elastic.material.thickness, _THIN * self._size
-        self.elastic.thickness = _EASY * self._size if last < thin else last
-        self._age = _RENEWED
+        thickness = _EASY * self._size if last < thin else last
+        if thickness != self.elastic.thickness:
+            self.elastic.thickness, self._age = thickness, _RENEWED
 
     def thin(self) -> bool:
         """Continue with a thinner wall; False if it is as thin as asked."""

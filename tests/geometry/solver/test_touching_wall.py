@@ -199,3 +199,14 @@ def test_check_wall_size_refuses_what_would_not_fit_into_memory():
     check_wall_size(100_000)
     with pytest.raises(InputError, match="at most 100,000 vertices"):
         check_wall_size(100_001)
+
+
+def test_deformation_by_wall_follows_a_hand_that_does_not_wait():
+    """Aimed anew before it has settled, the wall goes on, and is where the handle is soon."""
+    solver = wall(contact=False)
+    for turn in np.radians(np.arange(1, 31)):
+        solver.aim(np.vstack([V[BASE], V[HANDLE] @ rotation([0, 0, 1], turn).T]))
+        for _ in range(3):
+            frame = solver.step()
+    assert frame.share_reached > 0.8
+    assert frame.energy < 10 * list(settle(solver))[-1].energy
