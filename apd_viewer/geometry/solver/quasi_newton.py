@@ -56,6 +56,8 @@ class Equilibrium(NamedTuple):
     held_positions : (k + s, 3) float array
     solve : callable
         Response (f, 3) to forces (f, 3) in the metric that curvatures are relative to.
+    is_definite : bool or None
+        Whether the energy rises in every direction, within the goals or not; None if unknown.
     """
 
     surface: DescentSurface
@@ -63,6 +65,7 @@ class Equilibrium(NamedTuple):
     multipliers: np.ndarray
     held_positions: np.ndarray
     solve: Callable[[np.ndarray], np.ndarray]
+    is_definite: bool | None = None
 
     def slope(self, U: np.ndarray) -> np.ndarray:
         """Quarter of the Lagrangian's gradient (f, 3) at ``U`` (n, 3) near the shape."""

@@ -70,7 +70,7 @@ class StabilitySearch:
         self._forces = self._within_goals(np.random.default_rng(0).normal(size=(len(free), 3)))
         self._response = at.solve(self._forces)
         self._norm = _norm(self._response, self._forces)
-        self.lowest, self.has_ended = np.inf, self._norm == 0.0
+        self.lowest, self.has_ended = np.inf, self._norm == 0.0 or at.is_definite is True
         self._values, self._vectors = np.zeros(0), np.zeros((0, 0))
 
     def _within_goals(self, forces: np.ndarray) -> np.ndarray:
@@ -94,7 +94,8 @@ class StabilitySearch:
         self.lowest = float(self._values[0])
         error = self._norm * abs(float(self._vectors[-1, 0]))
         known = _KNOWN_FALLING if self.lowest < 0.0 else _KNOWN_RISING
-        self.has_ended = error <= known * abs(self.lowest) or len(self._directions) >= self._most
+        found = error <= known * abs(self.lowest) and (self.lowest < 0.0 or self.at.is_definite is None)
+        self.has_ended = found or len(self._directions) >= self._most
 
     @property
     def _norm_before(self) -> float:
@@ -238,7 +239,8 @@ class Stability:
         if lower is None:
             if at_rest:
                 # It holds where no displacement of that size leads lower, or contact leaves no way.
-                self._is_stable = way is None or may_leave
+                known_to_fall = at.is_definite is False and not len(at.multipliers)
+                self._is_stable = may_leave if way is not None else not known_to_fall
             return False
         self.saddle_escapes += 1
         self._solver.restart(lower)

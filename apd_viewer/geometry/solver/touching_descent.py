@@ -100,9 +100,11 @@ class TouchingDescent:
     @property
     def equilibrium(self) -> Equilibrium:
         """Surface with its gaps as a search for lower shapes sees it."""
-        multipliers = self._quasi_newton.multipliers
-        solve = self._surface.solve
-        return Equilibrium(self._surface, self._projection, multipliers, self.held_positions, solve)
+        multipliers, surface = self._quasi_newton.multipliers, self._surface
+        if surface.outdate_metric():
+            surface.renew_metric(self._projection.goals, multipliers)
+        at = surface, self._projection, multipliers, self.held_positions
+        return Equilibrium(*at, surface.solve, surface.is_definite)
 
     @property
     def has_met_goals(self) -> bool:

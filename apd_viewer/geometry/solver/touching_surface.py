@@ -108,6 +108,11 @@ class TouchingSurface(ABC):
         """Make ``U`` (n, 3) current; return its energy."""
         return self._whole(self.elastic.energy_after_local_step(U))
 
+    @property
+    def is_definite(self) -> bool | None:
+        """True if the energy rises in every direction, as found last; None if unknown."""
+        return None
+
     @abstractmethod
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Response to forces ``b_f``, both (f, 3), with the contact springs."""

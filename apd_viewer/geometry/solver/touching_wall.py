@@ -53,6 +53,7 @@ class TouchingWall(TouchingSurface):
         self._size = float(np.linalg.norm(np.ptp(elastic.rest.V, axis=0)))
         self._tensions, self._pressure = np.zeros(len(elastic.rest.F)), 0.0
         self._factored: Metric | None = None
+        self._is_definite: bool | None = None
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Response to forces ``b_f``, both (f, 3): a wall may turn as a whole."""
@@ -75,6 +76,11 @@ class TouchingWall(TouchingSurface):
         wall.thickness = max(last, _THINNER * wall.thickness)
         self._age = _RENEWED
         return True
+
+    @property
+    def is_definite(self) -> bool | None:
+        """True if the energy rises in every direction, as found last; None if unknown."""
+        return self._is_definite
 
     def is_gentle(self, W: np.ndarray) -> bool:
         """True if gaps at ``W`` (n, 3) are wide enough to go on from there."""
@@ -110,9 +116,11 @@ class TouchingWall(TouchingSurface):
             mean = np.trace(blocks[pattern.diagonal].mean(axis=0)) / 3.0
             blocks[pattern.diagonal] += firmer * mean * np.eye(3)
             try:
-                return BlockFactor(pattern, blocks, np.float64)
+                factor = BlockFactor(pattern, blocks, np.float64)
             except ValueError:
                 continue
+            self._is_definite = (share, firmer) == _ATTEMPTS[0]
+            return factor
         raise ArithmeticError("The Hessian of the wall is not finite.")
 
     @property
