@@ -69,7 +69,7 @@ def irregular(ring):
 
 RINGS = {
     "even": lambda n: tube(n, 4),
-    "flattened": lambda n: tube(n, 6, height=4 * 0.6 * 2 * np.pi / n),
+    "flattened": lambda n: tube(n, 5, height=5 * 0.66 * 2 * np.pi / n),
     "irregular": lambda n: irregular(tube(n, 4)[0]),
 }
 
