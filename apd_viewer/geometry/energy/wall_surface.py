@@ -131,8 +131,13 @@ class WallSurface(HeldSurface):
         E = self._energy_and_gradient[0]
         return self.stretching.energy_and_gradient(self.U)[0] / E if E > 0.0 else 0.0
 
+    def draw_to(self, targets: np.ndarray) -> None:
+        """Have springs draw soft vertices to their ``targets``, those after the held."""
+        self._targets = targets
+
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
+        self.draw_to(targets)
         return self._quarter_gradient(self.U, self._energy_and_gradient[1], targets)
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
@@ -142,7 +147,6 @@ class WallSurface(HeldSurface):
     def _quarter_gradient(self, U: np.ndarray, g: np.ndarray, targets: np.ndarray) -> np.ndarray:
         residual = 0.25 * parallel_ops.gathered_rows(g, self.free)
         if len(self.soft.ids):
-            self._targets = targets
             away = U[self.soft.ids] - targets[len(self.fixed) :]
             np.add.at(residual, self.place[self.soft.ids], self.spring_constants[:, None] * away)
         return residual

@@ -217,6 +217,7 @@ class TouchingDescent:
         if self.share - self._mark > _PATIENCE * self._no_part:
             self._mark, self._waited = self.share, 0
         self._waited += 1
+        self._surface.draw_to(self.held_positions)
         self._begin_to_converge()
         self._quasi_newton.resume()
 

@@ -149,6 +149,9 @@ class TouchingSurface(ABC):
         """Continue with a material nearer to the one asked for; False if it is that."""
         return False
 
+    def draw_to(self, targets: np.ndarray) -> None:  # noqa: B027 (most know them by then)
+        """Have springs draw soft vertices to their ``targets`` (k + s, 3), after the held."""
+
     def is_gentle(self, _: np.ndarray) -> bool:
         """True if gaps at the positions (n, 3) are wide enough to go on from there."""
         return True

@@ -77,6 +77,10 @@ class TouchingWall(TouchingSurface):
         self._age = _RENEWED
         return True
 
+    def draw_to(self, targets: np.ndarray) -> None:
+        """Have springs draw soft vertices to their ``targets`` (k + s, 3), after the held."""
+        self.elastic.draw_to(targets)
+
     @property
     def is_definite(self) -> bool | None:
         """True if the energy rises in every direction, as found last; None if unknown."""

@@ -11,6 +11,7 @@ from apd_viewer import Convergence, Deformation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_obstacles import plate
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.geometry.solver.methods import check_wall_size
 from apd_viewer.verification.press_cases import LIFT_OFF, flattened_load, flattened_volume
 from apd_viewer.verification.shape_cases import elastica_sag
@@ -137,6 +138,23 @@ def test_deformation_by_wall_moves_rigidly_with_what_holds_it(contact):
     *_, frame = settle(solver)
     np.testing.assert_allclose(frame.U, W, atol=1e-6)
     assert frame.energy < 1e-12
+
+
+def test_deformation_by_wall_draws_what_is_soft_along():
+    """Between two motions of the handle the energy never rises: it is that of the springs as they stand."""
+    ids = np.setdiff1d(np.flatnonzero(V[:, 2] > 0.7 * V[:, 2].max()), FIXED)
+    soft = SoftConstraints(ids, np.full(len(ids), 0.5), np.full(len(ids), 0.5), np.zeros(len(ids), int))
+    W = V @ rotation([0, 0, 1], 0.5).T
+    turned, drawn = np.vstack([V[BASE], W[HANDLE]]), []
+    for springs in (soft, NO_SOFT_CONSTRAINTS):
+        solver, frame = wall(contact=False, soft=springs), None
+        solver.aim(turned, soft_targets=W[ids] if len(springs.ids) else None)
+        for following in settle(solver):
+            if frame is not None and following.share_reached == frame.share_reached:
+                assert following.energy <= frame.energy * (1 + 1e-9)
+            frame = following
+        drawn.append(np.linalg.norm(frame.U[ids] - W[ids], axis=1).mean())
+    assert drawn[0] < 0.7 * drawn[1]
 
 
 def test_deformation_by_wall_stops_at_an_obstacle_that_bends_it():
