@@ -53,6 +53,8 @@ class WallSurface(HeldSurface):
     stretching : Stretching
     hinges : Hinges
         Of a wall as thick as 1.
+    rows : (n,) int array
+        Row of every vertex in the Hessian; -1 for those that are not free.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class WallSurface(HeldSurface):
         unit = replace(material, thickness=1.0).plate_rigidity
         self.hinges = Hinges(rest.V, rest.F, unit, material.poisson)
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]])
+        self.rows = np.where(self.place < len(self.free), np.maximum(self.place, -1), -1)
         size = float(np.linalg.norm(np.ptp(rest.V, axis=0)))
         shift = _SHIFT * material.plate_rigidity / size**4 * rest.vertex_areas[self.free]
         springs = np.bincount(self.place[soft.ids], self.spring_constants, minlength=len(self.free))
@@ -185,8 +188,7 @@ class WallSurface(HeldSurface):
         square, patch = self._thickness**2, flat.patch
         triangles = patch.F, patch.start, patch.corner, flat.hats, flat.areas, *flat.lame
         bent = hinges.corners, *hinges.at_vertices, hinges.Q.indptr, hinges.Q.indices, square * hinges.Q.data
-        place = np.where(self.place < len(self.free), self.place, -1)
-        rows = self.free, place, pattern.start, pattern.column
+        rows = self.free, self.rows, pattern.start, pattern.column
         moments = square * hinges.moments(angles)[1]
         blocks = wall_blocks(U, *triangles, tensions, pressure, *bent, J, moments, share, *rows)
         own = pattern.diagonal

@@ -116,7 +116,7 @@ class TouchingWall(TouchingSurface):
         pattern = self._pattern_with(self._springs.ids)
         for share, firmer in _ATTEMPTS:
             blocks = self.elastic.blocks(pattern, self._tensions, self._pressure, share)
-            _add_springs(self._springs, np.append(self._rows, -1), pattern, blocks)
+            _add_springs(self._springs, np.append(self.elastic.rows, -1), pattern, blocks)
             mean = np.trace(blocks[pattern.diagonal].mean(axis=0)) / 3.0
             blocks[pattern.diagonal] += firmer * mean * np.eye(3)
             try:
@@ -127,16 +127,10 @@ class TouchingWall(TouchingSurface):
             return factor
         raise ArithmeticError("The Hessian of the wall is not finite.")
 
-    @property
-    def _rows(self) -> np.ndarray:
-        """Row of every vertex, -1 for those that are not free, (n,)."""
-        place = self.elastic.place
-        return np.where(place < len(self.free), np.maximum(place, -1), -1)
-
     def _pattern_with(self, ids: np.ndarray) -> BlockPattern:
         """Pattern in which the vertices ``ids`` (p, 4) of each pair are coupled, too."""
         couplings, f = self.elastic.couplings, len(self.free)
-        rows = np.append(self._rows, -1)[np.minimum(ids, len(self.U))]
+        rows = np.append(self.elastic.rows, -1)[np.minimum(ids, len(self.U))]
         a, b = np.repeat(rows, 4, axis=1).ravel(), np.tile(rows, 4).ravel()
         inside = (a >= 0) & (b >= 0)
         more = sp.coo_array((np.ones(inside.sum(), np.float32), (a[inside], b[inside])), shape=(f, f)).tocsr()
