@@ -94,8 +94,6 @@ SYMMETRIC = {
     "ball pushed": (_ball, 0.3, 0.0),
     "sheet sheared": (lambda: sheet(40), 0.0, 0.0),
 }
-# Folds compete: these are stable, and others lie 3 to 4 % lower.
-_COMPETING = {("tube twisted", method, True): 1.04 for method in ("arap", "exact")}
 
 
 @pytest.mark.night
@@ -120,20 +118,20 @@ def test_stability_lets_symmetric_shapes_end_as_low_as_jittered_ones(name, metho
             contact=contact,
             convergence=Convergence(imperfection=imperfection),
         )
-        stops = []
+        # Which folds a way leads to is decided where the first saddle is left, hence the rest at each stop.
         for part in (0.25, 0.5, 0.75, 1.0) if degrees else (1.0,):
             move = pushed(part * push, V, base, handle)
             R = rotation([0, 0, 1], part * np.radians(degrees))
             move[handle] += V[handle] @ R.T - V[handle] + sheared
-            stops.append(PathStop((W + move)[fixed]))
-        frame = PathIteration(solver, stops).settle(10_000, lambda _: None)
+            stops = [PathStop((W + move)[fixed])]
+            frame = PathIteration(solver, stops).settle(10_000, lambda _: None)
         assert frame.stable is not None
         return frame.energy
 
     size = np.linalg.norm(np.ptp(V, axis=0))
     jitters = [1e-4 * size * np.random.default_rng(seed).normal(size=V.shape) for seed in range(4)]
     best = min(energy(shift, 0.0) for shift in jitters)
-    assert energy(0.0, 1e-4) <= _COMPETING.get((name, method, contact), 1.02) * best
+    assert energy(0.0, 1e-4) <= 1.02 * best
 
 
 @pytest.mark.night

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from crossing_check import CrossingCheck
 from meshes import ends, grid, moved, rotation, sphere, tube
-from scipy.spatial import Delaunay
+from scipy.spatial import ConvexHull, Delaunay
 
 import apd_viewer
 from apd_viewer import Convergence, Deformation
@@ -117,6 +117,62 @@ def check_ring(ring, T, slenderness, to, steps, load, volume):
         assert abs(step.area_error) < 1e-8
         assert step.crossings == 0
     assert found.load_excess == 0.0
+
+
+def ball_fine_at_its_poles(finest, largest=0.12, growth=1.1):
+    """A unit sphere of rings about x, whose edges grow from the poles to the equator."""
+    polar, edge = [0.0], finest
+    while polar[-1] < np.pi / 2:
+        polar.append(polar[-1] + np.sqrt(0.75) * edge)
+        edge = min(largest, growth * edge)
+    half = np.array(polar) * np.pi / 2 / polar[-1]
+    polar = np.concatenate([half, np.pi - half[-2::-1]])
+    between, rings = np.diff(polar) / np.sqrt(0.75), [[[1.0, 0.0, 0.0]]]
+    for k, angle in enumerate(polar[1:-1], start=1):
+        count = max(3, round(2 * np.pi * np.sin(angle) / between[k]))
+        around = 2 * np.pi * (np.arange(count) + 0.5 * (k % 2)) / count
+        across = np.sin(angle) * np.array([np.cos(around), np.sin(around)])
+        rings.append(np.column_stack([np.full(count, np.cos(angle)), *across]))
+    ball = np.vstack([*rings, [[-1.0, 0.0, 0.0]]])
+    T = ConvexHull(ball).simplices.astype(int)
+    outward = np.einsum("ij,ij->i", np.cross(ball[T[:, 1]], ball[T[:, 2]]), ball[T[:, 0]]) > 0.0
+    return ball, np.where(outward[:, None], T, T[:, ::-1])
+
+
+def shallow_slope(thickness, poisson=0.3):
+    """Load over deflection of a unit sphere between two points [Reissner 1946], at Et = 4."""
+    return 16.0 * thickness / np.sqrt(3.0 * (1.0 - poisson**2))
+
+
+@pytest.mark.night
+def test_press_meets_the_slope_of_a_sphere_between_plates():
+    thickness = 1 / 200
+    ball, T = ball_fine_at_its_poles(0.0044)
+    how = {"method": "wall", "wall_thickness": thickness, "poisson": 0.3, "thickness": 1e-3 * thickness}
+    tight = Convergence(energy_tolerance=1e-9)
+    found = apd_viewer.press(ball, T, X, 2.0 - 0.045 * thickness, 3, convergence=tight, **how)
+    assert all(step.settled for step in found.steps)
+    deflections = [1.0 - 0.5 * np.ptp(step.U[:, 0]) for step in found.steps[1:]]
+    for loads in ([getattr(step, name) for step in found.steps[1:]] for name in ("load_low", "load_high")):
+        slopes = np.diff(loads) / np.diff(deflections)
+        np.testing.assert_allclose(slopes, shallow_slope(thickness), rtol=0.03)
+
+
+# Whole: the share of that slope by linear theory without the assumption that the dent is shallow, from the
+# equations of Kirchhoff and Love about the axis by Ritz's method with quartic splines.
+@pytest.mark.parametrize(
+    ("slenderness", "whole"), [(20, 0.947), pytest.param(100, 0.985, marks=pytest.mark.night)]
+)
+def test_deformation_by_wall_meets_the_slope_of_a_whole_sphere_between_two_points(slenderness, whole):
+    thickness = 1 / slenderness
+    ball, T = ball_fine_at_its_poles(0.067 * np.sqrt(thickness))
+    tips, deflection = np.array([0, len(ball) - 1]), 0.005 * thickness
+    how = {"wall_thickness": thickness, "poisson": 0.3, "contact": False}
+    tight = Convergence(energy_tolerance=1e-10, imperfection=0.0)
+    solver = Deformation(ball, T, tips, handle=tips[1:], method="wall", convergence=tight, **how)
+    solver.aim(ball[tips] * (1.0 - deflection))
+    *_, frame = settle(solver)
+    assert frame.energy / deflection**2 / shallow_slope(thickness) == pytest.approx(whole, rel=0.012)
 
 
 def test_deformation_by_wall_keeps_goals_and_handles_in_every_frame():
