@@ -56,7 +56,7 @@ def press_parser() -> Parser:
     about = tr("distance of the plates in the end, in mesh units, or such as 20%% of the extent of the mesh")
     add_option(parser, "--to DISTANCE", about, required=True)
     add_option(parser, "--steps N", tr("default: %(default)s"), type=int, default=DEFAULT_STEPS)
-    add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
+    add_option(parser, "-o, --output OUT", tr("mesh file to write"), type=Path)
     about = tr("write distance, loads, energy and volume of each step")
     add_option(parser, "--curve C.csv", about, type=Path)
     add_option(parser, "--figure F.png", tr("draw load and volume, as F.png and F.svg"), type=Path)
@@ -120,11 +120,16 @@ def parse_distance(text: str, extent: float) -> float:
 
 
 def _press(options: argparse.Namespace) -> None:
-    output = check_mesh_path(options.output)
-    check_files([output, options.curve, options.figure, options.report])
+    written = [options.output, options.curve, options.figure, options.report]
+    if not any(written):
+        raise InputError(tr("Nothing would be written; add -o, --curve, --figure or --report."))
+    if options.output:
+        check_mesh_path(options.output)
+    check_files(written)
     axis = parse_axis(options.axis)
     mesh, start, unit = _press_input(options.mesh, options.weld)
-    check_shapes(mesh, output, np.ones(len(mesh.V), dtype=bool))
+    if options.output:
+        check_shapes(mesh, options.output, np.ones(len(mesh.V), dtype=bool))
     wall = _wall(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
@@ -168,8 +173,10 @@ def _press(options: argparse.Namespace) -> None:
         if options.report:
             said = json.dumps(press_report(mesh, rest, found, settings, wall, newtons), indent=2)
             beside.enter_context(replacing_file(options.report)).write_text(said + "\n", encoding="utf-8")
-        save_mesh(mesh, found.U, output, wall.unit.symbol)
-    print("\n".join([press_summary(found, rest, output, wall, newtons, extent), *mesh_remarks(mesh)]))
+        if options.output:
+            save_mesh(mesh, found.U, options.output, wall.unit.symbol)
+    first = next(path for path in written if path)
+    print("\n".join([press_summary(found, rest, first, wall, newtons, extent), *mesh_remarks(mesh)]))
 
 
 @naming_unit_option()

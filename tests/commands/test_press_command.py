@@ -44,7 +44,7 @@ def press(tmp_path, capsys):
 
     def run(*words, out=tmp_path / "pressed.off"):
         try:
-            status = main(["press", *map(str, words), "-o", str(out)])
+            status = main(["press", *map(str, words), *(["-o", str(out)] if out else [])])
         except SystemExit as end:  # of argparse
             status = end.code
         said = capsys.readouterr()
@@ -60,6 +60,18 @@ def rows(path):
 
 
 QUICK = "--axis", "z", "--to", "90%", "--steps", 2, "--stiffness", 0.001
+
+
+def test_press_command_writes_a_curve_alone_but_not_nothing(ball, press, tmp_path):
+    curve = tmp_path / "c.csv"
+    status, said, err, _ = press(ball, *QUICK, "--curve", curve, out=None)
+    assert (status, err) == (0, "")
+    assert said.startswith(str(curve))
+    assert len(rows(curve)) == 3
+    assert {path.name for path in tmp_path.iterdir()} == {ball.name, curve.name}
+    status, _, err, _ = press(ball, *QUICK, out=None)
+    assert status == 2
+    assert "Nothing would be written; add -o, --curve, --figure or --report." in err
 
 
 def test_press_command_says_the_same_in_mesh_curve_figure_and_report(ball, press, tmp_path):
