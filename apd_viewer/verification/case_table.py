@@ -2,7 +2,14 @@
 
 from apd_viewer.language import tr
 from apd_viewer.verification.press_cases import CYLINDER, RING, TUBE
-from apd_viewer.verification.shape_cases import CATENOID, ELASTICA, INFLATED_CUBE, KRESLING, SPINDLE
+from apd_viewer.verification.shape_cases import (
+    CATENOID,
+    ELASTICA,
+    INFLATED_CUBE,
+    KRESLING,
+    MOEBIUS_BAND,
+    SPINDLE,
+)
 from apd_viewer.verification.verification_case import VerificationCase
 
 _FLAT_BAG = tr("Not yet: volume targets are in percent of that at rest, which is 0 in a flat bag.")
@@ -28,12 +35,7 @@ CASES: dict[str, VerificationCase] = {
         KRESLING,
         SPINDLE,
         CATENOID,
-        VerificationCase(
-            "I",
-            tr("Paper Möbius band"),
-            "R. E. Schwartz, arXiv:2308.12641, 2023",
-            reason=tr("Not yet: it needs a path that joins the ends of a strip after half a turn."),
-        ),
+        MOEBIUS_BAND,
         CYLINDER,
         VerificationCase(
             "K",

@@ -1,10 +1,11 @@
-"""Cases with known shapes: elastica, cube, Kresling cell, spindle, catenoid."""
+"""Cases with known shapes, from the elastica to the Möbius band."""
 
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk
 
+from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.operators import face_areas, volume
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation_result import deform
@@ -195,6 +196,59 @@ def _catenoid_curve() -> np.ndarray:
     return np.column_stack([z, np.cosh(z)])
 
 
+# Möbius band
+
+_SHORTEST_BAND = float(np.sqrt(3.0))  # of a smooth band of paper, length / width
+_BAND_LENGTHS, _BAND_THICKNESS, _BAND_GAP = (3.0, 1.6), 0.005, 0.02  # widths
+_STRETCHED = 1e-3  # mean area change that paper does not bear
+
+
+def _band_path(V: np.ndarray, length: float) -> np.ndarray:
+    """Path (s, n, 3) of a strip's last row, half a turn, then round to the first.
+
+    It lies across the end of an arc as long as the middle line would be but for its ``slack``.
+    """
+    steps = np.linspace(0.0, 1.0, 41)
+    bow, slack = 0.3, 0.75
+    angle = np.concatenate([bow * steps[::4], np.full(41, bow), bow + (2.0 * np.pi - bow) * steps])
+    turn = np.concatenate([np.zeros(11), np.pi * steps, np.full(41, np.pi)])
+    arc = np.concatenate([1.0 - (1.0 - slack) * steps[::4], np.full(82, slack)])
+    gap = np.concatenate([np.zeros(52), _BAND_GAP * steps])
+    radius, zero = arc * length / np.maximum(angle, 1e-9), np.zeros_like(angle)
+    middle = np.column_stack([radius * np.sin(angle) - gap, zero, radius * (1.0 - np.cos(angle))])
+    normal = np.column_stack([-np.sin(angle), zero, np.cos(angle)])
+    across = np.cos(turn)[:, None] * [0.0, 1.0, 0.0] + np.sin(turn)[:, None] * normal
+    return middle[:, None] + V[:, 1, None] * across[:, None]
+
+
+def _band(n: int, length: float) -> tuple[bool, float]:
+    """Success of joining a strip's ends after half a turn, and the mean area change."""
+    uv, F = grid(round(length * n), n)
+    V = np.insert((uv - [0.0, 0.5]) * [length, 1.0], 2, 0.0, axis=1)
+    first, last = np.flatnonzero(uv[:, 0] == 0.0), np.flatnonzero(uv[:, 0] == 1.0)
+    path = _band_path(V, length)
+    path[:, first] = V[first]
+    held = np.concatenate([first, last])
+    found = deform(
+        *(V, F, held, path[1:, held], "wall"),
+        wall_thickness=_BAND_THICKNESS,
+        handle=last,
+        contact=True,
+        thickness=0.8 * _BAND_THICKNESS,
+    )
+    crossed = crossings(found.U, F)
+    meets = found.converged and found.share_reached == 1.0 and crossed is not None and not len(crossed)
+    return meets, _mean_area_change(V, found.U, F)
+
+
+def _bands(n: int, _: bool) -> Measured:
+    bands = [_band(n, length) for length in _BAND_LENGTHS]
+    (long_meets, long_change), (short_meets, short_change) = bands
+    refused = not short_meets or short_change > _STRETCHED
+    answers = AnswerPair(1.0, long_meets), AnswerPair(0.0, long_change), AnswerPair(1.0, refused)
+    return Measured(answers, np.column_stack([_BAND_LENGTHS, [100.0 * change for _, change in bands]]))
+
+
 ELASTICA = VerificationCase(
     "B",
     tr("Strip pushed together (elastica)"),
@@ -263,4 +317,18 @@ CATENOID = VerificationCase(
     has_plain=True,
     axes=(tr("height"), tr("radius")),
     curve=_catenoid_curve,
+)
+MOEBIUS_BAND = VerificationCase(
+    "I",
+    tr("Paper Möbius band"),
+    "R. E. Schwartz, arXiv:2308.12641, 2023",
+    (
+        CaseQuantity(tr("the ends of a band 3.0 widths long meet (1: yes)"), 0.0),
+        CaseQuantity(tr("its mean area change"), _STRETCHED),
+        CaseQuantity(tr("1.6 widths are too short: it stretches, or does not meet (1: yes)"), 0.0),
+    ),
+    (6, 8),
+    _bands,
+    axes=(tr("length / width"), tr("mean area change, %")),
+    curve=lambda: np.array([[_SHORTEST_BAND, 0.0], [_BAND_LENGTHS[0], 0.0]]),
 )
