@@ -149,6 +149,8 @@ def test_method_table_says_what_each_method_comes_to_alone(compared):
         assert number(line["Energy"]) == pytest.approx(result.energy, rel=6e-5)
         assert number(line["Handle drift"]) == pytest.approx(result.handle_drift, rel=6e-4, abs=1e-5)
         assert number(line["Local change"]) == pytest.approx(100 * result.local_change, abs=6e-3)
+        for title, strain in (("Largest", result.largest_edge_strain), ("Mean", result.mean_edge_strain)):
+            assert number(line[f"{title} strain"]) == pytest.approx(100 * strain, abs=6e-3)
         assert number(line["Iterations"]) == result.iterations
         assert re.fullmatch(r"[\d,]+\.\d\d\u00a0s", line["Time"])
     assert len({line["Energy"] for line in found.values()}) == 4, "the test is blind"
