@@ -100,7 +100,7 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
             lambda x: f"{number_format.format_grouped(100.0 * x['local_change'], 2)}\u00a0%",
         ),
         ReadingColumn(
-            tr("Largest strain"),
+            tr("Edge strain"),
             tr("Strain of the most stretched (+) or shortened (−) edge"),
             lambda x: f"{number_format.format_signed(100.0 * x['largest_edge_strain'], 2)}\u00a0%",
         ),

@@ -64,7 +64,7 @@ READING_TEXTS = {
     "volume_error": ReadingTexts(tr("Volume change"), tr("Of the enclosed volume, from rest"), percent=True),
     "local_change": ReadingTexts(tr("Local change"), tr("Largest area change of a triangle"), percent=True),
     "largest_edge_strain": ReadingTexts(
-        tr("Largest strain"), tr("Strain of the most stretched (+) or shortened (−) edge"), percent=True
+        tr("Edge strain"), tr("Strain of the most stretched (+) or shortened (−) edge"), percent=True
     ),
     "mean_edge_strain": ReadingTexts(
         tr("Mean strain"), tr("Mean absolute strain of the edges, weighted by rest area"), percent=True
