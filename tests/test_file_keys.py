@@ -220,9 +220,9 @@ KEYS = {
     deformation: """
         mesh unit vertices faces method iterations converged area_rest area area_error area_target
             volume_rest volume volume_target volume_capped_rest volume_capped openings energy handle_drift
-            regions local_change seconds factor_seconds seconds_per_iteration warnings convergence stable
-            stability saddle_escapes
-            share_reached least_gap pairs_in_contact loads shifts turned turned_held load_excess_percent
+            regions local_change largest_edge_strain mean_edge_strain seconds factor_seconds
+            seconds_per_iteration warnings convergence stable stability saddle_escapes share_reached
+            least_gap pairs_in_contact loads shifts turned turned_held load_excess_percent
             self_intersections_rest box_volume_rest packed_volume_rest packed_sides_rest hull_volume_rest
             minimum_width_rest bulk_volume_rest bulk_volume_range_rest self_intersections box_volume
             packed_volume packed_sides hull_volume minimum_width bulk_volume bulk_volume_range target_shape
@@ -256,18 +256,19 @@ KEYS = {
     """,
     sweep: """
         method step part degrees way area area_error volume volume_capped volume_error energy local_change
-            handle_drift iterations settled stable saddle_escapes share_reached turned
-            turned_held
+            largest_edge_strain mean_edge_strain handle_drift iterations settled stable saddle_escapes
+            share_reached turned turned_held
     """,
     study: """
         mesh selection motion steps iterations status sentence area_error volume volume_capped energy
-            crossings seconds area area_rest volume_rest volume_error local_change handle_drift
-            share_reached least_gap box_volume packed_volume hull_volume iterations unsettled_steps
-            saddle_escapes turned turned_held line key
+            crossings seconds area area_rest volume_rest volume_error local_change
+            largest_edge_strain mean_edge_strain handle_drift share_reached least_gap
+            box_volume packed_volume hull_volume iterations unsettled_steps saddle_escapes turned turned_held
+            line key
     """,
     study_curves: """
         line step part degrees way area area_error volume volume_capped volume_error energy local_change
-            handle_drift share_reached turned turned_held
+            largest_edge_strain mean_edge_strain handle_drift share_reached turned turned_held
     """,
     volumes: """
         mesh rest unit packing packing_range bag_litres area enclosed_volume openings packed_volume
@@ -286,7 +287,7 @@ KEYS = {
     """,
     comparison: """
         method area area_rest area_error area_miss volume volume_rest energy handle_drift local_change
-            iterations converged seconds
+            largest_edge_strain mean_edge_strain iterations converged seconds
     """,
     selection: """
         format version mesh base handles regions

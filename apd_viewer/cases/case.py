@@ -101,6 +101,8 @@ class CaseStep(NamedTuple):
             "volume_error": self.volume_error,
             "energy": self.energy,
             "local_change": frame.local_change,
+            "largest_edge_strain": frame.largest_edge_strain,
+            "mean_edge_strain": frame.mean_edge_strain,
             "handle_drift": frame.handle_drift,
             "iterations": frame.iteration,
             "settled": frame.settled,

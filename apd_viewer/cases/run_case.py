@@ -48,6 +48,8 @@ FINAL_READINGS = (
     "volume_rest",
     "volume_error",
     "local_change",
+    "largest_edge_strain",
+    "mean_edge_strain",
     "handle_drift",
     "share_reached",
     "least_gap",

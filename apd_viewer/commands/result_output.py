@@ -70,6 +70,9 @@ def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMes
     lines += [found.sentence for found in crossing_findings(mesh, crossings(result.U, mesh.joined_F))]
     lines += [f"{in_quotes(part.name)}  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(tr("largest local area change {change:.3g} %").format(change=100 * result.local_change))
+    strains = 100 * result.largest_edge_strain, 100 * result.mean_edge_strain
+    sentence = tr("largest edge strain {largest:+.3g} %, mean {mean:.3g} %")
+    lines.append(sentence.format(largest=strains[0], mean=strains[1]))
     lines.append(tr("handle drift {drift:.4g}").format(drift=result.handle_drift))
     lines.append(tr("stability: {words}").format(words=result.stability))
     if abs(written.area / result.area - 1.0) > _ROUNDED:

@@ -39,6 +39,8 @@ def method_readings(state: State, outcome: MethodOutcome) -> ReadingsByName:
         "energy": math.nan if cost is None else cost.energy,
         "handle_drift": frame.handle_drift,
         "local_change": frame.local_change,
+        "largest_edge_strain": frame.largest_edge_strain,
+        "mean_edge_strain": frame.mean_edge_strain,
         "iterations": float(frame.iteration),
         "converged": float(frame.converged),
         "seconds": math.nan if cost is None else cost.seconds,
@@ -96,6 +98,16 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
             tr("Local change"),
             tr("Largest area change of any triangle, up or down"),
             lambda x: f"{number_format.format_grouped(100.0 * x['local_change'], 2)}\u00a0%",
+        ),
+        ReadingColumn(
+            tr("Edge strain"),
+            tr("Strain of the most stretched (+) or shortened (−) edge"),
+            lambda x: f"{number_format.format_signed(100.0 * x['largest_edge_strain'], 2)}\u00a0%",
+        ),
+        ReadingColumn(
+            tr("Mean strain"),
+            tr("Mean absolute strain of the edges, weighted by rest area"),
+            lambda x: f"{number_format.format_grouped(100.0 * x['mean_edge_strain'], 2)}\u00a0%",
         ),
         ReadingColumn(
             tr("Iterations"),

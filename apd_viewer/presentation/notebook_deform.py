@@ -118,6 +118,11 @@ def result_rows(result: NotebookResult) -> list[tuple[str, str]]:
             for part in result.regions
         ),
         (tr("Largest local area change"), f"{number_format.format_short(100 * result.local_change)}\u00a0%"),
+        (
+            tr("Largest edge strain"),
+            f"{number_format.format_short_signed(100 * result.largest_edge_strain)}\u00a0%",
+        ),
+        (tr("Mean edge strain"), f"{number_format.format_short(100 * result.mean_edge_strain)}\u00a0%"),
         (tr("Handle drift"), number_format.format_length(result.handle_drift, diagonal(result.rest))),
         *((tr("Warning"), sentence) for sentence in result.warnings),
     ]

@@ -40,6 +40,11 @@ def format_short(value: float) -> str:
     return localized_number(_with_power(f"{value:.3g}") if abs(value) < _GROUPED else f"{value:,.0f}")
 
 
+def format_short_signed(value: float) -> str:
+    """Number as by :func:`format_short`, with a sign unless zero."""
+    return ("+" if value > 0.0 else "−" if value < 0.0 else "") + format_short(abs(value))
+
+
 def format_exact(value: float, digits: int = 6) -> str:
     """Number without trailing zeros or digit grouping."""
     return localized_number(f"{value:.{digits}g}")

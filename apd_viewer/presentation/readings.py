@@ -16,6 +16,7 @@ from apd_viewer.presentation.number_format import (
     format_grouped,
     format_length,
     format_short,
+    format_short_signed,
     format_signed,
     format_significant,
 )
@@ -97,8 +98,21 @@ def distances(found: SurfaceDistance | None, unit: Unit, size: float) -> tuple[s
 
 def local_change(state: State) -> str:
     """Largest local area change."""
-    change = state.frame.local_change
-    return f"{format_short(100 * change)} %" if change > TARGET_ACCURACY else "0 %"
+    return f"{format_short(100 * _rounded(state.frame.local_change))} %"
+
+
+def largest_edge_strain(state: State) -> str:
+    """Strain of the most stretched or shortened edge, with its sign."""
+    return f"{format_short_signed(100 * _rounded(state.frame.largest_edge_strain))} %"
+
+
+def mean_edge_strain(state: State) -> str:
+    """Mean absolute strain of the edges."""
+    return f"{format_short(100 * _rounded(state.frame.mean_edge_strain))} %"
+
+
+def _rounded(change: float) -> float:
+    return change if abs(change) > TARGET_ACCURACY else 0.0
 
 
 class VolumeReadingText(NamedTuple):

@@ -113,6 +113,8 @@ def _area(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
     yield tr("Area"), readings.area_percent(state), readings.area(state, unit)
     yield tr("Change"), readings.area_verdict(state), ""
     yield tr("Largest local area change"), readings.local_change(state), ""
+    yield tr("Largest edge strain"), readings.largest_edge_strain(state), ""
+    yield tr("Mean edge strain"), readings.mean_edge_strain(state), ""
 
 
 def _volume(subject: ReportSubject) -> Iterator[tuple[str, str, str]]:

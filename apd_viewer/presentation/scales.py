@@ -17,7 +17,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY
 from apd_viewer.language import tr
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL, ColorMap
-from apd_viewer.presentation.number_format import format_short, round_step
+from apd_viewer.presentation.number_format import format_short, format_short_signed, round_step
 from apd_viewer.session.quantities.units import Unit
 
 _NOTHING = 5e-5  # fraction of the scale displayed as zero
@@ -283,12 +283,12 @@ class Scale:
         if abs(value) < (TARGET_ACCURACY if kind is ScaleKind.RATIO else _NOTHING * self.end):
             value = 0.0
         if kind is ScaleKind.RATIO:
-            return f"{_number(100.0 * math.expm1(value), True)}\u00a0%"
+            return f"{format_short_signed(100.0 * math.expm1(value))}\u00a0%"
         if kind is ScaleKind.SHARE:
-            return f"{_number(100.0 * value, False)}\u00a0%"
+            return f"{format_short(100.0 * value)}\u00a0%"
         if kind is ScaleKind.CURVATURE:
-            return unit.format_curvature(_number(value, True))
-        return unit.format_length(_number(value, False))
+            return unit.format_curvature(format_short_signed(value))
+        return unit.format_length(format_short(value))
 
     def _to_measure_unit(self, value: float) -> float:
         return math.log1p(value) if self.measure.traits.kind is ScaleKind.RATIO else value
@@ -310,11 +310,3 @@ def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
     if values is None or np.isnan(values).all():
         return None
     return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
-
-
-def _number(value: float, signed: bool) -> str:
-    """Text with three significant digits, or all of the integer part."""
-    text = format_short(abs(value))
-    if not signed or value == 0.0:
-        return text
-    return ("+" if value > 0.0 else "−") + text

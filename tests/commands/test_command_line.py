@@ -266,6 +266,11 @@ def test_deform_is_exact_by_default_and_takes_targets(bar, deformed):
     assert report["volume_target"] == pytest.approx(0.95 * report["volume_rest"], rel=1e-12)
     assert report["handle_drift"] == 0.0
     assert report["local_change"] >= 0.05
+    edges = after.edges_unique
+    before, now = (np.linalg.norm(X[edges[:, 0]] - X[edges[:, 1]], axis=1) for X in (bar.V, mesh.V))
+    assert report["largest_edge_strain"] == pytest.approx(max(now / before - 1.0, key=abs), rel=1e-6)
+    assert 0.0 < report["mean_edge_strain"] < abs(report["largest_edge_strain"])
+    assert f"largest edge strain {100 * report['largest_edge_strain']:+.3g} %" in out
     assert "(+5.000 %)" in out
     assert "(-5.000 %)" in out
 

@@ -18,6 +18,7 @@ import apd_viewer
 from apd_viewer.files.picture_files import read_png
 from apd_viewer.presentation import progress_line
 from apd_viewer.presentation.notebook_deform import change_colors
+from apd_viewer.presentation.number_format import format_short_signed
 from apd_viewer.presentation.progress_line import ProgressLine
 
 NAME = "<script>alert('x')</script> & \"co\""
@@ -87,6 +88,8 @@ def test_notebook_result_has_readings_in_a_table_in_which_names_stay_names(resul
     assert rows["Volume"].startswith(f"{result.volume:.5f} of 4.00000 (")
     assert float(rows[f"Region “{NAME}”"].split()[0]) == pytest.approx(result.regions[0].area, rel=1e-5)
     assert rows["Largest local area change"] == f"{100 * result.local_change:.3g}\u00a0%"
+    assert rows["Largest edge strain"] == format_short_signed(100 * result.largest_edge_strain) + "\u00a0%"
+    assert rows["Mean edge strain"] == f"{100 * result.mean_edge_strain:.3g}\u00a0%"
     assert rows["Handle drift"] == "0"
     assert rows["Warning"] == f"Look at {NAME}."
 

@@ -72,7 +72,7 @@ class Deviation:
             )
 
     def edge_strain(self, U: np.ndarray) -> np.ndarray:
-        """Largest logarithmic edge strain at each vertex, (n,)."""
+        """Logarithm of the length ratio of the most strained edge at each vertex, (n,)."""
         patch = self._patch
         with cores_for(len(U)):
             return edge_strain(U, self._V, patch.start, patch.second, patch.third, self._named)
@@ -181,7 +181,7 @@ def edge_strain(
     third: np.ndarray,
     representative: np.ndarray,
 ) -> np.ndarray:
-    """Largest logarithmic strain of the edges at each vertex, (n,)."""
+    """Logarithm of the length ratio of the most strained edge at each vertex, (n,)."""
     out = np.empty(len(representative))
     for v in prange(len(representative)):
         w = representative[v]
@@ -195,12 +195,13 @@ def edge_strain(
                     x, y, z = U[j, 0] - U[w, 0], U[j, 1] - U[w, 1], U[j, 2] - U[w, 2]
                     ratio = (x * x + y * y + z * z) / before
                     most, least = max(most, ratio), min(least, ratio)
+        ratio = most if np.sqrt(most) + np.sqrt(least) >= 2.0 else least
         if least == np.inf:
             out[v] = np.nan
-        elif least == 0.0:
+        elif ratio == 0.0:
             out[v] = -np.inf
         else:
-            out[v] = 0.5 * np.log(most if most * least >= 1.0 else least)
+            out[v] = 0.5 * np.log(ratio)
     return out
 
 

@@ -16,7 +16,7 @@ from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.operators import face_areas, missing_volume_reason
 from apd_viewer.geometry.mesh.seams import Seams
-from apd_viewer.geometry.mesh.weighted_areas import SLIVER, area_volume_change
+from apd_viewer.geometry.mesh.weighted_areas import SLIVER, edge_lengths, shape_readings
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, Weld
 from apd_viewer.language import tr
 
@@ -31,6 +31,8 @@ class ShapeMeasures(NamedTuple):
         None if the mesh is not closed.
     local_change : float
         Largest relative change of a triangle's area, up or down.
+    largest_edge_strain, mean_edge_strain : float
+        As in :class:`Frame <apd_viewer.geometry.pose.frame.Frame>`.
     volume_capped : float or None
         With flat caps over the openings; None if there are none, or they would not close the mesh.
     """
@@ -38,6 +40,8 @@ class ShapeMeasures(NamedTuple):
     area: float
     volume: float | None
     local_change: float
+    largest_edge_strain: float
+    mean_edge_strain: float
     volume_capped: float | None
 
 
@@ -141,11 +145,21 @@ class RestMesh:
         """Readings of the shape ``U`` (k, 3), positions of the solve mesh's vertices."""
         least = SLIVER * self.area / len(self.F)
         F, caps = self.solve_mesh.all_triangles.F, self.caps
-        area, volume, change = area_volume_change(U, F, self.face_areas, least)
-        capped = None if caps is None else float(volume) + caps.volume(U, U[F[0, 0]])
-        return ShapeMeasures(
-            float(area), None if self.missing_volume_reason else float(volume), float(change), capped
+        area, volume, change, strain, strains = shape_readings(
+            U, F, self.face_areas, self._edge_lengths, least
         )
+        return ShapeMeasures(
+            area=float(area),
+            volume=None if self.missing_volume_reason else float(volume),
+            local_change=float(change),
+            largest_edge_strain=float(strain),
+            mean_edge_strain=float(strains) / self.area,
+            volume_capped=None if caps is None else float(volume) + caps.volume(U, U[F[0, 0]]),
+        )
+
+    @cached_property
+    def _edge_lengths(self) -> np.ndarray:
+        return edge_lengths(self.solve_mesh.V, self.solve_mesh.F)
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""

@@ -153,26 +153,47 @@ def total_area(U: np.ndarray, F: np.ndarray) -> float:
     return 0.5 * total(doubles)
 
 
+def edge_lengths(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Lengths (m, 3) of the edges of the triangles ``F`` (m, 3).
+
+    They are those from the first corner to the second and third, and from the second to the third.
+    """
+    a, b = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
+    return np.stack([np.linalg.norm(edge, axis=1) for edge in (a, b, b - a)], axis=1)
+
+
 @parallel()
-def area_volume_change(
-    U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float
-) -> tuple[float, float, float]:
-    """Area, signed volume and largest relative area change, in one pass.
+def shape_readings(
+    U: np.ndarray, F: np.ndarray, rest: np.ndarray, lengths: np.ndarray, least: float
+) -> tuple[float, float, float, float, float]:
+    """Area, signed volume, area change and strain of edges, in one pass.
 
     Parameters
     ----------
     U : (n, 3) float array
     F : (m, 3) int array
-    rest : (m,) float array
-        Areas of the triangles at rest.
+    rest, lengths : (m,) and (m, 3) float arrays
+        Areas of the triangles at rest, and :func:`edge_lengths`.
     least : float
         Area at rest below which the change of a triangle does not count.
+
+    Returns
+    -------
+    area, volume : float
+    change : float
+        Largest relative area change of a triangle, up or down.
+    extreme : float
+        Strain of the edge whose length has changed most, negative where it is shortened.
+    strain : float
+        Mean absolute strain of a triangle's edges times its rest area, summed. Edges without length at rest
+        do not count; the rest area of their triangles is zero.
     """
     ox, oy, oz = U[F[0, 0], 0], U[F[0, 0], 1], U[F[0, 0], 2]
     count = (len(F) + _PORTION - 1) // _PORTION
     areas, volumes, changes = np.empty(count), np.empty(count), np.zeros(count)
+    extremes, strains = np.empty(count), np.empty(count)
     for portion in prange(count):
-        area = volume = largest = 0.0
+        area = volume = largest = extreme = weighted = 0.0
         for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
             i, j, k = F[t, 0], F[t, 1], F[t, 2]
             ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
@@ -183,8 +204,20 @@ def area_volume_change(
             volume += (U[i, 0] - ox) * x + (U[i, 1] - oy) * y + (U[i, 2] - oz) * z
             if rest[t] > least:
                 largest = max(largest, abs(own / rest[t] - 1.0))
+            x, y, z = bx - ax, by - ay, bz - az
+            squares = ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz, x * x + y * y + z * z
+            for c in range(3):
+                strain = np.sqrt(squares[c]) / lengths[t, c] - 1.0 if lengths[t, c] > 0.0 else 0.0
+                weighted += rest[t] * abs(strain)
+                if abs(strain) > abs(extreme):
+                    extreme = strain
         areas[portion], volumes[portion], changes[portion] = area, volume, largest
-    return total(areas), total(volumes) / 6.0, changes.max()
+        extremes[portion], strains[portion] = extreme, weighted
+    extreme = 0.0
+    for strain in extremes:
+        if abs(strain) > abs(extreme):
+            extreme = strain
+    return total(areas), total(volumes) / 6.0, changes.max(), extreme, total(strains) / 3.0
 
 
 @parallel()

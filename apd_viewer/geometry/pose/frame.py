@@ -58,6 +58,10 @@ class Frame:
         Area of each region.
     local_change : float
         Largest relative change of the area of a triangle, up or down.
+    largest_edge_strain : float
+        Of the edge whose length has changed most relative to rest: 0.1 stretched by 10 %, -0.1 shortened.
+    mean_edge_strain : float
+        Mean of the edges' absolute strains, weighted by the rest area of the triangles at each.
     volume_capped : float or None
         Volume with flat caps over the openings; None where the surface has none.
     unreached : str or None
@@ -108,6 +112,8 @@ class Frame:
     settled: bool = True
     regions: tuple[float, ...] = ()
     local_change: float = 0.0
+    largest_edge_strain: float = 0.0
+    mean_edge_strain: float = 0.0
     volume_capped: float | None = None
     unreached: str | None = None
     energy: float | None = None

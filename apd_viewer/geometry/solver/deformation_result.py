@@ -57,6 +57,10 @@ class Result:
         What became of each region.
     local_change : float
         Largest relative change of the area of a triangle, up or down.
+    largest_edge_strain : float
+        Of the edge whose length has changed most relative to rest: 0.1 stretched by 10 %, -0.1 shortened.
+    mean_edge_strain : float
+        Mean of the edges' absolute strains, weighted by the rest area of the triangles at each.
     energy : float
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
     warnings : tuple of str
@@ -117,6 +121,8 @@ class Result:
     handle_drift: float
     regions: tuple[RegionReading, ...]
     local_change: float
+    largest_edge_strain: float
+    mean_edge_strain: float
     seconds: float
     factor_seconds: float
     seconds_per_iteration: float
@@ -350,6 +356,8 @@ def deformation_result(
         handle_drift=frame.handle_drift,
         regions=solver.readings(frame),
         local_change=frame.local_change,
+        largest_edge_strain=frame.largest_edge_strain,
+        mean_edge_strain=frame.mean_edge_strain,
         seconds=seconds,
         factor_seconds=solver.factor_seconds,
         seconds_per_iteration=seconds_per_iteration,

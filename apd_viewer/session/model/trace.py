@@ -21,6 +21,8 @@ TRACE_COLUMNS = (
     "volume",
     "energy",
     "local_change",
+    "largest_edge_strain",
+    "mean_edge_strain",
 )
 # Most samples; a plot is hardly wider in pixels. Even, so that every other one can be dropped.
 MOST_SAMPLES = 512
@@ -73,7 +75,7 @@ class Trace:
 
     @property
     def rows(self) -> np.ndarray:
-        """All samples, (k, 8) float array, read-only."""
+        """All samples, (k, 10) float array, read-only."""
         return frozen(self._rows[: self._count].copy())
 
     @property
@@ -132,4 +134,5 @@ def _readings(document: Document, frame: Frame) -> list[float]:
     miss = abs((1.0 + frame.area_error) / wanted - 1.0)
     known = frame.volume, frame.energy
     volume, energy = (np.nan if value is None else value for value in known)
-    return [frame.area, frame.area_error, miss, volume, energy, frame.local_change]
+    strains = frame.largest_edge_strain, frame.mean_edge_strain
+    return [frame.area, frame.area_error, miss, volume, energy, frame.local_change, *strains]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QFont, QImage, QPainter
+from PySide6.QtGui import QColor, QFont, QImage, QPainter, QResizeEvent
 from PySide6.QtWidgets import QFrame, QHeaderView, QSizePolicy, QTableWidget, QTableWidgetItem
 
 from apd_viewer.language import tr
@@ -19,7 +19,7 @@ from apd_viewer.ui.plots.plots import write_drawing
 from apd_viewer.ui.widgets.theme import LIGHT
 
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-_ROW, _COLUMN = 28, 96  # px; row height and column width
+_ROW = 28  # px; row height
 
 
 class MethodTable(QTableWidget):
@@ -37,8 +37,6 @@ class MethodTable(QTableWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setFont(with_tabular_figures(self.font()))
         across, down = self.horizontalHeader(), self.verticalHeader()
-        across.setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
-        across.setMinimumSectionSize(_COLUMN)
         across.setDefaultAlignment(_RIGHT)
         across.setHighlightSections(False)
         down.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
@@ -54,8 +52,19 @@ class MethodTable(QTableWidget):
             head = QTableWidgetItem(column.title)
             head.setToolTip(column.tip)
             self.setHorizontalHeaderItem(k, head)
-        across = self.horizontalHeader()
-        across.setMinimumSectionSize(max([_COLUMN, *map(across.sectionSizeHint, range(len(columns)))]))
+        self._share_width()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Share the new width among the columns."""
+        super().resizeEvent(event)
+        self._share_width()
+
+    def _share_width(self) -> None:
+        """Make the columns equally wide if there is room for the longest title in each."""
+        across, modes = self.horizontalHeader(), QHeaderView.ResizeMode
+        widest = max(map(across.sectionSizeHint, range(across.count())), default=0)
+        is_wide = self.viewport().width() >= across.count() * widest
+        across.setSectionResizeMode(modes.Stretch if is_wide else modes.ResizeToContents)
 
     def show_methods(self, titles: Sequence[str]) -> None:
         """Set the rows by the titles of their methods."""

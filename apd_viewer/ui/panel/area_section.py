@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,18 @@ _WORDS = {
     "not reached": tr("not converged"),
 }
 _AREA_TIP = tr("Target of the total area, in percent of the rest area")
+
+
+def reading_grid(rows: Sequence[tuple[str, str]]) -> tuple[QGridLayout, list[QLabel]]:
+    """Grid with ``rows`` of a title and its tooltip, and the labels of the values."""
+    grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+    grid.setColumnStretch(0, 1)
+    values = []
+    for row, (title, tip) in enumerate(rows):
+        values.append(QLabel(readings.NO_VALUE, accessibleName=title, toolTip=tip))
+        grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
+        grid.addWidget(values[-1], row, 1, Qt.AlignmentFlag.AlignRight)
+    return grid, values
 
 
 class StatusDot(QWidget):
@@ -87,12 +100,7 @@ class AreaSection(QWidget):
         column.addSpacing(4)
         column.addWidget(self.unreached)
         column.addSpacing(4)
-        tip = tr("Largest area change of any triangle, up or down, relative to its rest area")
-        self.local_change = QLabel("–", accessibleName=tr("Largest local area change"), toolTip=tip)
-        grid = QGridLayout()
-        grid.addWidget(QLabel(tr("Largest local area change"), objectName="quiet", toolTip=tip), 0, 0)
-        grid.addWidget(self.local_change, 0, 1, Qt.AlignmentFlag.AlignRight)
-        column.addLayout(grid)
+        column.addLayout(self._local_readings())
 
     def _add_reading(self, column: QVBoxLayout) -> None:
         self.activity = QLabel("", objectName="quiet", accessibleName=tr("Solver status"))
@@ -116,6 +124,19 @@ class AreaSection(QWidget):
         self.unit = UnitButton()
         row = row_layout((self.area, 1), self.unit, spacing=4)
         column.addLayout(row)
+
+    def _local_readings(self) -> QGridLayout:
+        rows = (
+            (
+                tr("Largest local area change"),
+                tr("Largest area change of any triangle, up or down, relative to its rest area"),
+            ),
+            (tr("Largest edge strain"), tr("Strain of the most stretched (+) or shortened (−) edge")),
+            (tr("Mean edge strain"), tr("Mean absolute strain of the edges, weighted by rest area")),
+        )
+        grid, values = reading_grid(rows)
+        self.local_change, self.largest_strain, self.mean_strain = values
+        return grid
 
     def _add_target(self, column: QVBoxLayout) -> None:
         self.hold = CheckBox(tr("Keep total area"), toolTip=tr("Keep the total area exactly"))
@@ -151,6 +172,8 @@ class AreaSection(QWidget):
         self.verdict.setText(readings.area_verdict(state))
         self.area.setText(readings.area(state, unit))
         self.local_change.setText(readings.local_change(state))
+        self.largest_strain.setText(readings.largest_edge_strain(state))
+        self.mean_strain.setText(readings.mean_edge_strain(state))
         self._dot.set_color(self._theme.warm if missed else self._theme.good)
         self._dot.setToolTip(tr("Some targets not met") if missed else tr("All targets met"))
         if frame.unreached is not None and (frame.settled or frame.share_reached < 1.0):
@@ -162,7 +185,7 @@ class AreaSection(QWidget):
 
     def show_preview(self, compiled: float) -> None:
         """Show that there is no solved shape yet, and the compiled fraction."""
-        for reading in (self.percent, self.local_change):
+        for reading in (self.percent, self.local_change, self.largest_strain, self.mean_strain):
             reading.setText(readings.NO_VALUE)
         self.verdict.setText(tr("A preview: no area is kept yet."))
         self.area.setText(tr("Compiled so far: {percent} %").format(percent=math.floor(100.0 * compiled)))
@@ -222,9 +245,6 @@ class VolumeSection(Section):
 
     def _add_contact(self) -> None:
         self._contact = QWidget()
-        grid = QGridLayout(self._contact, horizontalSpacing=8, verticalSpacing=4)
-        grid.setContentsMargins(0, 0, 0, 4)
-        grid.setColumnStretch(0, 1)
         rows = (
             (
                 tr("Pairs in contact"),
@@ -233,11 +253,9 @@ class VolumeSection(Section):
             (tr("Least gap"), tr("Least distance of what is in contact")),
             (tr("Share of the way"), tr("Share of its way from rest that contact has let the handle go")),
         )
-        values = []
-        for row, (title, tip) in enumerate(rows):
-            values.append(QLabel(readings.NO_VALUE, accessibleName=title, toolTip=tip))
-            grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
-            grid.addWidget(values[-1], row, 1, Qt.AlignmentFlag.AlignRight)
+        grid, values = reading_grid(rows)
+        grid.setContentsMargins(0, 0, 0, 4)
+        self._contact.setLayout(grid)
         self.pairs, self.least_gap, self.path_fraction = values
         self._contact.hide()  # shown once contact is on
         self.column.addWidget(self._contact)

@@ -27,6 +27,8 @@ _OFFERED = (
     "area_error",
     "energy",
     "local_change",
+    "largest_edge_strain",
+    "mean_edge_strain",
     "handle_drift",
     "volume",
     "volume_capped",

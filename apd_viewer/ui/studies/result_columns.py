@@ -63,6 +63,12 @@ READING_TEXTS = {
     "area_error": ReadingTexts(tr("Area change"), tr("Of the total area, from rest"), percent=True),
     "volume_error": ReadingTexts(tr("Volume change"), tr("Of the enclosed volume, from rest"), percent=True),
     "local_change": ReadingTexts(tr("Local change"), tr("Largest area change of a triangle"), percent=True),
+    "largest_edge_strain": ReadingTexts(
+        tr("Edge strain"), tr("Strain of the most stretched (+) or shortened (−) edge"), percent=True
+    ),
+    "mean_edge_strain": ReadingTexts(
+        tr("Mean strain"), tr("Mean absolute strain of the edges, weighted by rest area"), percent=True
+    ),
     "energy": ReadingTexts(tr("Energy"), tr("ARAP energy of the deformation")),
     "crossings": ReadingTexts(tr("Self-intersections"), tr("Triangles that pass through others"), whole=True),
     "handle_drift": ReadingTexts(tr("Handle drift"), tr("Largest distance of a handle from its place")),

@@ -34,6 +34,7 @@ def draw(stage: Stage) -> Path:
                 METHODS[method].short_title,
                 f"total area {total} %",
                 f"local change {100 * (change * rest).sum() / rest.sum():.2f} %",
+                f"edge strain {100 * result.mean_edge_strain:.2f} %",
                 f"handle drift {result.handle_drift:.2f} cm",
             ]
         )

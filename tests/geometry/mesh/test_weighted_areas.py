@@ -2,10 +2,17 @@
 
 import numpy as np
 import pytest
-from meshes import box, rotation, soup, sphere, tube
+import trimesh
+from meshes import box, grid, moved, rotation, soup, sphere, tube
 
 from apd_viewer.geometry.mesh.operators import area, cotangents, element_laplacian, face_areas, volume
-from apd_viewer.geometry.mesh.weighted_areas import Patch, WeightedAreas, area_volume_change, total_area
+from apd_viewer.geometry.mesh.weighted_areas import (
+    Patch,
+    WeightedAreas,
+    edge_lengths,
+    shape_readings,
+    total_area,
+)
 
 
 def wild(V, seed=0):
@@ -100,17 +107,75 @@ def test_weighted_areas_do_not_change_under_shifts_and_rotations(measure):
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_area_volume_change_reads_area_volume_and_the_largest_change(mesh):
+def test_shape_readings_have_area_volume_and_the_largest_change(mesh):
     V, F = MESHES[mesh]
-    U, rest = wild(V), face_areas(V, F)
+    U, rest, lengths = wild(V), face_areas(V, F), edge_lengths(V, F)
     change = np.abs(face_areas(U, F) / rest - 1)
-    assert area_volume_change(U, F, rest, 0.0) == pytest.approx(
+    assert shape_readings(U, F, rest, lengths, 0.0)[:3] == pytest.approx(
         (area(U, F), volume(U, F), change.max()), rel=1e-12
     )
     least = np.sort(rest[np.argsort(change)][-3:])[-1]
-    assert area_volume_change(U, F, rest, least)[2] == pytest.approx(
+    assert shape_readings(U, F, rest, lengths, least)[2] == pytest.approx(
         change[rest > least].max(initial=0.0), rel=1e-12
     )
+
+
+def strains(U, V, F):
+    """Largest and mean strain of the edges at ``U``."""
+    rest = face_areas(V, F)
+    *_, largest, summed = shape_readings(U, F, rest, edge_lengths(V, F), 0.0)
+    return largest, summed / rest.sum()
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+@pytest.mark.parametrize("s", [0.25, 0.9, 1.7])
+def test_shape_readings_of_a_scaled_mesh_strain_every_edge_alike(mesh, s):
+    V, F = MESHES[mesh]
+    assert strains(moved(s * V, rotation([1, 2, 3], 1.1), (5, -2, 1)), V, F) == pytest.approx(
+        (s - 1, abs(s - 1)), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_shape_readings_have_no_strain_by_a_rigid_motion(mesh):
+    V, F = MESHES[mesh]
+    U = moved(V, rotation([1, 2, 3], 1.1), (5, -2, 1))
+    assert strains(U, V, F) == pytest.approx((0.0, 0.0), abs=1e-13)
+
+
+@pytest.mark.parametrize("degrees", [-40, -5, 1, 30, 60])
+def test_shape_readings_of_a_simple_shear_keep_areas_and_strain_edges_by_the_closed_form(degrees):
+    """A sheet of squares: each triangle has an edge along x, one along y and a diagonal along (1, 1)."""
+    V, F = grid(5, 4)
+    g, U = np.tan(np.radians(degrees)), V.copy()
+    U[:, 0] += g * V[:, 1]
+    along_y, diagonal = np.hypot(g, 1) - 1, np.hypot(1 + g, 1) / np.sqrt(2) - 1
+    assert face_areas(U, F) == pytest.approx(face_areas(V, F), rel=1e-13)
+    assert strains(U, V, F) == pytest.approx(
+        (max(along_y, diagonal, key=abs), (along_y + abs(diagonal)) / 3), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_shape_readings_weight_an_edge_by_the_rest_area_at_it(mesh):
+    V, F = MESHES[mesh]
+    U, areas = wild(V), face_areas(V, F)
+    found = trimesh.Trimesh(V, F, process=False)
+    a, b = found.edges_unique.T
+    strain = np.linalg.norm(U[a] - U[b], axis=1) / np.linalg.norm(V[a] - V[b], axis=1) - 1
+    weight = np.bincount(found.faces_unique_edges.ravel(), np.repeat(areas, 3), len(strain))
+    assert strains(U, V, F) == pytest.approx(
+        (max(strain, key=abs), np.average(np.abs(strain), weights=weight)), rel=1e-12
+    )
+
+
+def test_shape_readings_leave_out_edges_without_length_at_rest():
+    V, F = sphere(2)
+    lone = len(V) + np.arange(2)
+    V, F = np.vstack([V, V[:1], V[:1]]), np.vstack([F, [0, *lone], [0, 0, 1]])
+    U = 1.1 * V
+    U[lone] += 7.0
+    assert strains(U, V, F) == pytest.approx((0.1, 0.1), rel=1e-12)
 
 
 @pytest.mark.parametrize("mesh", MESHES)

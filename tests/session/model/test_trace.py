@@ -45,14 +45,14 @@ def test_trace_leads_from_the_state_before_to_the_latest_frame(clock):
     trace.begin(REST)
     trace.begin_with_next_frame(REST.document, REST)
     clock.now += 1.0
-    trace.add_frame(
-        moved(1), frame(2, 2, area=7.5, area_error=-0.25, volume=None, energy=3.0, local_change=0.5)
-    )
+    changes = {"local_change": 0.5, "largest_edge_strain": -0.25, "mean_edge_strain": 0.125}
+    trace.add_frame(moved(1), frame(2, 2, area=7.5, area_error=-0.25, volume=None, energy=3.0, **changes))
     assert [trace[name].tolist() for name in ("seconds", "iteration")] == [[0.0, 1.0], [0.0, 2.0]]
     assert trace["area"].tolist() == [REST.frame.area, 7.5]
     assert trace["area_error"].tolist() == [0.0, -0.25]
     assert trace["energy"].tolist() == [0.0, 3.0]
-    assert trace["local_change"].tolist() == [0.0, 0.5]
+    for name, change in changes.items():
+        assert trace[name].tolist() == [0.0, change]
     assert trace["volume"][0] == REST.frame.volume
     assert np.isnan(trace["volume"][1])
     assert trace.rows.shape == (2, len(TRACE_COLUMNS))

@@ -137,7 +137,7 @@ def alone(window, method):
     return apd_viewer.deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles, **given)
 
 
-def test_method_table_says_what_each_method_comes_to_alone(compared):
+def test_method_table_says_what_each_method_comes_to_alone(qtbot, compared):
     bar, side = compared
     found = cells(side)
     assert list(found) == ["ARAP", "Paper (Li & Hui)", "Exact", "Local"]
@@ -149,9 +149,13 @@ def test_method_table_says_what_each_method_comes_to_alone(compared):
         assert number(line["Energy"]) == pytest.approx(result.energy, rel=6e-5)
         assert number(line["Handle drift"]) == pytest.approx(result.handle_drift, rel=6e-4, abs=1e-5)
         assert number(line["Local change"]) == pytest.approx(100 * result.local_change, abs=6e-3)
+        for title, strain in (("Edge", result.largest_edge_strain), ("Mean", result.mean_edge_strain)):
+            assert number(line[f"{title} strain"]) == pytest.approx(100 * strain, abs=6e-3)
         assert number(line["Iterations"]) == result.iterations
         assert re.fullmatch(r"[\d,]+\.\d\d\u00a0s", line["Time"])
     assert len({line["Energy"] for line in found.values()}) == 4, "the test is blind"
+    side.resize(1320, 820)
+    qtbot.waitUntil(lambda: side.table.horizontalScrollBar().maximum() == 0)
     assert "Eq. 1" in side.table.horizontalHeaderItem(3).toolTip()
 
 

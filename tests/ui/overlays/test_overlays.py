@@ -263,15 +263,17 @@ def test_legend_lets_the_range_be_typed_and_fitted_by_a_click(qtbot, area):
     assert [text for _, text in legend.bar.labels] == ["−4.76\u00a0%", "0\u00a0%", "+5\u00a0%"]
 
 
-def test_legend_shows_the_largest_local_area_change_as_the_panel_does(qtbot, bottle):
-    choose(qtbot, bottle, Measure.AREA)
+@pytest.mark.parametrize("measure", [Measure.AREA, Measure.STRAIN])
+def test_legend_shows_the_largest_change_as_the_panel_does(qtbot, bottle, measure):
+    choose(qtbot, bottle, measure)
     bottle.session.handles.move_by(MOTIONS["TWIST"], "60deg", 0)
     idle(qtbot, bottle)
     legend, panel = bottle.display_options.legend, bottle.panel.area
     settle(qtbot, bottle.canvas.viewport)
     bottle.display_options.overlay.reading.update_legend()
-    said = legend.largest.text().replace("\u00a0", " ").lstrip("+−")
-    assert said == panel.local_change.text() != "0 %"
+    said, strain = legend.largest.text().replace("\u00a0", " "), panel.largest_strain.text()
+    assert (said == strain) if measure is Measure.STRAIN else (said.lstrip("+−") == panel.local_change.text())
+    assert said != "0 %"
     bottle.display_options.overlay.show_next_extreme()
     assert bottle.display_options.overlay.extremes.callout.text.endswith(legend.largest.text())
 

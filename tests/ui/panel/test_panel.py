@@ -9,6 +9,7 @@ import pytest
 from driving import Mouse, document, drag, follow, idle, ring_grip, work_off
 from PySide6.QtCore import QPoint, QPointF, Qt
 
+from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
@@ -57,6 +58,14 @@ def test_panel_readings_are_those_of_the_frame(qtbot, bottle):
     assert float(panel.area.local_change.text().rstrip(" %")) == pytest.approx(
         100 * state.frame.local_change, rel=0.01
     )
+    V, U, F = state.document.mesh.V, state.frame.U, state.document.mesh.joined_F
+    strain = Deviation(V, F, np.empty(0, dtype=np.int32)).edge_strain(U)
+    largest, mean = (
+        float(label.text().replace("−", "-").rstrip(" %"))
+        for label in (panel.area.largest_strain, panel.area.mean_strain)
+    )
+    assert largest == pytest.approx(100 * max(np.expm1(strain), key=abs), rel=0.01)
+    assert 0.0 < mean < abs(largest)
     change = 100 * (state.frame.volume / state.inspection.volume - 1)
     assert panel.volume.change.replace("−", "-") in (f"{change:+.2f} %", "unchanged")
     assert panel.handles.drift.text() == "0"

@@ -50,11 +50,12 @@ def test_motion_preview_stands_for_a_drag_until_its_kernels_are_compiled(qtbot, 
     assert document(bottle).is_posed
     assert bottle.session.store.state.frame.U is rest.frame.U
     check(shown.vertices, asked_places(bottle), rtol=0, atol=1e-9)
-    claims = area.percent, area.local_change, bottle.panel.volume.volume
-    assert [label.text() for label in claims] == [NO_VALUE] * 3
+    changes = area.local_change, area.largest_strain, area.mean_strain
+    claims = area.percent, *changes, bottle.panel.volume.volume
+    assert [label.text() for label in claims] == [NO_VALUE] * 5
     assert "no area is kept" in area.verdict.text()
     bottle.session.parts.rename_handle(0, "Cap")
-    assert [label.text() for label in claims] == [NO_VALUE] * 3
+    assert [label.text() for label in claims] == [NO_VALUE] * 5
     for share, percent in ((0.3, "30 %"), (0.555, "55 %"), (0.999, "99 %")):
         compiler.tell(share)
         qtbot.waitUntil(lambda percent=percent: percent in area.area.text())

@@ -101,6 +101,8 @@ def test_report_controller_writes_what_the_panel_says_and_what_others_measure(qt
     assert area["Area"] == f"{panel.area.percent.text()}\n{panel.area.area.text()}"
     assert area["Change"] == panel.area.verdict.text()
     assert area["Largest local area change"] == panel.area.local_change.text()
+    assert area["Largest edge strain"] == panel.area.largest_strain.text()
+    assert area["Mean edge strain"] == panel.area.mean_strain.text()
     volume = rows["Volume"]
     assert volume["Volume"] == f"{panel.volume.change}\n{panel.volume.volume.text()}"
     assert volume[""] == panel.volume.litres.text()
@@ -139,6 +141,12 @@ def test_report_controller_writes_what_the_panel_says_and_what_others_measure(qt
     assert number(rows["Local area change"]["Largest"]) == pytest.approx(100 * change.max(), rel=6e-3)
     mean = float(np.average(change, weights=rest.area_faces))
     assert number(rows["Local area change"]["Mean"]) == pytest.approx(100 * mean, rel=6e-3)
+    lengths = [shape.edges_unique_length for shape in (measured, rest)]
+    strain, weight = lengths[0] / lengths[1] - 1.0, np.zeros(len(lengths[1]))
+    np.add.at(weight, rest.faces_unique_edges, rest.area_faces[:, None])
+    assert number(area["Largest edge strain"]) == pytest.approx(100 * max(strain, key=abs), rel=6e-3)
+    mean = float(np.average(np.abs(strain), weights=weight))
+    assert number(area["Mean edge strain"]) == pytest.approx(100 * mean, rel=6e-3)
     grams = 0.03 * measured.area * 1.38
     assert number(size["Mass"]) == pytest.approx(grams, rel=1e-3)
 
