@@ -104,7 +104,7 @@ class Restarts:
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Fine surface as a search for lower shapes sees it."""
+        """Fine surface at rest, for the stability search."""
         return self.inner.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
