@@ -33,7 +33,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
-from apd_viewer.session.quantities.wall import Wall, WallText, wall_from
+from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, parse_pressure, wall_material
 from apd_viewer.session.storage.session_file import open_session
 
@@ -180,7 +180,7 @@ def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
         raise InputError(tr("A material needs the unit of the mesh; add --unit mm, cm, m, in or ft."))
     words = options.thickness, options.density, options.young, options.poisson, options.yield_radius
     thickness, density, young, poisson, radius = (word or "" for word in words)
-    wall = wall_from(WallText(thickness, density, young, poisson, radius, material), unit)
+    wall = parse_wall(WallText(thickness, density, young, poisson, radius, material), unit)
     if options.young and wall.thickness is None:
         raise InputError(tr("Newtons need the thickness of the wall as well; add --thickness."))
     is_thin = METHODS[_method(options, wall)].is_wall

@@ -165,7 +165,7 @@ class StateStore:
 
     def receive(self) -> None:
         """Receive the newest reply, silence and compilation progress of the worker."""
-        self._hear_silence()
+        self._update_silence()
         if self.compiled_share != self._worker.compiled_share:
             self.compiled_share = self._worker.compiled_share
             self._listener.status_changed()
@@ -176,7 +176,7 @@ class StateStore:
         if reply is not None and reply.request.generation == self._generation:
             self._accept(reply)
 
-    def _hear_silence(self) -> None:
+    def _update_silence(self) -> None:
         sentence = silence_text(self._worker.silent_seconds)
         if sentence != self.silence_text:
             self.silence_text = sentence

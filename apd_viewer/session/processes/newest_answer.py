@@ -97,13 +97,13 @@ class NewestAnswer(Generic[Question, Answer]):
             question = self._questions.wait()
             if question is None:
                 break
-            answer = self._answered(question)
+            answer = self._answer(question)
             if question is self._wanted:
                 self._answers.put((question, answer))
                 self._wake()
         self._process.end()
 
-    def _answered(self, question: Question) -> Answer:
+    def _answer(self, question: Question) -> Answer:
         try:
             with self._lock:
                 if question is not self._wanted:

@@ -80,11 +80,11 @@ def find_recovery_files(folder: Path) -> list[RecoveryFile]:
         stems = {path.stem for path in folder.iterdir() if _NAME.fullmatch(path.stem)}
     except OSError:
         return []
-    found = (_claimed(folder / f"{stem}{SESSION_SUFFIX}") for stem in stems)
+    found = (_claim(folder / f"{stem}{SESSION_SUFFIX}") for stem in stems)
     return sorted(filter(None, found), key=lambda left: -left.time)
 
 
-def _claimed(path: Path) -> RecoveryFile | None:
+def _claim(path: Path) -> RecoveryFile | None:
     """Recovery file at ``path``; None if its owner lives, or it is claimed or gone."""
     try:
         lock = acquire_lock(lock_path(path))
