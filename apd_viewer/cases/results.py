@@ -21,7 +21,7 @@ PROMISED_READINGS = ("area_error", "volume", "volume_capped", "energy", "crossin
 READINGS = (*PROMISED_READINGS, *FINAL_READINGS)
 STATUS_COLUMNS = ("status", "sentence")
 KEY_COLUMNS = ("line", "key")
-# Relative difference of energies from which folds compete, and an energy that is none.
+# Least relative energy difference of competing folds, and largest energy taken for zero.
 _COMPETING, _NO_ENERGY = 0.01, 1e-300
 
 

@@ -1,4 +1,4 @@
-"""Mesh as a format reader finds it: polygons, triangles, encoding, normals."""
+"""Parsed mesh: polygons, triangles, encoding, normals."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
     """Ear-clipped triangles (k - 2, 3) of a polygon (k, 3), and the ears tested."""
     left, found, tries = np.arange(len(X)), [], 0
     with np.errstate(all="ignore"):  # absurd coordinates are refused later
-        x = _flattened(X)
+        x = _projected_corners(X)
         while len(left) > 3:
             ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), None)
             tries += len(left) if ear is None else ear + 1
@@ -186,7 +186,7 @@ def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
     return np.array([*found, left]), tries
 
 
-def _flattened(X: np.ndarray) -> np.ndarray:
+def _projected_corners(X: np.ndarray) -> np.ndarray:
     """Corners (k, 2) projected along the area vector, counter-clockwise."""
     normal = np.cross(X - X[0], np.roll(X, -1, axis=0) - X[0]).sum(axis=0)
     size = np.linalg.norm(normal)
