@@ -139,7 +139,7 @@ def _press(options: argparse.Namespace) -> None:
         "method": method,
         "wall_thickness": wall.thickness if METHODS[method].is_wall else None,
         "poisson": wall.nu,
-        # Of a thin wall it would be a part of the gap between the plates.
+        # Left out for the method 'wall', where it would be a part of the gap between the plates.
         "thickness": wall.thickness if options.thickness and not METHODS[method].is_wall else None,
         "yield_radius": wall.yield_radius,
         "gas": gas,
@@ -192,7 +192,7 @@ def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
 
 
 def _method(options: argparse.Namespace, wall: Wall) -> str:
-    """Method chosen, or that of what is known of the wall."""
+    """Chosen method; by default 'wall' if the wall's rigidity is known."""
     if options.method is not None:
         return str(options.method)
     return "wall" if wall.rigidity is not None and not options.stiffness else DEFAULT_METHOD

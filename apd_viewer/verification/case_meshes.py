@@ -1,4 +1,4 @@
-"""Meshes of the verification cases, made of parameters."""
+"""Parametric meshes of the verification cases."""
 
 import itertools
 
@@ -76,7 +76,7 @@ def lune(rings: int, sectors: int) -> Arrays:
 
 
 def divided(corners: np.ndarray, cells: int) -> Arrays:
-    """Triangles ``corners`` (t, 3, d), each divided into ``cells`` along its edges."""
+    """Triangles ``corners`` (t, 3, d), each subdivided into ``cells`` along its edges."""
     steps = [(i, j) for i in range(cells) for j in range(cells - i)]
     small = [((i, j), (i + 1, j), (i, j + 1)) for i, j in steps]
     small += [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for i, j in steps if i + j < cells - 1]
@@ -86,6 +86,6 @@ def divided(corners: np.ndarray, cells: int) -> Arrays:
 
 
 def joined(triangles: np.ndarray) -> Arrays:
-    """Vertices and faces of ``triangles`` (t, 3, d), corners that meet joined."""
+    """Vertices and faces of ``triangles`` (t, 3, d), with coincident corners merged."""
     points, faces = np.unique(triangles.reshape(-1, triangles.shape[2]).round(9), axis=0, return_inverse=True)
     return points + 0.0, faces.reshape(-1, 3)
