@@ -105,7 +105,7 @@ def _end_profile() -> None:
     """
     try:
         worker = _import_distributed().get_worker()
-    except ValueError:  # not in a worker, for example in a test
+    except ValueError:  # not in a Dask worker, for example in a test
         return
     for name in _PROFILE_CALLBACKS:
         if callback := worker.periodic_callbacks.get(name):

@@ -106,7 +106,7 @@ def _check_tables(connection: sqlite3.Connection) -> None:
 def is_damage(error: Exception, folder: Path) -> bool:
     """True if an error means damage, not a locked database, a full disk or the like."""
     said = str(error)
-    if "readonly" in said:  # also reported for a database that was moved away
+    if "readonly" in said:  # SQLite also reports this for a moved database
         return os.access(folder, os.W_OK) and (
             not (folder / DATABASE_NAME).exists() or os.access(folder / DATABASE_NAME, os.W_OK)
         )

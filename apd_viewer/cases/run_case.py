@@ -60,7 +60,7 @@ FINAL_READINGS = (
     "turned",
     "turned_held",
 )
-_OF_ITERATIONS = "iterations", "settled", "stable", "saddle_escapes"  # readings of a step that have no curve
+_OF_ITERATIONS = "iterations", "settled", "stable", "saddle_escapes"  # readings of a step without a curve
 
 
 class MissingInputError(Exception):

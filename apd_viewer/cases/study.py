@@ -110,7 +110,7 @@ class Study:
             If the engine is gone or the folder cannot be written; what is done is kept.
         """
         table = self._round(engine, limit, on_progress)
-        if self.unfinished_cases and not self._stopping:  # cases whose files were found damaged at the end
+        if self.unfinished_cases and not self._stopping:  # cases with files found damaged at the end
             table = self._round(engine, limit, on_progress)
         return table
 
@@ -278,7 +278,7 @@ class StudyStore:
         sizes = case_file.case_sizes(self.folder)
         known = {key: case.size for key, case in database.case_rows(self._base).items()}
         done = {key for key in wanted if sizes.get(key) == known.get(key, -1)}
-        # Files written just before the program was killed, or damaged ones.
+        # Record files written just before the program was killed, and delete damaged ones.
         done |= {key for key in (wanted & sizes.keys()) - done if self._reread_case(key) is not None}
         self._remove_cases(wanted & known.keys() - done)
         self._base.commit()

@@ -62,7 +62,7 @@ class TimeLeftEstimate:
         elif not self._has_measure:
             self._set_end(moment, expected)
         elif self._end is not None and moment - self._fitted > _INERTIA * (self._end - moment):
-            self._end = None  # not confirmed for too long
+            self._end = None  # unconfirmed for too long
 
     def _set_end(self, moment: float, seconds: float | None) -> None:
         self._end = None if seconds is None else moment + seconds

@@ -228,7 +228,7 @@ class AutosaveWriter:
             for left in copy.superseded_files:
                 left.discard()
             self._failing = False
-        except Exception as error:  # autosave continues with the next step
+        except Exception as error:  # the next step is saved again
             reason = error if isinstance(error, OSError) else error.__cause__
             if not isinstance(reason, OSError):
                 traceback.print_exc()
@@ -250,7 +250,7 @@ class AutosaveWriter:
             self._mine = None
 
     def _write(self, copy: AutosaveCopy) -> Path:
-        if self._mine is not None and not self._mine[1].is_in_place:  # another program deleted the file
+        if self._mine is not None and not self._mine[1].is_in_place:  # deleted by another program
             self._mine[1].release()
             self._mine = None
         if self._mine is None:

@@ -116,7 +116,7 @@ class Painting(DocumentEditor):
     def paint(self, ids: np.ndarray, label: int) -> None:
         """Label the vertices ``ids`` within the current gesture; the shape is unchanged."""
         state = self._store.required_state()
-        if self._gestures.state_before is not None:  # undo may have ended the stroke
+        if self._gestures.state_before is not None:  # the stroke may have been ended by undo
             self._store.set_document(state.document.with_label(ids, label))
 
     def paint_region(self, ids: np.ndarray, number: int) -> None:

@@ -219,7 +219,7 @@ class StateStore:
         self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
         U, shifts = state.frame.U, state.frame.shifts
-        if from_grip and not state.document.has_half_turn:  # a path starts at the grip in any case
+        if from_grip and not state.document.has_half_turn:  # a path starts at the grip anyway
             U, shifts = state.document.grip, np.zeros_like(shifts)
         self._worker.put_request(Request(state.document, self._generation, U, iterate, shifts=shifts))
         self._listener.changed(old, state)

@@ -1,4 +1,4 @@
-"""The listener of a session as Qt signals, and the panel connected to it."""
+"""Listener of a session with Qt signals, and connections of the panel."""
 
 from collections.abc import Callable
 from functools import partial

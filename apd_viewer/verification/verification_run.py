@@ -12,7 +12,7 @@ import numpy as np
 from apd_viewer.verification.verification_case import CaseResults, VerificationCase
 
 RECORD = Path(__file__).with_name("recorded.json")
-# Another processor changes errors by less than a tenth, and small ones by less than 2 % of their bar.
+# Another processor changes errors by less than a tenth, or 2 % of the error bound if small.
 _MARGIN, _FLOOR = 1.1, 0.02
 _ROUNDING = 1e-9  # smaller errors give no order of convergence
 

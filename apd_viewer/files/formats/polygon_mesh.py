@@ -163,7 +163,7 @@ def strip_triangles(strips: np.ndarray) -> np.ndarray:
 
 def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
     """Indices (t,) of triangles opposed to the area vector of their face."""
-    with np.errstate(all="ignore"):  # absurd coordinates are refused later
+    with np.errstate(all="ignore"):  # absurd coordinates are rejected later
         cross = np.cross(X[T[:, 1]] - X[T[:, 0]], X[T[:, 2]] - X[T[:, 0]])
         count = int(face[-1]) + 1 if len(face) else 0
         whole = np.column_stack(
@@ -175,7 +175,7 @@ def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
 def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
     """Ear-clipped triangles (k - 2, 3) of a polygon (k, 3), and the ears tested."""
     left, found, tries = np.arange(len(X)), [], 0
-    with np.errstate(all="ignore"):  # absurd coordinates are refused later
+    with np.errstate(all="ignore"):  # absurd coordinates are rejected later
         x = _projected_corners(X)
         while len(left) > 3:
             ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), None)

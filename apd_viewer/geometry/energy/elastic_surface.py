@@ -130,7 +130,7 @@ class ElasticSurface(HeldSurface):
 
     @cached_property
     def hessian(self) -> ProjectedHessian:
-        """Approximate Hessian of a surface with a membrane; without one, use K instead."""
+        """Approximate Hessian of a surface with a membrane; undefined without one."""
         assert self.membrane is not None
         others = self.K_ff - self.membrane.K[self.free][:, self.free]
         return ProjectedHessian(self.rest.V, self.free, others, self.membrane)

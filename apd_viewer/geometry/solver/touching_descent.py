@@ -123,7 +123,7 @@ class TouchingDescent:
 
     @property
     def converged(self) -> bool:
-        """True if the path has ended, and further steps would gain next to nothing.
+        """True if the path has ended, and further steps hardly reduce the energy.
 
         Where nothing is held, loads have to cancel out, too.
         """

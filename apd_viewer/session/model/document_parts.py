@@ -169,7 +169,7 @@ class PaintedPart(NamedTuple):
     def document_with_members(self, document: Document, members: np.ndarray) -> Document:
         """Document with exactly the vertices ``members`` (n,) bool in the part."""
         if not self.exists_in(document) and members.any():
-            document = with_next_region(document)  # a stroke may create the region
+            document = with_next_region(document)  # the region may be created by a stroke
         paint = type(document).with_region_number if self.is_region else type(document).with_label
         cleared = paint(document, np.flatnonzero(self.mask(document) & ~members), self.unpainted_code)
         return paint(cleared, np.flatnonzero(members), self.code)

@@ -166,7 +166,7 @@ class Handle:
             return self.with_pose(pose, waypoints)
         handle, back = self.with_pose(IDENTITY), np.linalg.inv(self.earlier_poses[-1])
         for each in (*reversed(self.earlier_poses[:-1]), IDENTITY, *waypoints, pose):
-            handle = handle.moved_to(each @ back)  # cancels the common part of both paths
+            handle = handle.moved_to(each @ back)  # removes the common part of both paths
         return handle
 
 

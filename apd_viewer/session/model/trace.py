@@ -103,12 +103,12 @@ class Trace:
             self._begin(coming)
         # Undisplayed frames are not measured, but their iterations count.
         more = frame.iteration if self._total is None else frame.total - self._total
-        self._iteration += more if more >= 0 else frame.total  # a new solver counts from zero
+        self._iteration += more if more >= 0 else frame.total  # a new solver restarts its iteration count
         self._total = frame.total
         self._store_row([self._clock() - self._start.moment, self._iteration, *_readings(document, frame)])
 
     def _begin(self, start: _Start) -> None:
-        self._start = replace(start, requested=None)  # the document would keep its mesh alive
+        self._start = replace(start, requested=None)  # a stored document would keep its mesh alive
         self._clear()
         self._store_row([0.0, 0.0, *start.readings])
 

@@ -158,7 +158,7 @@ def motion_paths(document: Document, steps: Sequence[MotionStep]) -> tuple[Handl
 
 def _path(document: Document, k: int, steps: tuple[MotionStep, ...]) -> HandlePath | MotionPath:
     path = MotionPath(document, k, steps)
-    path.pose_at(1.0)  # raises early if a step is impossible
+    path.pose_at(1.0)  # raises InputError early for an impossible step
     if [step.motion.kind for step in steps] != [TWIST]:
         return path
     start = MotionReference(document, k)
@@ -217,7 +217,7 @@ def motion_title_between(before: Document, after: Document, k: int, unit: Unit) 
     if np.abs(by[:3, :3] @ by[:3, :3].T - np.eye(3)).max() <= _SAME:
         turn = rigid_transform(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
         if abs(float(turn.displacement @ turn.axis)) <= _SAME * diagonal(before.mesh.V):
-            # Full turns follow from the waypoints of the handles.
+            # Full turns are counted from the waypoints of the handles.
             made = summed_rotations(new.waypoints, new.pose) - summed_rotations(old.waypoints, old.pose)
             full = 2.0 * math.pi * round((float(made @ turn.axis) - turn.angle) / (2.0 * math.pi))
             free = TURN.amount.format(turn.angle + full, unit)

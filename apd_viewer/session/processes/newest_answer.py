@@ -116,7 +116,7 @@ class NewestAnswer(Generic[Question, Answer]):
             answer = None
         with self._lock:
             self._busy = False
-            # It may have been killed after its answer was received, for a newer question.
+            # The process may have been killed after its answer was received, for a newer question.
             ended = answer is None or self._process.is_killed
         if ended:
             self._process.end()

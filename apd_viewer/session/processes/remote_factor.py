@@ -115,7 +115,7 @@ class RemoteFactor:
     def _send(self) -> None:
         try:
             word = self._answer_to(*csr_rows(self._matrix()), np.ascontiguousarray(self._V))
-        except Exception as error:  # raised again in the waiting thread
+        except Exception as error:  # the waiting thread raises the error again
             self._error = error
             return
         if word:

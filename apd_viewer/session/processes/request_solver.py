@@ -100,7 +100,7 @@ class RequestSolver:
         """Answer a request, or prepare for the next one."""
         self.turn_to(request.document.mesh)
         if request.document.paint_problem:
-            # Sent during painting; an undeformable mesh is refused at its first request.
+            # Such requests are sent during painting, for preparations alone.
             if request.with_cost:  # a comparison of methods waits for an answer
                 raise InputError(request.document.paint_problem)
             with contextlib.suppress(InputError):
@@ -148,7 +148,7 @@ class RequestSolver:
         tray, cost, walk = self._shape_buffer_of(request), None, self._walk
         assert walk is not None
         iterations, since, last = 0, time.perf_counter(), 0
-        while True:  # at least once, or a fast sequence of poses would show nothing
+        while True:  # at least one iteration, or a fast sequence of poses would show nothing
             while not solver.ready:
                 if self._requests.is_ready:
                     return
@@ -214,7 +214,7 @@ class RequestSolver:
         around = request_and_reply.obstacle_key(document)
         fresh = self._solver is None or not request_and_reply.are_same_keys(key, self._key)
         if self._solver is None or fresh:
-            self._drop()  # frees memory for the next solver
+            self._drop()  # frees memory before the next solver is made
             self._solver = self._new_deformation(request, held)
         else:
             if not request_and_reply.are_same_keys(goals, self._goals):

@@ -145,7 +145,7 @@ class SharedShapeBuffer:
 
     def take_shape(self, number: int) -> np.ndarray:
         """Copy shape ``number``, and free the buffer."""
-        while self._counters.load(_PUT) < number:  # its message may arrive before the store
+        while self._counters.load(_PUT) < number:  # the message may arrive before the counter is stored
             time.sleep(0.0)
         U = self._U.copy()
         self._counters.store(_COPIED, number)

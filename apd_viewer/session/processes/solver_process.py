@@ -114,7 +114,7 @@ class SolverProcess:
         request = replace(request, number=number, shape_buffer=name, decimations=known)
         self._requests[number], self._trays[number] = request, tray
         message = self._packer.packed_message(_without_target(self._with_first_start(request)))
-        if self.is_alive:  # if it has just ended, the listening thread reports so
+        if self.is_alive:  # if the process has just ended, the listening thread reports it
             self._process.send_messages(message)
         if not self.is_alive:
             self._discard_shared_arrays()

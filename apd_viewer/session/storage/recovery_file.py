@@ -26,7 +26,7 @@ from apd_viewer.session.storage.session_file import JSON_MEMBER, open_session
 _NAME = re.compile(r"\d+-\d+")
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # seconds
 _MOST_TRIES = 5
-_FIRST = 1577836800.0  # start of 2020; an earlier clock was not set
+_FIRST = 1577836800.0  # start of 2020; an earlier time means an unset clock
 
 
 class RecoveryFile:
@@ -97,7 +97,7 @@ def _claim(path: Path) -> RecoveryFile | None:
         if stat.S_ISREG(found.st_mode):
             make_private(path)
             return RecoveryFile(path, lock, found.st_mtime)
-        lock.release()  # not a file of this program
+        lock.release()  # file of another program
     except FileNotFoundError:
         remove_with_lock(path, lock)
     except OSError:

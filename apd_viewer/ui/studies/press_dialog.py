@@ -1,4 +1,4 @@
-"""Dialog to press the mesh between two plates: its wall, and curves of the result."""
+"""Dialog to press the mesh between two plates, with wall properties and curves."""
 
 from collections.abc import Callable
 from contextlib import suppress

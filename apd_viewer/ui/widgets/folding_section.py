@@ -98,7 +98,7 @@ class Section(QWidget):
     def reveal(self) -> None:
         """Unfold the section and scroll the panel to it."""
         self.is_folded = False
-        QTimer.singleShot(0, self, self._scroll_into_view)  # once new rows are laid out
+        QTimer.singleShot(0, self, self._scroll_into_view)  # after the layout of new rows
 
     def _scroll_into_view(self) -> None:
         area = self.parentWidget()

@@ -186,7 +186,7 @@ class Slider(QSlider):
         return QSize(120, _KNOB + 6)
 
     def minimumSizeHint(self) -> QSize:
-        """The same."""
+        """Preferred size, so that the knob is not cut off."""
         return self.sizeHint()
 
     def paintEvent(self, _: QPaintEvent) -> None:
