@@ -165,7 +165,7 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
 
 
 def _conditions(step: PressStep, newtons: NewtonConversion) -> str:
-    """Phrase on what the newtons of a step depend on."""
+    """Phrase on the conditions for the newtons of a step."""
     if newtons.matches_wall:
         return tr("of this thin elastic wall")
     off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(step.stretching))

@@ -161,7 +161,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
     try:
         V, F, *_ = parsed_mesh(content, path)
         V = V / metre
-    except InputError:  # a linked file beside the new one leads outside its folder
+    except InputError:  # a link beside the new file leads outside its folder
         raise
     except ValueError:
         V, F = U[:0], mesh.F[:0]

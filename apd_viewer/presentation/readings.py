@@ -87,7 +87,7 @@ def area_verdict(state: State) -> str:
 
 
 def distances(found: SurfaceDistance | None, unit: Unit, size: float) -> tuple[str, ...]:
-    """Largest, RMS and mean distance of a mesh of this size; dashes if unknown."""
+    """Texts of the largest, RMS and mean distance; dashes if unknown."""
     if found is None:
         return (NO_VALUE,) * len(DISTANCE_COLUMNS)
     return tuple(

@@ -155,7 +155,7 @@ class StateStore:
         state = self.required_state()
         state = state.updated(regripped_document(before, document, state.frame))
         lacks = state.has_unmet_target
-        # The jump discards an unfinished pose; nothing else is pending.
+        # The jump discards an unfinished pose, the only pending change.
         goes_on = lacks and (before.paint_problem is not None or not before.is_posed)
         unreached = state.frame.unreached if lacks else None
         frame = replace(

@@ -61,7 +61,7 @@ def trailing_bytes_remark(size: int) -> tuple[str, ...]:
 def updated_normals(
     V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray
 ) -> np.ndarray:
-    """Normals ``N`` rotated with the surface; zero and huge ones unchanged."""
+    """Normals ``N`` rotated with the surface; zero and huge normals unchanged."""
     good = (np.abs(N) < _LONGEST).all(axis=1)
     if good.all():
         return rotated_normals(V, U, F, N, normal_of)

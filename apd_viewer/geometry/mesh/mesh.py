@@ -296,7 +296,7 @@ class BakedOrigin(DerivedOrigin):
         return self.mesh.colors
 
     def normals(self, _: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Normals of the file, for the mesh as it was read."""
+        """Normals of the file, for the undeformed mesh."""
         return self.origin.normals(self.mesh)
 
     def texture(self, _: Mesh) -> Texture | None:

@@ -163,6 +163,6 @@ class StepConvergence:
         return step_ratio(self._steps, convergence.step_tolerance)
 
     def has_converged(self, convergence: Convergence) -> bool:
-        """True if further iterations would change nothing significant."""
+        """True if further iterations would make no significant change."""
         gap = self.convergence_ratio(convergence)
         return self.is_rounding or (gap is not None and gap <= 1.0)

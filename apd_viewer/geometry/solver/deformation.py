@@ -477,6 +477,6 @@ class Deformation:
 
     def _unreached_sentence(self, progress: SolverProgress) -> str | None:
         stopped = self.contact is not None and self.contact.is_stopped
-        if stopped and progress.has_met_goals:  # otherwise the goals are what stops it
+        if stopped and progress.has_met_goals:  # otherwise the goals stop the handles
             return stop_sentence(self.share_reached, self.contact)
         return self._kept.out_of_reach_sentence(progress.goal_values if stopped or progress.stuck else None)

@@ -50,7 +50,7 @@ class IterativeSolver(Protocol):
 
     @property
     def elastic(self) -> HeldSurface:
-        """Surface that is iterated."""
+        """Elastic surface being solved."""
 
     @property
     def progress(self) -> SolverProgress:

@@ -236,7 +236,7 @@ _THICKNESS, _THINNEST, _THICKEST = 1e-3, 1e-5, 0.05
 
 
 def check_wall_size(vertices: int) -> None:
-    """Raise InputError if a wall of so many vertices would take too much memory."""
+    """Raise InputError if a wall has too many vertices for the memory."""
     if vertices > _MOST_WALL_VERTICES:
         raise InputError(
             tr("The method Wall takes at most {most:,} vertices; choose Local, or thin the mesh.").format(

@@ -87,7 +87,7 @@ class TouchingSurface(ABC):
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """Residual at ``U`` (n, 3), with the current positions left as they are."""
         residual = self._with_contact(self.elastic.residual_near(U, targets), U)
-        self.contact.gradient(self.U)  # contact readings are those of its last gradient
+        self.contact.gradient(self.U)  # contact readings belong to the last gradient of the contact
         return residual
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:

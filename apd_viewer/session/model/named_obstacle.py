@@ -110,7 +110,7 @@ class NamedObstacle:
 def carried_shifts(
     before: Sequence[NamedObstacle], shifts: np.ndarray, after: Sequence[NamedObstacle]
 ) -> np.ndarray:
-    """Displacements (o, 3) of changed obstacles, carried over from unchanged ones.
+    """Displacements (o, 3) after a change of obstacles, kept for unchanged ones.
 
     Parameters
     ----------

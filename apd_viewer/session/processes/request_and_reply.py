@@ -134,7 +134,7 @@ _OF_SETTINGS = tuple(name for name in SETTINGS if name not in TOLD_SETTINGS)
 
 
 def factor_key(document: Document) -> tuple[object, ...]:
-    """Key of a document's solver and its factorization; another key needs new ones."""
+    """Key of a document's solver and its factorization; a changed key needs new ones."""
     return (
         *(getattr(document, name) for name in _OF_DOCUMENT),
         *(getattr(document.settings, name) for name in _OF_SETTINGS),
@@ -151,7 +151,7 @@ def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
 
 
 def obstacle_key(document: Document) -> tuple[object, ...]:
-    """Key of the obstacles as first placed; another key needs new contact data."""
+    """Key of the obstacles as first placed; a changed key needs new contact data."""
     if not document.has_active_obstacles:
         return ()
     each = ((one.kind, one.place, one.axis, one.radius, one.length) for one in document.obstacles)

@@ -157,7 +157,7 @@ class SharedShapeBuffer:
 
 
 def untrack_shared_memory() -> None:
-    """Leave blocks opened but not created here in place at exit, as in Python 3.13."""
+    """Keep blocks created by other processes at exit, as Python 3.13 does."""
     if sys.version_info < (3, 13):
         resource_tracker.register = lambda *_: None
 

@@ -67,7 +67,7 @@ NO_WALL = WallText()
 
 @dataclass(frozen=True)
 class Wall:
-    """Wall of a mesh as numbers; unknown ones are None.
+    """Wall of a mesh as numbers; None where unknown.
 
     Attributes
     ----------
@@ -161,7 +161,7 @@ def parse_wall(text: WallText, unit: Unit) -> Wall:
 
 
 def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float | None = None) -> float | None:
-    """Mass of a typed wall, grams, as :meth:`Wall.grams`; None if nothing was typed.
+    """Mass of a typed wall, grams, as :meth:`Wall.grams`; None without a typed wall.
 
     Raises
     ------

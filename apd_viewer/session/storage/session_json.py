@@ -246,7 +246,7 @@ def settings_to_json(settings: Settings) -> dict[str, Any]:
 
 
 def settings_from_json(fields: JsonFields) -> Settings:
-    """Settings from JSON, defaults where missing; raises ValueError on damaged ones."""
+    """Settings from JSON, with defaults if missing; raises ValueError if damaged."""
     found = {
         name: _from_json(fields, name, setting.kind)
         for name, setting in SETTINGS.items()
