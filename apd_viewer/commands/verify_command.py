@@ -112,7 +112,7 @@ class _Table:
         self._head = [self._line(COLUMN_TITLES)]
 
     def lines(self, run: CaseRun) -> str:
-        """Title, rows and reasons of a case; below the head at first."""
+        """Title, rows and reasons of a case, with the table's head above the first case."""
         lines, self._head = [*self._head, f"{run.case.letter}  {run.case.title}"], []
         lines += [self._line(row_cells(row)) for row in run.rows if row.quantity]
         lines += [f"   {reason}" for reason in dict.fromkeys(row.reason for row in run.rows) if reason]

@@ -365,7 +365,7 @@ def exempt_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
 
 
 def is_within_zone(zone: np.ndarray) -> np.ndarray:
-    """Mask (p,) of triangle pairs sharing a zone; zones of their corners (p, 2, 3).
+    """Mask (p,) of triangle pairs sharing a zone, from their corners' (p, 2, 3).
 
     At the rim a triangle of a zone is crossed by those with one corner in it.
     """
