@@ -9,7 +9,7 @@ from apd_viewer.geometry.mesh.operators import face_areas, volume
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation_result import deform
 from apd_viewer.language import tr
-from apd_viewer.verification.case_meshes import cube, divided, grid, lune
+from apd_viewer.verification.case_meshes import cube, grid, lune, subdivided_triangles
 from apd_viewer.verification.verification_case import CaseQuantity, CaseResults, ResultPair, VerificationCase
 
 _PLAIN_ITERATIONS = 1000
@@ -118,7 +118,7 @@ def _kresling(n: int, is_plain: bool) -> CaseResults:
     A, B, C = _hexagon(0.0, 0.0), _hexagon(_TALL, _TURN), _hexagon(2.0 * _TALL, 0.0)
     a, b, c = (np.roll(ring, 1, axis=0) for ring in (A, B, C))
     kinds = (a, A, B), (a, B, b), (c, B, C), (c, b, B)
-    V, F = divided(np.concatenate([np.stack(kind, axis=1) for kind in kinds]), n)
+    V, F = subdivided_triangles(np.concatenate([np.stack(kind, axis=1) for kind in kinds]), n)
     base, top = np.flatnonzero(V[:, 2] == 0.0), np.flatnonzero(V[:, 2] == 2.0 * _TALL)
     push = 2.0 * (_TALL - kresling_height(_TALL, _TURN)) / (2.0 * _TALL)
     path = V * np.column_stack([np.ones((21, 2)), 1.0 - push * np.linspace(0.0, 1.0, 21)])[:, None]

@@ -43,7 +43,7 @@ def _factor_directly(matrix: Callable[[], Matrix], V: np.ndarray) -> LinearSolve
 
 
 class ElasticSurface(HeldSurface):
-    """Local and global steps with some vertices held.
+    """Elastic surface with held vertices, solved by local and global steps.
 
     Parameters
     ----------

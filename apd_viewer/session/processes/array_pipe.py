@@ -167,7 +167,7 @@ class ArrayUnpacker:
 
 
 def pickled(value: object, number_of: Callable[[object], int | None]) -> bytes:
-    """Pickle ``value``, with the objects that have a number replaced by it."""
+    """Pickle ``value``, with numbers in place of the numbered objects."""
 
     class Pickler(pickle.Pickler):
         def persistent_id(self, thing: object) -> int | None:

@@ -113,5 +113,5 @@ class Section(QWidget):
 
 
 def quiet_label(name: str, text: str = "", style: str = "quiet", indent: int = -1) -> QLabel:
-    """Wrapping label in a muted colour, or another style; its indent in px."""
+    """Wrapping label in a muted or given style, with an indent in px."""
     return QLabel(text, objectName=style, accessibleName=name, wordWrap=True, indent=indent)
