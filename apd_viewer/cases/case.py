@@ -331,10 +331,10 @@ def _frames(case: Case, solver: Deformation, tick: Callable[[int, int], object])
         yield frame
         begun = number + 1
     if begun < len(documents):
-        yield from _frames_beside_path(case, solver, documents, tick, begun)
+        yield from _frames_from_path(case, solver, documents, tick, begun)
 
 
-def _frames_beside_path(
+def _frames_from_path(
     case: Case,
     solver: Deformation,
     documents: Sequence[Document],

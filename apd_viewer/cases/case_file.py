@@ -86,7 +86,7 @@ def case_from_bytes(content: bytes, with_shape: bool = True) -> CaseResult:
         raise ValueError(tr("it is damaged"))
     try:
         said = json.loads(bytes(body[:text]))
-        return _checked(CaseResult(**said, U=_shape(body[text:]) if with_shape and array else None))
+        return _validated_result(CaseResult(**said, U=_shape(body[text:]) if with_shape and array else None))
     except (ValueError, TypeError, RecursionError) as error:  # file not written by this program
         raise ValueError(tr("it is damaged")) from error
 
@@ -100,7 +100,7 @@ def _shape(content: memoryview) -> np.ndarray:
     return frozen(U)
 
 
-def _checked(result: CaseResult) -> CaseResult:
+def _validated_result(result: CaseResult) -> CaseResult:
     """Result with validated field types; raises TypeError or ValueError."""
     texts, parts = (result.key, result.status, result.sentence), (result.case, result.frame)
     if not all(isinstance(each, str) for each in texts) or not all(isinstance(each, dict) for each in parts):

@@ -104,7 +104,7 @@ class CaseRunner:
                 future = self._ended.get(timeout=_TICK)
                 key = self._running.pop(future)
                 self._fill()  # keeps the worker busy while the result is written
-                self._end(key, future)
+                self._finish(key, future)
             self._tick(self._engine.running_count())
             if time.monotonic() - looked > _TICK:
                 self._engine.check_workers()
@@ -126,14 +126,14 @@ class CaseRunner:
         self._running[future] = key
         future.add_done_callback(self._ended.put)
 
-    def _end(self, key: str, future: Future[CaseAnswer]) -> None:
+    def _finish(self, key: str, future: Future[CaseAnswer]) -> None:
         try:
             answer = future.result()
         except BrokenExecutor:
             if future in self._engine.overdue:
                 self._fail(key, tr("It took longer than {limit:g} s.").format(limit=self._limit))
             else:
-                self._died(key)
+                self._handle_worker_death(key)
         except CancelledError:
             self._waiting.appendleft(key)
         except ImportError as error:
@@ -145,7 +145,7 @@ class CaseRunner:
         except Exception as error:
             if type(error).__name__ != "KilledWorker":
                 raise
-            self._died(key)
+            self._handle_worker_death(key)
         else:
             if answer.missing_inputs:
                 self._sent.add(key)
@@ -153,7 +153,7 @@ class CaseRunner:
             else:
                 self._finished(answer.content)
 
-    def _died(self, key: str) -> None:
+    def _handle_worker_death(self, key: str) -> None:
         """Requeue or fail a case after the death of its worker process."""
         self._deaths[key] = deaths = self._deaths.get(key, 0) + 1
         if self._engine.can_blame_case and deaths < MOST_DEATHS:

@@ -31,7 +31,7 @@ class Cluster:
         What they do with a task.
     """
 
-    # Workers prefetch cases, and Dask blames those too when a worker dies.
+    # Dask also blames prefetched cases for the death of their worker.
     can_blame_case = False
 
     def __init__(self, client: Any, work: TaskRunner = work_on_case) -> None:
@@ -67,7 +67,7 @@ class Cluster:
 
     def start(self, task: CaseTask) -> Future[CaseAnswer]:
         """Submit a case to the scheduler."""
-        future: Future[CaseAnswer] = self._executor.submit(_undisturbed, self._work, task)
+        future: Future[CaseAnswer] = self._executor.submit(_run_unprofiled, self._work, task)
         self._futures.add(future)
         # Results are released on arrival: Dask would recompute retained ones after the death of a worker.
         future.add_done_callback(self._futures.discard)
@@ -91,7 +91,7 @@ class Cluster:
             self._client.close(timeout=1 if at_once else ANSWER_SECONDS)
 
 
-def _undisturbed(work: TaskRunner, task: CaseTask) -> CaseAnswer:
+def _run_unprofiled(work: TaskRunner, task: CaseTask) -> CaseAnswer:
     """Run a task in a worker without Dask's profiler."""
     _end_profile()
     return work(task)
@@ -104,8 +104,8 @@ def _end_profile() -> None:
     Every 10 ms it takes time from the case, and it grows by a quarter of a mebibyte a second.
     """
     try:
-        worker = _distributed().get_worker()
-    except ValueError:  # not in a worker, for example in a test
+        worker = _import_distributed().get_worker()
+    except ValueError:  # not in a Dask worker, for example in a test
         return
     for name in _PROFILE_CALLBACKS:
         if callback := worker.periodic_callbacks.get(name):
@@ -132,7 +132,7 @@ def connect_cluster(
     where = {"scheduler_file": str(scheduler_file)} if scheduler_file else {"address": address}
     if scheduler_file and not scheduler_file.is_file():
         raise InputError(tr("There is no file {path}; check the name.").format(path=scheduler_file))
-    distributed = _distributed()
+    distributed = _import_distributed()
     try:
         return Cluster(distributed.Client(**where, timeout=ANSWER_SECONDS), work)
     except (OSError, ValueError, TypeError) as error:
@@ -143,7 +143,7 @@ def connect_cluster(
         ) from error
 
 
-def _distributed() -> Any:
+def _import_distributed() -> Any:
     try:
         # Imported here: Dask is an optional dependency and takes half a second to load.
         import distributed

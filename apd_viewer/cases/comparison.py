@@ -74,7 +74,7 @@ class Comparison:
         if self.current_method is not None and self.current_method not in self._wanted:
             del self.outcomes[self.current_method]
             self.current_method = None
-        self._go_on()
+        self._start_next()
 
     @property
     def queued_methods(self) -> tuple[str, ...]:
@@ -88,17 +88,17 @@ class Comparison:
             return False
         self.news = reply.news or self.news
         if reply.request.document is self._asked and self.current_method is not None:
-            self._hear(self.current_method, reply)
+            self._receive_reply(self.current_method, reply)
         return True
 
-    def _hear(self, method: str, reply: Reply) -> None:
+    def _receive_reply(self, method: str, reply: Reply) -> None:
         frame = reply.frame or self.outcomes[method].frame
         self.outcomes[method] = MethodOutcome(frame, reply.finished, reply.cost, reply.failure)
         if reply.finished:
             self.current_method = None
-            self._go_on()
+            self._start_next()
 
-    def _go_on(self) -> None:
+    def _start_next(self) -> None:
         """Start the next method, or end the process after the last one."""
         if self.current_method is not None:
             return

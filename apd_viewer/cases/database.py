@@ -50,13 +50,13 @@ def open_database(folder: Path) -> sqlite3.Connection:
     _check_beside(path)
     if not path.exists() or path.is_file():
         try:
-            return _connected(path)
+            return _connect(path)
         except DATABASE_ERRORS as error:
             if not is_damage(error, folder):
                 raise write_error(folder, error) from error
     rename_damaged(folder)
     try:
-        return _connected(path)
+        return _connect(path)
     except DATABASE_ERRORS as error:
         raise write_error(folder, error) from error
 
@@ -75,9 +75,9 @@ def _check_beside(path: Path) -> None:
             continue
 
 
-def _connected(path: Path) -> sqlite3.Connection:
+def _connect(path: Path) -> sqlite3.Connection:
     base = sqlite3.connect(path, timeout=_PATIENCE)
-    base.text_factory = _decoded
+    base.text_factory = _decode
     try:
         # No write-ahead log: it fails on network file systems, where other machines may read.
         base.executescript(f"pragma journal_mode = delete; pragma synchronous = normal; {_TABLES}")
@@ -90,7 +90,7 @@ def _connected(path: Path) -> sqlite3.Connection:
     return base
 
 
-def _decoded(text: bytes) -> str:
+def _decode(text: bytes) -> str:
     return text.decode(errors="replace")
 
 
@@ -106,7 +106,7 @@ def _check_tables(connection: sqlite3.Connection) -> None:
 def is_damage(error: Exception, folder: Path) -> bool:
     """True if an error means damage, not a locked database, a full disk or the like."""
     said = str(error)
-    if "readonly" in said:  # also reported for a database that was moved away
+    if "readonly" in said:  # SQLite also reports this for a moved database
         return os.access(folder, os.W_OK) and (
             not (folder / DATABASE_NAME).exists() or os.access(folder / DATABASE_NAME, os.W_OK)
         )
@@ -161,7 +161,7 @@ def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
     place = place if place.startswith("/") else f"/{place}"
     try:
         with closing(sqlite3.connect(f"file://{place}?mode=ro", uri=True, timeout=_PATIENCE)) as base:
-            base.text_factory = _decoded
+            base.text_factory = _decode
             _check_tables(base)
             yield base
     except DATABASE_ERRORS as error:

@@ -23,7 +23,7 @@ RECYCLE_AFTER = 300
 _FAR_TOO_LONG = 1.5, 30.0
 
 
-def _begin(owner: int) -> None:
+def _initialize_worker(owner: int) -> None:
     """Initialise a worker process to exit with its owner."""
     set_up_process(owner)
     Thread(target=_follow_owner, daemon=True).start()
@@ -36,7 +36,7 @@ def _follow_owner() -> None:
         os._exit(0)
 
 
-class _Lane:
+class _WorkerSlot:
     """One worker process and its current case."""
 
     def __init__(self) -> None:
@@ -59,17 +59,17 @@ class _Lane:
             float("inf") if task.time_limit is None else time.monotonic() + factor * task.time_limit + more
         )
         try:
-            self.future = self._submitted(work, task)
+            self.future = self._submit(work, task)
         except BrokenExecutor:  # the process died during its last case or while idle
             self.end()
-            self.future = self._submitted(work, task)
+            self.future = self._submit(work, task)
         self.cases += 1
         return self.future
 
-    def _submitted(self, work: TaskRunner, task: CaseTask) -> Future[CaseAnswer]:
+    def _submit(self, work: TaskRunner, task: CaseTask) -> Future[CaseAnswer]:
         if self.executor is not None:
             return self.executor.submit(work, task)
-        self.executor = ProcessPoolExecutor(1, get_context("spawn"), _begin, (os.getpid(),))
+        self.executor = ProcessPoolExecutor(1, get_context("spawn"), _initialize_worker, (os.getpid(),))
         self.cases = 0
         with worker_start_context():  # the process starts with its first task
             return self.executor.submit(work, task)
@@ -110,33 +110,33 @@ class LocalPool:
     can_blame_case = True
 
     def __init__(self, workers: int, work: TaskRunner = work_on_case, recycle: int = RECYCLE_AFTER) -> None:
-        self._lanes = [_Lane() for _ in range(workers)]
+        self._slots = [_WorkerSlot() for _ in range(workers)]
         self._work, self._recycle = work, recycle
         self.overdue: set[Future[CaseAnswer]] = set()
 
     def free_slots(self) -> int:
         """Number of idle processes."""
-        return sum(lane.free for lane in self._lanes)
+        return sum(lane.free for lane in self._slots)
 
     def running_count(self) -> int:
         """Number of running cases."""
-        return len(self._lanes) - self.free_slots()
+        return len(self._slots) - self.free_slots()
 
     def start(self, task: CaseTask) -> Future[CaseAnswer]:
         """Start a case in a free process."""
-        lane = next(lane for lane in self._lanes if lane.free)
+        lane = next(lane for lane in self._slots if lane.free)
         return lane.start(self._work, task, self._recycle)
 
     def check_workers(self) -> None:
         """Kill the processes of overdue cases."""
-        for lane in self._lanes:
+        for lane in self._slots:
             if lane.future is not None and not lane.free and time.monotonic() > lane.until:
                 self.overdue.add(lane.future)
                 lane.kill()
 
     def close(self, at_once: bool) -> None:
         """End the processes, after their cases or at once."""
-        for lane in self._lanes:
+        for lane in self._slots:
             lane.end(at_once)
 
 

@@ -34,7 +34,7 @@ _READERS: dict[str, Callable[[str], CaseSetting]] = {
 # always stored: plans without the column and new documents have different defaults.
 _USUAL = asdict(DEFAULT_SETTINGS)
 _OLD = {"contact": False}
-# Placeholder for the unit of a session, which is read later; it does not affect which cells are valid.
+# Placeholder for the unit of a session, which is read later; any unit makes the same cells valid.
 _SOME = Unit.MILLIMETRE
 MOST_ROWS = 1_000_000
 _SEPARATORS = ",;\t"
@@ -70,11 +70,9 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
     if not whole and "motion" not in cells:
         raise InputError(tr("Nothing moves; fill in “motion”, such as twist 120deg."))
     typed = _SOME if whole else Unit(unit)
-    motion = (
-        _in_column("motion", lambda text: _motion(text, typed), cells["motion"]) if "motion" in cells else ()
-    )
+    motion = _parse("motion", lambda text: _motion(text, typed), cells["motion"]) if "motion" in cells else ()
     for column in plan_columns.LENGTH_COLUMNS & cells.keys():
-        _in_column(column, lambda text: _length(text, typed), cells[column])
+        _parse(column, lambda text: _length(text, typed), cells[column])
     mesh = sources.mesh(folder / name)
     if not whole:
         own = {name: value for name, value in settings.items() if name in _OLD or value != _USUAL.get(name)}
@@ -87,7 +85,7 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
 
 def parse_cell(name: str, text: str) -> CaseSetting:
     """Value of a single cell; raises InputError."""
-    return _in_column(name, _READERS.get(name, str), text)
+    return _parse(name, _READERS.get(name, str), text)
 
 
 def _settings(cells: Mapping[str, str]) -> dict[str, CaseSetting]:
@@ -118,7 +116,7 @@ def _length(text: str, unit: Unit) -> float:
     return value
 
 
-def _in_column(name: str, read: Callable[[str], T], text: str) -> T:
+def _parse(name: str, read: Callable[[str], T], text: str) -> T:
     """Parsed value of a cell; raises InputError naming its column."""
     try:
         return read(text)
@@ -202,7 +200,7 @@ def read_plan(path: Path, sources: InputFiles) -> Plan:
     rows: list[PlanRow] = []
     seen: dict[str, int] = {}
     for line, cells in lines:
-        row = _checked(line, cells, columns, path.absolute().parent, sources)
+        row = _checked_row(line, cells, columns, path.absolute().parent, sources)
         if row.case is not None:
             first = seen.setdefault(row.case.key, line)
             if first != line:
@@ -265,7 +263,7 @@ def _columns(cells: Sequence[str], path: Path) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _checked(
+def _checked_row(
     line: int, cells: tuple[str, ...], columns: tuple[str, ...], folder: Path, sources: InputFiles
 ) -> PlanRow:
     """Row with its case, or with an error message."""

@@ -21,7 +21,7 @@ PROMISED_READINGS = ("area_error", "volume", "volume_capped", "energy", "crossin
 READINGS = (*PROMISED_READINGS, *FINAL_READINGS)
 STATUS_COLUMNS = ("status", "sentence")
 KEY_COLUMNS = ("line", "key")
-# Relative difference of energies from which folds compete, and an energy that is none.
+# Least relative energy difference of competing folds, and largest energy taken for zero.
 _COMPETING, _NO_ENERGY = 0.01, 1e-300
 
 
@@ -78,7 +78,7 @@ class ResultTable:
 
     @property
     def competing_folds(self) -> dict[tuple[int, ...], float]:
-        """Plan lines of cases whose energies differ by more than 1 % with the seed.
+        """Plan lines of cases with energies differing by over 1 % between seeds.
 
         Each with its largest energy relative to the smallest, less 1.
         """
@@ -148,7 +148,7 @@ def _row(
 ) -> ResultRow:
     if key is None:
         status, sentence = WRONG, mistake
-    elif not database.checked_value(key, str).isalnum():  # the key names a file
+    elif not database.checked_value(key, str).isalnum():  # the key becomes a file name
         raise sqlite3.DatabaseError(database.DATABASE_NAME)
     elif same_as is not None:
         status, sentence = DUPLICATE, mistake

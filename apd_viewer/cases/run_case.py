@@ -62,7 +62,7 @@ FINAL_READINGS = (
     "turned",
     "turned_held",
 )
-_OF_ITERATIONS = "iterations", "settled", "stable", "saddle_escapes"  # readings of a step that have no curve
+_OF_ITERATIONS = "iterations", "settled", "stable", "saddle_escapes"  # readings of a step without a curve
 
 
 class MissingInputError(Exception):
@@ -86,7 +86,7 @@ class CaseDocuments:
         """State of a case before its settings and motion apply; raises InputError."""
         key = case.mesh.digest, "" if case.selection is None else case.selection.digest
         if key not in self._kept:
-            self._kept[key] = self._opened(case)
+            self._kept[key] = self._opened_state(case)
             while len(self._kept) > 1 and self._vertices > _MOST_VERTICES:
                 self._kept.popitem(last=False)
         self._kept.move_to_end(key)
@@ -96,21 +96,21 @@ class CaseDocuments:
     def _vertices(self) -> int:
         return sum(len(state.document.mesh.V) for state, _ in self._kept.values())
 
-    def _opened(self, case: StudyCase) -> tuple[State, View]:
+    def _opened_state(self, case: StudyCase) -> tuple[State, View]:
         content = self._content(case.mesh)
         if case.mesh.suffix == SESSION_SUFFIX:
-            return _in_a_file(case.mesh, content, open_session)
+            return _read_file(case.mesh, content, open_session)
         mesh = read_mesh(case.mesh.path, content)
         state, selection = initial_state(mesh), case.selection
         assert selection is not None  # plans require a selection for a mesh
-        read = _in_a_file(selection, self._content(selection), lambda path: read_selection_file(path, mesh))
+        read = _read_file(selection, self._content(selection), lambda path: read_selection_file(path, mesh))
         document = with_selection(state.document, read)
         # Cases without a contact setting date from when contact was off by default.
         document = document.with_settings(contact=False)
         return replace(state, document=document), View(unit=case.unit or mesh.unit)
 
 
-def _in_a_file(source: InputFile, content: bytes, read: Callable[[Path], T]) -> T:
+def _read_file(source: InputFile, content: bytes, read: Callable[[Path], T]) -> T:
     """Read ``content`` through a temporary file with the source's name."""
     with tempfile.TemporaryDirectory(prefix="apd-viewer-") as folder:
         path = Path(folder) / source.path.name

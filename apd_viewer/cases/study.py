@@ -110,7 +110,7 @@ class Study:
             If the engine is gone or the folder cannot be written; what is done is kept.
         """
         table = self._round(engine, limit, on_progress)
-        if self.unfinished_cases and not self._stopping:  # cases whose files were found damaged at the end
+        if self.unfinished_cases and not self._stopping:  # cases with files found damaged at the end
             table = self._round(engine, limit, on_progress)
         return table
 
@@ -128,7 +128,7 @@ class Study:
 
         def tick(running: int) -> None:
             on_progress(pace.counts(running))
-            self._write_now_and_then()
+            self._write_periodically()
 
         self._runner = CaseRunner(self.unfinished_cases, engine, finished, limit, tick)
         if self._stopping:
@@ -164,7 +164,7 @@ class Study:
         self._took = self._table - started
         return table
 
-    def _write_now_and_then(self) -> None:
+    def _write_periodically(self) -> None:
         if time.monotonic() - self._table > max(_TABLE, _TIMES * self._took):
             self.write_table()
 
@@ -205,7 +205,7 @@ class StudyStore:
         self._plan: Plan | None = None
         try:
             (folder / "cases").mkdir(parents=True, exist_ok=True)
-            self._lock = self._taken()
+            self._lock = self._acquire_lock()
         except OSError as error:
             raise folder_write_error(folder, error) from error
         try:
@@ -215,7 +215,7 @@ class StudyStore:
             raise
         self._committed = time.monotonic()
 
-    def _taken(self) -> FileLock:
+    def _acquire_lock(self) -> FileLock:
         lock = acquire_lock(self.folder / ".lock")
         if lock is None:
             raise InputError(
@@ -240,18 +240,18 @@ class StudyStore:
             if not database.is_damage(error, self.folder):
                 raise database.write_error(self.folder, error) from error
         try:
-            self._make_anew()
+            self._rebuild()
             return act()
         except database.DATABASE_ERRORS as error:
             raise database.write_error(self.folder, error) from error
 
-    def _make_anew(self) -> None:
+    def _rebuild(self) -> None:
         """Rebuild the database from the files of the cases."""
         self._base.close()
         database.rename_damaged(self.folder)
         self._base = database.open_database(self.folder)
         if self._plan is not None:
-            self._begun(self._plan)
+            self._store_plan(self._plan)
 
     def _path(self, key: str) -> Path:
         return case_file.case_path(self.folder, key)
@@ -265,26 +265,26 @@ class StudyStore:
             Whether failed cases count as not done.
         """
         self._plan = plan
-        done = self._safely(lambda: self._begun(plan))
+        done = self._safely(lambda: self._store_plan(plan))
         if retry_failed:  # results of failed cases stay until replaced
             known = self._safely(lambda: database.case_rows(self._base))
             done -= {key for key in done if known[key].status == case_file.FAILED}
         return done
 
-    def _begun(self, plan: Plan) -> set[str]:
+    def _store_plan(self, plan: Plan) -> set[str]:
         """Store a plan and its finished cases in the database; return their keys."""
         database.write_plan(self._base, plan)
         wanted = set(plan.cases)
         sizes = case_file.case_sizes(self.folder)
         known = {key: case.size for key, case in database.case_rows(self._base).items()}
         done = {key for key in wanted if sizes.get(key) == known.get(key, -1)}
-        # Files written just before the program was killed, or damaged ones.
-        done |= {key for key in (wanted & sizes.keys()) - done if self._read_again(key) is not None}
-        self._forget(wanted & known.keys() - done)
+        # Record files written just before the program was killed, and delete damaged ones.
+        done |= {key for key in (wanted & sizes.keys()) - done if self._reread_case(key) is not None}
+        self._remove_cases(wanted & known.keys() - done)
         self._base.commit()
         return done
 
-    def _read_again(self, key: str) -> case_file.CaseResult | None:
+    def _reread_case(self, key: str) -> case_file.CaseResult | None:
         """Record the result of a case's file in the database; delete a damaged file.
 
         Raises InputError if it is there and cannot be read now.
@@ -297,7 +297,7 @@ class StudyStore:
                 raise ValueError
         except ValueError:
             self.damaged_count += path.exists()
-            self._forget({key})
+            self._remove_cases({key})
             return None
         database.write_result(self._base, result, len(content))
         return result
@@ -307,7 +307,7 @@ class StudyStore:
 
         A case whose file is damaged is not among them, and no longer finished.
         """
-        found = self._safely(lambda: {key: self._read_again(key) for key in sorted(keys)})
+        found = self._safely(lambda: {key: self._reread_case(key) for key in sorted(keys)})
         self.commit()
         return {key: result.curves for key, result in found.items() if result is not None}
 
@@ -315,7 +315,7 @@ class StudyStore:
         """Table of the results so far."""
         return self._safely(lambda: read_result_table(self._base))
 
-    def _forget(self, keys: Iterable[str]) -> None:
+    def _remove_cases(self, keys: Iterable[str]) -> None:
         for key in keys:
             self._path(key).unlink(missing_ok=True)
             self._base.execute("delete from cases where key = ?", (key,))

@@ -173,13 +173,13 @@ class InputFiles:
 
     def mesh(self, path: Path) -> InputFile:
         """Copy of a mesh or session file; raises InputError."""
-        return self._once("mesh", path, self._read_mesh)
+        return self._find("mesh", path, self._read_mesh)
 
     def selection(self, path: Path) -> InputFile:
         """Copy of a selection file; raises InputError."""
-        return self._once("selection", path, lambda there: self._kept(read_content(there), there))
+        return self._find("selection", path, lambda there: self._copy(read_content(there), there))
 
-    def _once(self, kind: str, path: Path, read: Callable[[Path], InputFile]) -> InputFile:
+    def _find(self, kind: str, path: Path, read: Callable[[Path], InputFile]) -> InputFile:
         key = kind, path
         if key not in self._known:
             try:
@@ -200,7 +200,7 @@ class InputFiles:
             )
         content = read_content(path)
         if suffix != SESSION_SUFFIX:
-            return self._kept(content, path)
+            return self._copy(content, path)
         source = self._source(content, path)
         if not _opens(source.path):
             # Saved with its mesh embedded, as the session may refer to a file elsewhere.
@@ -210,7 +210,7 @@ class InputFiles:
                 save_session(source.path, state, view, embed=True)
         return source
 
-    def _kept(self, content: bytes, path: Path) -> InputFile:
+    def _copy(self, content: bytes, path: Path) -> InputFile:
         source = self._source(content, path)
         if self._keep and not (source.path.is_file() and read_bytes(source.path) == content):
             make_folder(source.path.parent)

@@ -112,9 +112,9 @@ def study_forecast(plan: Plan, folder: Path, retry_failed: bool = False) -> Stud
     """
     if folder.exists() and not folder.is_dir():
         raise folder_write_error(folder, NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR)))
-    cases, known = plan.cases, _known(folder)
+    cases, known = plan.cases, _finished_rows(folder)
     sizes = case_sizes(folder)
-    done = {key for key in cases if key in sizes and _sound(folder, key, sizes[key], known)}
+    done = {key for key in cases if key in sizes and _is_intact(folder, key, sizes[key], known)}
     failed = {key for key in done if key in known and known[key].status == FAILED}
     if retry_failed:
         done, failed = done - failed, set()
@@ -124,7 +124,7 @@ def study_forecast(plan: Plan, folder: Path, retry_failed: bool = False) -> Stud
     return StudyForecast(len(cases), len(done), len(failed), wrong, _seconds(left, timed))
 
 
-def _known(folder: Path) -> dict[str, DatabaseRow]:
+def _finished_rows(folder: Path) -> dict[str, DatabaseRow]:
     """Database records of finished cases by key; empty if unreadable."""
     try:
         with reading_database(folder) as base:
@@ -133,7 +133,7 @@ def _known(folder: Path) -> dict[str, DatabaseRow]:
         return {}
 
 
-def _sound(folder: Path, key: str, size: int, known: dict[str, DatabaseRow]) -> bool:
+def _is_intact(folder: Path, key: str, size: int, known: dict[str, DatabaseRow]) -> bool:
     """True if a file matches its database record or can be read in full."""
     if key in known and known[key].size == size:
         return True

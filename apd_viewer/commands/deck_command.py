@@ -10,7 +10,7 @@ from apd_viewer.files.fe_deck import check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.session.deck_setup import deck_of, deck_wall
-from apd_viewer.session.model.status_text import about_deck
+from apd_viewer.session.model.status_text import deck_sentence
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, wall_material
@@ -60,4 +60,4 @@ def _deck(options: argparse.Namespace) -> None:
     wall = deck_wall(text, unit, diagonal(document.mesh.V))
     deck = deck_of(document, wall, options.steps, motion)
     write_deck(output, deck)
-    print("\n".join([about_deck(str(output), deck), *mesh_remarks(document.mesh)]))
+    print("\n".join([deck_sentence(str(output), deck), *mesh_remarks(document.mesh)]))

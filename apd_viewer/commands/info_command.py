@@ -16,7 +16,7 @@ from apd_viewer.session.model.status_text import caps_phrase, crossing_findings,
 from apd_viewer.session.quantities.units import Unit
 
 _MOST_VERTICES = 100  # vertices listed per finding in a report
-# Report keys kept under older names than those of the fields.
+# Report keys kept under older names than the fields.
 _KEYS = {"components": "pieces", "missing_volume_reason": "why_no_volume"}
 
 

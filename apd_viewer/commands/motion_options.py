@@ -1,4 +1,4 @@
-"""Command-line options for motions: paint, pose matrices, and motions in words."""
+"""Command-line options for motions: paint, pose matrices, and typed motions."""
 
 import argparse
 from collections.abc import Sequence

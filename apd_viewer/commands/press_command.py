@@ -33,7 +33,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
-from apd_viewer.session.quantities.wall import Wall, WallText, wall_from
+from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, parse_pressure, wall_material
 from apd_viewer.session.storage.session_file import open_session
 
@@ -144,7 +144,7 @@ def _press(options: argparse.Namespace) -> None:
         "method": method,
         "wall_thickness": wall.thickness if METHODS[method].is_wall else None,
         "poisson": wall.nu,
-        # Of a thin wall it would be a part of the gap between the plates.
+        # Left out for the method 'wall', where it would be a part of the gap between the plates.
         "thickness": wall.thickness if options.thickness and not METHODS[method].is_wall else None,
         "yield_radius": wall.yield_radius,
         "gas": gas,
@@ -187,7 +187,7 @@ def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
         raise InputError(tr("A material needs the unit of the mesh; add --unit mm, cm, m, in or ft."))
     words = options.thickness, options.density, options.young, options.poisson, options.yield_radius
     thickness, density, young, poisson, radius = (word or "" for word in words)
-    wall = wall_from(WallText(thickness, density, young, poisson, radius, material), unit)
+    wall = parse_wall(WallText(thickness, density, young, poisson, radius, material), unit)
     if options.young and wall.thickness is None:
         raise InputError(tr("Newtons need the thickness of the wall as well; add --thickness."))
     is_thin = METHODS[_method(options, wall)].is_wall
@@ -199,7 +199,7 @@ def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
 
 
 def _method(options: argparse.Namespace, wall: Wall) -> str:
-    """Method chosen, or that of what is known of the wall."""
+    """Chosen method; by default 'wall' if the wall's rigidity is known."""
     if options.method is not None:
         return str(options.method)
     return "wall" if wall.rigidity is not None and not options.stiffness else DEFAULT_METHOD

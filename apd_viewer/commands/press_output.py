@@ -165,8 +165,8 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
 
 
 def _conditions(step: PressStep, newtons: NewtonConversion) -> str:
-    """Phrase on what the newtons of a step depend on."""
-    if newtons.is_of_the_wall:
+    """Phrase on the conditions for the newtons of a step."""
+    if newtons.matches_wall:
         return tr("of this thin elastic wall")
     off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(step.stretching))
     return off or tr("if walls bend and hardly stretch")
@@ -205,7 +205,7 @@ def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversi
     if grams is not None:
         unit, share = wall.unit.mass_unit(grams)
         lines.append(tr("mass    {mass:.4g} {unit}").format(mass=grams * share, unit=unit))
-    if newtons is not None and not newtons.is_of_the_wall:
+    if newtons is not None and not newtons.matches_wall:
         lines.append(
             tr("Pressed at a stiffness of {stiffness:.3g}; this wall has {own:.1g}.").format(
                 stiffness=newtons.pressed_stiffness, own=newtons.stiffness

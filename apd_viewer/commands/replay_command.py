@@ -35,7 +35,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.status_text import about_missing_target
+from apd_viewer.session.model.status_text import missing_target_sentence
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.storage.session_file import open_session
@@ -84,7 +84,7 @@ def _replay(options: argparse.Namespace) -> None:
             beside, mesh, result, options.report, output, document.target_shape, more
         )
     print(result_output.result_summary(mesh, result, output, written))
-    if missing := about_missing_target(document):
+    if missing := missing_target_sentence(document):
         print(missing)
 
 

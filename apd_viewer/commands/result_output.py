@@ -144,7 +144,7 @@ def write_scalar_files(
     member: np.ndarray,
     target: TargetShape | None = None,
 ) -> None:
-    """Write the requested scalar files; they replace old ones as ``stack`` closes."""
+    """Write the requested scalar files; old files are replaced as ``stack`` closes."""
     asked = (options.scalars, ScalarRows.VERTICES), (options.triangle_scalars, ScalarRows.TRIANGLES)
     if not any(path for path, _ in asked):
         return

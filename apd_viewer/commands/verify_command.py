@@ -1,4 +1,4 @@
-"""The command ``apd-viewer verify``: cases with exact answers."""
+"""The command ``apd-viewer verify``: cases with exact solutions."""
 
 import argparse
 import json
@@ -17,7 +17,7 @@ from apd_viewer.presentation.verification_text import COLUMN_TITLES, row_cells, 
 from apd_viewer.verification.verification_case import VerificationCase
 from apd_viewer.verification.verification_run import CaseRun, VerificationRow, run_cases
 
-_NARROWEST = 10  # columns of a number, with the blanks before it
+_NARROWEST = 10  # terminal columns of a number, including leading blanks
 
 
 def verify_parser() -> Parser:
@@ -61,7 +61,7 @@ def _verify(options: argparse.Namespace) -> None:
     table = _Table(cases)
     with ExitStack() as stack:
         folder = stack.enter_context(staging_folder(options.output)) if options.output else None
-        for run in _runs(cases, Progress(options.progress_lines), options.progress_lines):
+        for run in _finished_runs(cases, Progress(options.progress_lines), options.progress_lines):
             rows += run.rows
             if folder is not None and run.measured:
                 _draw(run, folder)
@@ -73,13 +73,13 @@ def _verify(options: argparse.Namespace) -> None:
         print(json.dumps([row._asdict() for row in rows], indent=2))
     else:
         print(verification_summary(rows))
-    # Whoever reads the lines of progress has seen the rows, and waits for a status of 0.
+    # A program reading the progress lines has seen the rows, and expects the status 0.
     if any(row.is_worse for row in rows) and not options.progress_lines:
         raise SystemExit(1)
 
 
-def _runs(cases: Sequence[VerificationCase], progress: Progress, is_told: bool) -> Iterator[CaseRun]:
-    """Finished cases, with progress shown between them; told as lines if asked."""
+def _finished_runs(cases: Sequence[VerificationCase], progress: Progress, is_told: bool) -> Iterator[CaseRun]:
+    """Finished cases, with progress shown meanwhile, as lines if ``is_told``."""
     share = 0.0
 
     def tick(done: float, doing: str) -> None:
@@ -112,7 +112,7 @@ class _Table:
         self._head = [self._line(COLUMN_TITLES)]
 
     def lines(self, run: CaseRun) -> str:
-        """Title, rows and reasons of a case; below the head at first."""
+        """Title, rows and reasons of a case, with the table's head above the first case."""
         lines, self._head = [*self._head, f"{run.case.letter}  {run.case.title}"], []
         lines += [self._line(row_cells(row)) for row in run.rows if row.quantity]
         lines += [f"   {reason}" for reason in dict.fromkeys(row.reason for row in run.rows) if reason]

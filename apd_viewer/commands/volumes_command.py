@@ -22,7 +22,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation import volume_text
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
-from apd_viewer.session.quantities.wall import WallText, wall_from
+from apd_viewer.session.quantities.wall import WallText, parse_wall
 
 
 def volumes_parser() -> Parser:
@@ -54,7 +54,7 @@ def _volumes(options: argparse.Namespace) -> None:
     litres = _bag(options.bag, unit)
     if options.density and not options.thickness:
         raise InputError(tr("A bulk density needs the wall as well; add --thickness."))
-    wall = wall_from(WallText(options.thickness, options.density), unit)
+    wall = parse_wall(WallText(options.thickness, options.density), unit)
     before = None if options.rest is None else open_mesh(options.rest)
     now = mesh_volumes(mesh, wall.thickness)
     rest = None if before is None else mesh_volumes(before, wall.thickness)

@@ -1,4 +1,4 @@
-"""Figures of the verification: the program's answers against exact curves."""
+"""Figures of the verification: the program's results against exact curves."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ def draw_verification(run: CaseRun, folder: Path) -> None:
 
 
 def draw_case(axes: Axes, run: CaseRun) -> None:
-    """Draw the exact curve of a case, and the answers beside it."""
+    """Draw the exact curve of a case, and the computed results."""
     case = run.case
     axes.set(title=f"{case.letter}  {case.title}", xlabel=case.axes[0], ylabel=case.axes[1])
     axes.plot(*case.curve().T, color=INK, linewidth=1.2, label=tr("exact"))

@@ -109,7 +109,7 @@ def write_deck(path: str | Path, deck: Deck) -> None:
 def _lines(deck: Deck) -> Iterator[str]:
     """Lines of the deck, with nodes and elements numbered from 1 as in the mesh."""
     yield "*HEADING"
-    yield _ascii_name(f"Written by apd-viewer from {deck.source}")  # a name may begin with *, as keywords do
+    yield _ascii_name(f"Written by apd-viewer from {deck.source}")  # a name may begin with * like a keyword
     yield from (f"** {note}" for note in (*deck.wall.notes, *deck.notes, _ABAQUS))
     yield from _mesh_lines(deck)
     yield from _set_lines(deck)

@@ -128,7 +128,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
             return mesh
         problems.append(_changed_mesh_sentence(mesh, description, session))
     if description.has_value("embedded"):
-        return _embedded(description, there[0] if there else session.parent / name, archive, prefix)
+        return _embedded_mesh(description, there[0] if there else session.parent / name, archive, prefix)
     if problems:
         raise InputError(problems[0])
     looked = tr(" and ").join(str(path) for path in places)
@@ -171,7 +171,7 @@ def _changed_mesh_sentence(mesh: Mesh, description: JsonFields, session: Path) -
     ).format(path=mesh.path, session=session.name, change=change)
 
 
-def _embedded(description: JsonFields, path: Path, archive: Archive, prefix: str) -> Mesh:
+def _embedded_mesh(description: JsonFields, path: Path, archive: Archive, prefix: str) -> Mesh:
     """Mesh copied into the archive, with ``path`` as its nominal file."""
     members = [name.removeprefix(prefix) for name in description.texts("embedded", len(_ARRAYS) + 1)]
     rest = members[-1:] == [_REST]

@@ -73,10 +73,10 @@ def suffix_for(mesh: Mesh) -> str:
     """Suffix for storing shapes of ``mesh``: its own if the format allows, else .obj."""
     own = mesh.origin.suffix if mesh.origin else ".obj"
     kind = MESH_FORMATS[own]
-    if kind.holds_any_shape:  # without a trial, which takes seconds for large meshes
+    if kind.holds_any_shape:  # without a trial write, which takes seconds for large meshes
         return own
     if kind.writing is not Writing.NONE and not kind.has_parts:
-        with contextlib.suppress(InputError):  # if the own format cannot store the shapes, OBJ can
+        with contextlib.suppress(InputError):  # OBJ can store shapes that the mesh's own format cannot
             check_shapes(mesh, Path(f"shape{own}"), np.ones(len(mesh.V), dtype=bool))
             return own
     return ".obj"
@@ -161,7 +161,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
     try:
         V, F, *_ = parsed_mesh(content, path)
         V = V / metre
-    except InputError:  # a linked file beside the new one leads outside its folder
+    except InputError:  # a link beside the new file leads outside its folder
         raise
     except ValueError:
         V, F = U[:0], mesh.F[:0]

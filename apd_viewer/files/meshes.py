@@ -72,7 +72,7 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     except InputError:  # already has a user-readable message
         raise
     except ValueError as error:
-        raise InputError(_about_invalid(content or b"", path, error)) from error
+        raise InputError(_invalid_file_message(content or b"", path, error)) from error
     if not len(V):
         raise InputError(no_vertices_message(decoded_text(content)[0], path))
     try:
@@ -89,7 +89,7 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     return mesh
 
 
-def _about_invalid(content: bytes, path: Path, error: ValueError) -> str:
+def _invalid_file_message(content: bytes, path: Path, error: ValueError) -> str:
     invalid = tr("{name} is not a valid {kind} file ({reason}); export it again.").format(
         name=path.name, kind=path.suffix[1:].upper(), reason=one_line_message(error)
     )

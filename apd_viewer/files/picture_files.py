@@ -32,7 +32,7 @@ def read_png(content: bytes, size: int) -> np.ndarray:
     bombs = Image.DecompressionBombWarning, Image.DecompressionBombError
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("error", bombs[0])  # otherwise the warning would be printed
+            warnings.simplefilter("error", bombs[0])  # Pillow would print the warning
             with Image.open(io.BytesIO(content), formats=["PNG"]) as image:
                 if max(image.size) > _LARGEST:
                     raise ValueError

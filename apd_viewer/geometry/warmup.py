@@ -51,7 +51,7 @@ def report_compilations(on_progress: Callable[[float], object]) -> Callable[[], 
 
     The ``fraction`` is the part of the table compiled so far in this process, or loaded.
     """
-    ends = _Ends(lambda: on_progress(_compiled_fraction()))
+    ends = _EndListener(lambda: on_progress(_compiled_fraction()))
     event.register("numba:compile", ends)
     return partial(event.unregister, "numba:compile", ends)
 
@@ -86,7 +86,7 @@ def _compiled_fraction() -> float:
     return sum(arguments in kernel.overloads for kernel, arguments in read) / len(read)
 
 
-class _Ends(event.Listener):
+class _EndListener(event.Listener):
     """Listener with a callback for the end of each compilation."""
 
     def __init__(self, call: Callable[[], object]) -> None:

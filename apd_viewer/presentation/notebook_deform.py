@@ -50,7 +50,7 @@ def _wrap_deform(deform: Callable[P, Result]) -> Callable[P, NotebookResult]:
             checked_floats(arguments["V"], tr("Vertices")),
             checked_integers(arguments["F"], tr("Faces")),
         )
-        return NotebookResult.of(result, frozen(rest), frozen(triangles))
+        return NotebookResult.from_result(result, frozen(rest), frozen(triangles))
 
     return shown
 
@@ -79,7 +79,7 @@ class NotebookResult(Result):
     triangles: np.ndarray
 
     @classmethod
-    def of(cls, result: Result, rest: np.ndarray, triangles: np.ndarray) -> NotebookResult:
+    def from_result(cls, result: Result, rest: np.ndarray, triangles: np.ndarray) -> NotebookResult:
         """Result with the mesh for its pictures, from a plain result."""
         given = {field.name: getattr(result, field.name) for field in fields(result)}
         return cls(**given, rest=rest, triangles=triangles)

@@ -42,7 +42,7 @@ def idle_reason(state: State) -> str:
 
 
 def load_text(state: State, k: int) -> str:
-    """Text of the load on obstacle ``k``; empty if nothing presses on it."""
+    """Text of the load on obstacle ``k``; empty without a load."""
     loads = state.frame.loads
     if not state.is_contact_active or len(loads) != len(state.document.obstacles):
         return ""

@@ -14,7 +14,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts, targets_of
 from apd_viewer.session.model.handle_paths import intermediate_documents
-from apd_viewer.session.model.named_obstacle import ObstacleKind, stopping_extent
+from apd_viewer.session.model.named_obstacle import ObstacleKind, plate_extent
 
 _WIDTH = 110
 _TARGETS = """
@@ -194,7 +194,7 @@ def obstacle_lines(document: Document) -> Iterator[str]:
     for obstacle, solid in zip(document.obstacles, document.active_obstacles, strict=True):
         yield f"    # {' '.join(obstacle.name.split())}"
         if obstacle.kind is ObstacleKind.PLATE:
-            size = stopping_extent(obstacle, document.mesh.V)
+            size = plate_extent(obstacle, document.mesh.V)
             given = f"plate({obstacle.place.tolist()!r}, {obstacle.axis.tolist()!r}, {size!r})"
         else:
             kind = "sphere" if obstacle.kind is ObstacleKind.SPHERE else "capsule"

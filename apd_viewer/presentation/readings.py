@@ -44,10 +44,10 @@ def area_percent(state: State) -> str:
 
 def area(state: State, unit: Unit) -> str:
     """Current and rest area."""
-    return _of_rest(state.frame.area, state.inspection.area, unit, 2)
+    return _now_and_rest(state.frame.area, state.inspection.area, unit, 2)
 
 
-def _of_rest(now: float, rest: float, unit: Unit, power: int) -> str:
+def _now_and_rest(now: float, rest: float, unit: Unit, power: int) -> str:
     """Current and rest area or volume, in one unit suited to both."""
     larger, factor = unit.legible_unit(max(now, rest, key=abs), power)
     text = tr("{now} of {rest}").format(
@@ -88,7 +88,7 @@ def area_verdict(state: State) -> str:
 
 
 def distances(found: SurfaceDistance | None, unit: Unit, size: float) -> tuple[str, ...]:
-    """Largest, RMS and mean distance of a mesh of this size; dashes if unknown."""
+    """Texts of the largest, RMS and mean distance; dashes if unknown."""
     if found is None:
         return (NO_VALUE,) * len(DISTANCE_COLUMNS)
     return tuple(
@@ -149,7 +149,7 @@ def volume(state: State, unit: Unit) -> VolumeReadingText:
         lines.insert(0, tr("{now} of {rest}").format(now=now_, rest=rest_) + f"\u00a0{symbol}")
     return VolumeReadingText(
         tr("{change}, capped").format(change=said) if capped else said,
-        _of_rest(now, rest, unit, 3),
+        _now_and_rest(now, rest, unit, 3),
         tuple(lines),
     )
 
@@ -337,5 +337,5 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
         if kept and not document.settings.traits.keeps_only_total_area:
             part = tr("{area}, kept").format(area=part)
-        said.append((part, _of_rest(now, at_rest, unit, 2)))
+        said.append((part, _now_and_rest(now, at_rest, unit, 2)))
     return said

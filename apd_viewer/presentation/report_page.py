@@ -227,8 +227,8 @@ def volumes_block(
     wall_found = state.inspection.double_wall
     thickness, openings = wall.usable_thickness(unit), state.inspection.openings
     rows = volume_rows(
-        VolumeReadings.of(state.inspection.area, then, openings, at_rest.hull, thickness, wall_found),
-        VolumeReadings.of(state.frame.area, now, openings, found.hull, thickness, wall_found),
+        VolumeReadings.from_hull(state.inspection.area, then, openings, at_rest.hull, thickness, wall_found),
+        VolumeReadings.from_hull(state.frame.area, now, openings, found.hull, thickness, wall_found),
         unit,
         wall.usable_density(),
     )

@@ -268,7 +268,7 @@ class Scale:
         return self.measure.colors.colors(positions)
 
     def displayed_changes(self, values: np.ndarray) -> np.ndarray:
-        """Changes as displayed: log ratios as relative changes, others unchanged."""
+        """Changes as displayed: log ratios as relative changes, other values unchanged."""
         return np.expm1(values) if self.measure.traits.kind is ScaleKind.RATIO else values
 
     def largest_change(self, span: tuple[float, float]) -> float:

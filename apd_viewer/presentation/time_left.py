@@ -50,25 +50,25 @@ class TimeLeftEstimate:
         """
         if gap is None or gap <= 0.0:
             self._samples, self._has_measure = [], False
-            self._expect(moment, expected)
+            self._set_end(moment, expected)
             return
         self._samples.append((moment, math.log(gap)))
         if len(self._samples) > _MOST:
             del self._samples[1:-1:2]
         end = _zero_crossing(np.array(self._samples))
         if end is not None:
-            self._steer(moment, max(end, moment))
+            self._adjust_end(moment, max(end, moment))
             self._has_measure = True
         elif not self._has_measure:
-            self._expect(moment, expected)
+            self._set_end(moment, expected)
         elif self._end is not None and moment - self._fitted > _INERTIA * (self._end - moment):
-            self._end = None  # not confirmed for too long
+            self._end = None  # unconfirmed for too long
 
-    def _expect(self, moment: float, seconds: float | None) -> None:
+    def _set_end(self, moment: float, seconds: float | None) -> None:
         self._end = None if seconds is None else moment + seconds
         self._fitted = moment
 
-    def _steer(self, moment: float, end: float) -> None:
+    def _adjust_end(self, moment: float, end: float) -> None:
         """Move the expected end towards a new estimate."""
         if self._end is None or self._end <= moment:
             self._end = end

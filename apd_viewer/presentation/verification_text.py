@@ -18,7 +18,7 @@ COLUMN_TITLES = (
 
 
 def row_cells(row: VerificationRow) -> tuple[str, ...]:
-    """Cells of a row in the order of the columns; numbers that it lacks are a dash."""
+    """Cells of a row in column order; missing numbers are a dash."""
     return (
         row.quantity,
         _number(row.exact, 5),
@@ -59,18 +59,18 @@ def _number(value: float | None, digits: int) -> str:
 
 
 def _error(error: float | None, exact: float | None) -> str:
-    """Error in percent; as it is where the exact answer is 0."""
+    """Error in percent; the absolute error if the exact value is 0."""
     if error is None:
         return "–"
-    return f"{_brief(100.0 * error)} %" if exact else _brief(error)
+    return f"{_two_digits(100.0 * error)} %" if exact else _two_digits(error)
 
 
 def _order(row: VerificationRow) -> str:
-    """Order, with the least one that passes."""
+    """Order of convergence, with the least accepted one."""
     order = _number(row.order, 2)
     return order if row.least_order is None else f"{order} (≥ {format_short(row.least_order)})"
 
 
-def _brief(value: float) -> str:
+def _two_digits(value: float) -> str:
     """Number of two digits with a true minus sign."""
     return format_short(float(f"{value:.2g}")).replace("-", "−")

@@ -91,7 +91,7 @@ class Autosave:
         for left in shown:
             left.is_restored = True
         if self.interval is None or not self._saved_work.is_unsaved:
-            self._forget()
+            self._discard_copy()
         elif self._is_new(state):
             step = self._gestures.history.last_entry
             is_step = state.document is not self._document and step is not self._step
@@ -108,7 +108,7 @@ class Autosave:
         settled = self._store.activity is not Activity.REFINING
         return state.document is not self._document or (settled and state.frame is not self._frame)
 
-    def _forget(self) -> None:
+    def _discard_copy(self) -> None:
         if self._writer is not None and self._document is not None:
             self._writer.put(None)
         self._document = self._frame = self._step = None
@@ -122,7 +122,7 @@ class Autosave:
                 left.discard()
         self._restored.clear()
         self._writer = None
-        self._forget()
+        self._discard_copy()
 
 
 _LOGGER = logging.getLogger(__name__)
@@ -140,7 +140,7 @@ class AutosaveCopy:
 
 
 class AutosaveWriter:
-    """Thread writing the newest copy; None or closing removes the file.
+    """Thread writing the newest copy of the session to the autosave file.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ class AutosaveWriter:
             for left in copy.superseded_files:
                 left.discard()
             self._failing = False
-        except Exception as error:  # autosave continues with the next step
+        except Exception as error:  # the next step is saved again
             reason = error if isinstance(error, OSError) else error.__cause__
             if not isinstance(reason, OSError):
                 traceback.print_exc()
@@ -250,7 +250,7 @@ class AutosaveWriter:
             self._mine = None
 
     def _write(self, copy: AutosaveCopy) -> Path:
-        if self._mine is not None and not self._mine[1].is_in_place:  # another program deleted the file
+        if self._mine is not None and not self._mine[1].is_in_place:  # deleted by another program
             self._mine[1].release()
             self._mine = None
         if self._mine is None:

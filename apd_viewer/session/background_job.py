@@ -133,7 +133,7 @@ class Jobs:
         """Process the outcomes of finished jobs."""
         while not self._outcomes.empty():
             outcome = self._outcomes.get()
-            if outcome.job is self.current:  # otherwise it was cancelled
+            if outcome.job is self.current:  # a job other than the current one was cancelled
                 self.current = None
                 if outcome.failure:
                     self._failed(outcome.failure)

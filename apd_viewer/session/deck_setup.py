@@ -14,7 +14,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import document_at, handle_paths
 from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths, total_turn
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import WallText, wall_from
+from apd_viewer.session.quantities.wall import WallText, parse_wall
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON
 
 MOST_STEPS = 1000
@@ -138,7 +138,7 @@ def deck_wall(text: WallText, unit: Unit, size: float) -> DeckWall:
     metre = unit.metres
     if metre is None and (text.young or text.density.strip() or text.material):
         raise InputError(tr("A material needs the unit of the mesh; choose it, or add --unit mm."))
-    wall, notes = wall_from(text, unit), [_unit_comment(unit)]
+    wall, notes = parse_wall(text, unit), [_unit_comment(unit)]
     thickness, young, heavy = wall.thickness, _DEFAULT_YOUNG, None
     if thickness is None:
         thickness = _DEFAULT_THICKNESS * size

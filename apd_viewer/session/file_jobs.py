@@ -97,8 +97,8 @@ class FileJobs:
         if view is not None:
             self._listener.view_opened(view)
         about = (
-            status_text.about_findings(state.inspection.findings),
-            status_text.about_missing_target(state.document),
+            status_text.findings_sentences(state.inspection.findings),
+            status_text.missing_target_sentence(state.document),
             "" if found is not state else _contact_warning(state.document),
             state.document.mesh.texture[1],
         )
@@ -115,7 +115,7 @@ class FileJobs:
         def write() -> str:
             known = "" if unit.is_guess else unit.symbol
             file = save_mesh(state.document.mesh, state.frame.U, check_mesh_path(path), known)
-            return status_text.about_export(path.name, file.area, state.inspection.area, unit)
+            return status_text.export_sentence(path.name, file.area, state.inspection.area, unit)
 
         self._write(tr("Writing {name}").format(name=path.name), write, on_success)
 
@@ -143,7 +143,7 @@ class FileJobs:
             size, unit = diagonal(document.mesh.V), Unit(view.unit)
             deck = deck_of(document, deck_wall(view.wall, unit, size))
             write_deck(path, deck)
-            return status_text.about_deck(path.name, deck)
+            return status_text.deck_sentence(path.name, deck)
 
         self._write(tr("Writing {name}").format(name=path.name), write)
 
@@ -187,7 +187,7 @@ class FileJobs:
             if isinstance(done, tuple):
                 embedded, file = done
                 self._saved_work.mark_saved(SavedDocument(state.document, file, embed))
-                self._listener.message_sent(status_text.about_session(path.name, embedded))
+                self._listener.message_sent(status_text.saved_session_sentence(path.name, embedded))
                 on_success()
             elif on_file_changed is None:
                 self._listener.failed(str(done))
@@ -210,7 +210,7 @@ class FileJobs:
             elif state.document.mesh is mesh:  # another mesh may have been opened meanwhile
                 self._gestures.record(tr("Load selection"), state)
                 self._store.regrip(state.document, with_selection(state.document, selection))
-                self._listener.message_sent(status_text.about_loaded_selection(path.name, selection))
+                self._listener.message_sent(status_text.loaded_selection_sentence(path.name, selection))
 
         self._jobs.run(
             tr("Loading {name}").format(name=path.name), lambda: read_selection_file(path, mesh), loaded
@@ -221,7 +221,7 @@ class FileJobs:
         path, document = Path(path), self._store.required_state().document
 
         def work() -> str:
-            return status_text.about_selection(
+            return status_text.saved_selection_sentence(
                 path.name, write_selection(path, document.mesh, selection_of(document))
             )
 

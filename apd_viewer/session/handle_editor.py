@@ -52,7 +52,7 @@ class HandleEditor(DocumentEditor):
                 self._solve_along_paths(document)
 
     def set_pose(self, pose: np.ndarray, k: int, gesture: str, is_repeat: bool = False) -> None:
-        """Move a handle to a pose (4, 4) as one undo step, or as part of the last one."""
+        """Move a handle to a pose (4, 4) as a new undo step, or as part of the last one."""
         self.apply_poses(
             with_pair_moved(self._gestures.state_without_gesture().document, k, pose), gesture, is_repeat
         )

@@ -21,7 +21,7 @@ EndPoints = tuple[SurfacePoint, ...]
 
 
 class MeasurementReading(NamedTuple):
-    """Measurement with its results at rest and now."""
+    """Measurement with its results for the rest and current shape."""
 
     measurement: Measurement
     rest: MeasurementResult
@@ -46,7 +46,7 @@ def complete_readings(readings: Sequence[MeasurementReading], state: State) -> l
 
 
 class MeasurementReadings:
-    """Measurements of the displayed shape; geodesics are computed in a process.
+    """Measurements of the displayed shape, with geodesics from a separate process.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class MeasurementReadings:
         """Readings of a state; values not yet known are None."""
         self._begin(state)
         return [
-            MeasurementReading(each, self._at_rest(each, state), self._current_result(each, state))
+            MeasurementReading(each, self._rest_result(each, state), self._current_result(each, state))
             for each in state.document.measurements
         ]
 
@@ -134,14 +134,14 @@ class MeasurementReadings:
         known, path = self._paths.get(end_points, (None, rest))
         return path, known is U
 
-    def _at_rest(self, measurement: Measurement, state: State) -> MeasurementResult:
+    def _rest_result(self, measurement: Measurement, state: State) -> MeasurementResult:
         if measurement not in self._rest:
             self._rest[measurement] = self._measured_result(measurement, state, state.document.mesh.V)
         return self._rest[measurement]
 
     def _current_result(self, measurement: Measurement, state: State) -> MeasurementResult:
         if state.frame.U is state.document.mesh.V:
-            return self._at_rest(measurement, state)
+            return self._rest_result(measurement, state)
         return self._measured_result(measurement, state, state.frame.U)
 
     def _measured_result(self, measurement: Measurement, state: State, U: np.ndarray) -> MeasurementResult:

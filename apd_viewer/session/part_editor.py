@@ -12,7 +12,7 @@ from apd_viewer.session.model import document_parts
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.handles_and_regions import Handle
-from apd_viewer.session.model.status_text import about_lock
+from apd_viewer.session.model.status_text import lock_sentence
 from apd_viewer.session.part_operations import PartOperation, members_after
 from apd_viewer.session.posing.named_poses import with_handle_renamed
 
@@ -106,7 +106,7 @@ class PartEditor(DocumentEditor):
         document = self._store.required_state().document
         locked = part.flags(document).locked
         if locked:
-            self._listener.failed(about_lock(part.name(document)))
+            self._listener.failed(lock_sentence(part.name(document)))
         return locked
 
 
@@ -116,7 +116,7 @@ class Painting(DocumentEditor):
     def paint(self, ids: np.ndarray, label: int) -> None:
         """Label the vertices ``ids`` within the current gesture; the shape is unchanged."""
         state = self._store.required_state()
-        if self._gestures.state_before is not None:  # undo may have ended the stroke
+        if self._gestures.state_before is not None:  # the stroke may have been ended by undo
             self._store.set_document(state.document.with_label(ids, label))
 
     def paint_region(self, ids: np.ndarray, number: int) -> None:
@@ -155,7 +155,7 @@ class Painting(DocumentEditor):
         """Apply an operation to a whole part, unless it is locked."""
         state = self._gestures.state_without_gesture()
         if part.exists_in(state.document) and part.flags(state.document).locked:
-            self._listener.failed(about_lock(part.name(state.document)))
+            self._listener.failed(lock_sentence(part.name(state.document)))
         else:
             self.set_members(part, members_after(state, part, operation), operation.value)
 

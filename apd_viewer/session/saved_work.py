@@ -10,7 +10,7 @@ from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.status_text import about_lost_file
+from apd_viewer.session.model.status_text import lost_file_sentences
 from apd_viewer.session.state_store import Listener, StateStore
 from apd_viewer.session.storage.session_file import has_mesh
 
@@ -112,7 +112,7 @@ class SavedWork:
         if self._seen.is_set():
             self._seen.clear()
             if (file := self.file) is not None and file.state is not FileState.SAME:
-                self._listener.message_sent(about_lost_file(file.path.name, file.state))
+                self._listener.message_sent(lost_file_sentences(file.path.name, file.state))
             self._listener.status_changed()
 
     def close(self) -> None:

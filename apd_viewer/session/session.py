@@ -68,7 +68,7 @@ class Session:
         self.jobs.receive()
         self.store.receive()
         self.autosave.receive()
-        if self.jobs.current is None:  # a write by this program is no external change
+        if self.jobs.current is None:  # writes by this program are no external changes
             self.saved_work.receive()
         self.measurement_readings.receive()
         self.shape_checks.receive()

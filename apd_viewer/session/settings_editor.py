@@ -29,7 +29,7 @@ class SettingsEditor(DocumentEditor):
         self._set(switched_off or SETTINGS[name].gesture, settings)
 
     def set_contact(self, on: bool, thickness: float | None = None) -> None:
-        """Turn contact on or off, so that walls cannot pass through each other.
+        """Turn contact between walls and with obstacles on or off.
 
         Parameters
         ----------

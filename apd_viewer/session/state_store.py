@@ -155,7 +155,7 @@ class StateStore:
         state = self.required_state()
         state = state.updated(regripped_document(before, document, state.frame))
         lacks = state.has_unmet_target
-        # The jump discards an unfinished pose; nothing else is pending.
+        # The jump discards an unfinished pose, the only pending change.
         goes_on = lacks and (before.paint_problem is not None or not before.is_posed)
         unreached = state.frame.unreached if lacks else None
         frame = replace(
@@ -165,7 +165,7 @@ class StateStore:
 
     def receive(self) -> None:
         """Receive the newest reply, silence and compilation progress of the worker."""
-        self._hear_silence()
+        self._update_silence()
         if self.compiled_share != self._worker.compiled_share:
             self.compiled_share = self._worker.compiled_share
             self._listener.status_changed()
@@ -176,7 +176,7 @@ class StateStore:
         if reply is not None and reply.request.generation == self._generation:
             self._accept(reply)
 
-    def _hear_silence(self) -> None:
+    def _update_silence(self) -> None:
         sentence = silence_text(self._worker.silent_seconds)
         if sentence != self.silence_text:
             self.silence_text = sentence
@@ -219,7 +219,7 @@ class StateStore:
         self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
         U, shifts = state.frame.U, state.frame.shifts
-        if from_grip and not state.document.has_half_turn:  # a path starts at the grip in any case
+        if from_grip and not state.document.has_half_turn:  # a path starts at the grip anyway
             U, shifts = state.document.grip, np.zeros_like(shifts)
         self._worker.put_request(Request(state.document, self._generation, U, iterate, shifts=shifts))
         self._listener.changed(old, state)

@@ -116,7 +116,7 @@ def _side(text: str, other: str, state: State, unit: Unit) -> np.ndarray | float
             tr("{text} is a share of the mesh along an axis; compare it with x, y or z.").format(text=text)
         )
     along, part = _coordinates(other, state), parse_number(text, {})
-    return float((1.0 - part) * along.min() + part * along.max())  # exact at 0 % and 100 %
+    return float((1.0 - part) * along.min() + part * along.max())  # exact for 0 % and 100 %
 
 
 def _coordinates(axis: str, state: State) -> np.ndarray:

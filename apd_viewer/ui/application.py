@@ -72,7 +72,7 @@ def make_application(argv: list[str]) -> QApplication:
     QtCore.QCoreApplication.setAttribute(QtCore.Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
     QSurfaceFormat.setDefaultFormat(_surface_format())
     QtCore.qInstallMessageHandler(log_qt_message)
-    QtCore.QLocale.setDefault(QtCore.QLocale.c())  # the program formats its numbers itself
+    QtCore.QLocale.setDefault(QtCore.QLocale.c())  # numbers are formatted by this program, not by Qt
     localize_numbers()
     application = QApplication(argv)
     application.setApplicationName("apd-viewer")

@@ -1,4 +1,4 @@
-"""Garbage collection confined to the GUI thread, the owner of Qt objects."""
+"""Garbage collection confined to the GUI thread, which owns the Qt objects."""
 
 import gc
 

@@ -1,4 +1,4 @@
-"""The listener of a session as Qt signals, and the panel connected to it."""
+"""Listener of a session with Qt signals, and connections of the panel."""
 
 from collections.abc import Callable
 from functools import partial
@@ -9,7 +9,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.status_text import about_lock
+from apd_viewer.session.model.status_text import lock_sentence
 from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Listener
@@ -159,6 +159,6 @@ def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None])
     if canvas.tool is not Tool.ERASE and part.exists_in(document):
         flags, name = part.flags(document), part.name(document)
         if flags.locked:
-            tell(about_lock(name))
+            tell(lock_sentence(name))
         elif flags.hidden:
             tell(tr("{name} is hidden: what is painted is not shown.").format(name=name))

@@ -59,7 +59,7 @@ class Shell(QtWidgets.QMainWindow):
         values = self.preferences.values
         self.canvas = Canvas(self, UpAxes(self.preferences, lambda: values[UP_AXIS]))
         self.setCentralWidget(self.canvas.viewport)
-        self.setFocusProxy(self.canvas.viewport)  # fields return the keyboard focus to it
+        self.setFocusProxy(self.canvas.viewport)  # input fields return focus to the canvas
         self.panel = Panel()
         self.panel.folded_sections = self.preferences.folded_sections
         self.history = HistoryList()
@@ -82,7 +82,7 @@ class Shell(QtWidgets.QMainWindow):
         self.setWindowIcon(application_icon())
         self.setAcceptDrops(True)
         self.setMinimumSize(800, 640)
-        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # its menu can hide the tool bar
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # a menu could hide the tool bar
         resize_on_screen(self, QSize(1280, 800))
 
     def _add_docks(self) -> None:

@@ -202,7 +202,7 @@ class Workbench(QObject):
         signals.status_changed.connect(self.motion_preview.show_requested)
         signals.message_sent.connect(self.notice.show_message)
         signals.failed.connect(self.notice.show_failure)
-        signals.view_opened.connect(self._look_as)
+        signals.view_opened.connect(self._apply_view)
         signals.measured.connect(self.volume.show_check)
         for change in (signals.changed, signals.measured):
             change.connect(self.measurements.refresh)
@@ -319,7 +319,7 @@ class Workbench(QObject):
         self.files.remember_opened(state)
         self.actions_.file.fill_recent(self.preferences.recent_files)
 
-    def _look_as(self, view: View) -> None:
+    def _apply_view(self, view: View) -> None:
         self.canvas.view.restore(view)
         self.actions_.view.camera.refresh()
         self.volume.restore_view(view)
@@ -359,7 +359,7 @@ class Workbench(QObject):
     def _show_next_step(self) -> None:
         state = self.session.store.state
         if self.help.tour.is_active:
-            self.next_step.hide_hint()  # the card of the tour gives the instructions
+            self.next_step.hide_hint()  # the tour's card gives the instructions
         elif state is not None:
             self.next_step.show_hint(state.document, self.canvas.tool, self.parts.handle, self.parts.obstacle)
 
@@ -377,7 +377,7 @@ class Workbench(QObject):
 
     def _close_anyway(self) -> None:
         self._agreed = True
-        # Delayed, as the session is still reporting the file as written.
+        # Delayed, as the session is still reporting the write.
         QTimer.singleShot(0, self.shell, self.shell.close)
 
     def _close(self) -> None:

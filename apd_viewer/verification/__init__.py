@@ -1,1 +1,1 @@
-"""Cases with exact or published answers, and the program's answers to them."""
+"""Cases with exact or published solutions, and the program's results for them."""

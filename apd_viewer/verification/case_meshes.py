@@ -1,4 +1,4 @@
-"""Meshes of the verification cases, made of parameters."""
+"""Parametric meshes of the verification cases."""
 
 import itertools
 
@@ -48,7 +48,7 @@ def cube(cells: int) -> Arrays:
             side = np.insert(uv, 0, end, axis=1)
             triangles = side[F] if end else side[F[:, ::-1]]
             sides.append(np.roll(triangles, axis, axis=2))
-    return joined(np.concatenate(sides))
+    return merged_triangles(np.concatenate(sides))
 
 
 def lune(rings: int, sectors: int) -> Arrays:
@@ -72,20 +72,20 @@ def lune(rings: int, sectors: int) -> Arrays:
             triangles += [(a[i], b[i + 1], a[i + 1]) for i in range(k - 1)]
     upper = np.array(triangles)
     lower = upper[:, ::-1] * [-1.0, 1.0]
-    return joined(np.concatenate([upper, lower]))
+    return merged_triangles(np.concatenate([upper, lower]))
 
 
-def divided(corners: np.ndarray, cells: int) -> Arrays:
-    """Triangles ``corners`` (t, 3, d), each divided into ``cells`` along its edges."""
+def subdivided_triangles(corners: np.ndarray, cells: int) -> Arrays:
+    """Triangles ``corners`` (t, 3, d), each subdivided into ``cells`` along its edges."""
     steps = [(i, j) for i in range(cells) for j in range(cells - i)]
     small = [((i, j), (i + 1, j), (i, j + 1)) for i, j in steps]
     small += [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for i, j in steps if i + j < cells - 1]
     weights = np.insert(np.array(small) / cells, 0, 0.0, axis=2)
     weights[..., 0] = 1.0 - weights[..., 1:].sum(axis=2)
-    return joined(np.einsum("scw,twd->tscd", weights, corners).reshape(-1, 3, corners.shape[2]))
+    return merged_triangles(np.einsum("scw,twd->tscd", weights, corners).reshape(-1, 3, corners.shape[2]))
 
 
-def joined(triangles: np.ndarray) -> Arrays:
-    """Vertices and faces of ``triangles`` (t, 3, d), corners that meet joined."""
+def merged_triangles(triangles: np.ndarray) -> Arrays:
+    """Vertices and faces of ``triangles`` (t, 3, d), with coincident corners merged."""
     points, faces = np.unique(triangles.reshape(-1, triangles.shape[2]).round(9), axis=0, return_inverse=True)
     return points + 0.0, faces.reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Table of the verification cases, with those that cannot be set up yet."""
+"""Table of the verification cases, including those not yet possible."""
 
 from apd_viewer.language import tr
 from apd_viewer.verification.press_cases import CYLINDER, RING, TUBE

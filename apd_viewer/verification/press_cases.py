@@ -11,14 +11,14 @@ from apd_viewer.geometry.solver.plate_press import PressStep
 from apd_viewer.geometry.solver.pressed_mesh import press
 from apd_viewer.language import tr
 from apd_viewer.verification.case_meshes import tube
-from apd_viewer.verification.verification_case import AnswerPair, CaseQuantity, Measured, VerificationCase
+from apd_viewer.verification.verification_case import CaseQuantity, CaseResults, ResultPair, VerificationCase
 
-_PLATE_GAP = 0.0005  # radii that plates and walls keep
+_PLATE_GAP = 0.0005  # distance kept by plates and walls, in radii
 _ACROSS = np.array([1.0, 0.0, 0.0])
 
 
 def _extent(step: PressStep) -> float:
-    """Distance of the wall's outermost points across."""
+    """Width of the wall across its axis."""
     return float(np.ptp(step.U @ _ACROSS))
 
 
@@ -30,27 +30,27 @@ def _load(step: PressStep) -> float:
 
 # Integrals of sin(t)^(-1/2) and of sin(t)^(1/2) from 0 to pi / 2.
 _I, _J = 0.5 * beta(0.25, 0.5), 0.5 * beta(0.75, 0.5)
-LIFT_OFF = float(np.pi * _J / _I)  # gap in radii below which the wall has lifted off flat
-_GAPS = (0.65, 0.475, 0.3)  # of the diameter
-_THICKNESS = 0.01  # of the walls of tube and cylinder, radii
+LIFT_OFF = float(np.pi * _J / _I)  # gap in radii below which the wall lifts off the plates
+_GAPS = (0.65, 0.475, 0.3)  # fractions of the diameter
+_THICKNESS = 0.01  # wall thickness of tube and cylinder, in radii
 
 
 def flattened_volume(gap: float) -> float:
-    """Volume of an inextensible tube over that at rest, at a gap below lift-off."""
+    """Volume of an inextensible tube relative to rest, at a ``gap`` below lift-off."""
     return float(gap - (_I / _J - 2.0 / _J**2) * gap**2 / np.pi)
 
 
 def flattened_load(gap: float) -> float:
-    """Load of an inextensible tube per rigidity and width, at a gap below lift-off."""
+    """Load of an inextensible tube per rigidity and width, ``gap`` below lift-off."""
     return float(4.0 * _J**2 / gap**2)
 
 
 def _section_area(ring: np.ndarray) -> float:
-    """Area in a closed polygon (n, 3), in its own plane."""
+    """Area of a closed planar polygon (n, 3)."""
     return float(np.linalg.norm(np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0))) / 2.0
 
 
-def _tube(n: int, _: bool) -> Measured:
+def _tube(n: int, _: bool) -> CaseResults:
     V, F = tube(n, 22.0 / n)  # a few rows of triangles
     end = 2.0 * _GAPS[-1]
     wall = Material(thickness=_THICKNESS)
@@ -62,9 +62,9 @@ def _tube(n: int, _: bool) -> Measured:
     gaps = [_extent(step) for step in steps]
     shares = [_section_area(step.U[ring]) / _section_area(V[ring]) for step in steps]
     loads = [_load(step) / (wall.plate_rigidity * np.ptp(V[:, 1])) for step in steps]
-    answers = [AnswerPair(flattened_volume(gap), share) for gap, share in zip(gaps, shares, strict=True)]
-    answers += [AnswerPair(flattened_load(gap), load) for gap, load in zip(gaps, loads, strict=True)]
-    return Measured(tuple(answers), np.column_stack([np.array(gaps) / 2.0, shares]))
+    answers = [ResultPair(flattened_volume(gap), share) for gap, share in zip(gaps, shares, strict=True)]
+    answers += [ResultPair(flattened_load(gap), load) for gap, load in zip(gaps, loads, strict=True)]
+    return CaseResults(tuple(answers), np.column_stack([np.array(gaps) / 2.0, shares]))
 
 
 def _tube_curve() -> np.ndarray:
@@ -75,11 +75,11 @@ def _tube_curve() -> np.ndarray:
 # Cylinder along its axis
 
 _LENGTH, _POISSON = 0.52, 0.3  # radii: three half waves
-# Of the classical strain.
+# Fractions of the classical strain.
 _STRAINS = np.concatenate([np.arange(0.1, 0.75, 0.1), np.arange(0.8, 1.2, 0.0125)])
 
 
-def _cylinder(n: int, _: bool) -> Measured:
+def _cylinder(n: int, _: bool) -> CaseResults:
     V, F = tube(n, _LENGTH)
     height, material = float(np.ptp(V[:, 1])), Material(thickness=_THICKNESS, poisson=_POISSON)
     base, top = np.flatnonzero(V[:, 1] == 0.0), np.flatnonzero(V[:, 1] == V[:, 1].max())
@@ -102,11 +102,11 @@ def _cylinder(n: int, _: bool) -> Measured:
         strains.append(float(strain))
         energies.append(frame.energy or 0.0)
         loads = np.diff(energies) / (np.diff(strains) * shortening * classical)
-        # Beyond the bifurcation rounding may suffice for it to snap, and it bears less then.
+        # Beyond the bifurcation, rounding may trigger a snap to a lower load.
         if not frame.stable or (loads[1:] < loads[:-1]).any():
             break
     points = np.column_stack([0.5 * (np.array(strains[1:]) + strains[:-1]), loads])
-    return Measured((AnswerPair(1.0, strains[-1]),), points)
+    return CaseResults((ResultPair(1.0, strains[-1]),), points)
 
 
 # Plastic ring
@@ -127,8 +127,8 @@ def hinged_load(share: float) -> float:
     return float(4.0 / np.sqrt(1.0 - share**2))
 
 
-def _ring(n: int, _: bool) -> Measured:
-    V, F = tube(n, 1.0)  # in narrow ones loads depend on how the rows of triangles lie
+def _ring(n: int, _: bool) -> CaseResults:
+    V, F = tube(n, 1.0)  # in narrow rings, loads depend on the arrangement of the triangle rows
     found = press(
         *(V, F, _ACROSS, 2.0 * (1.0 - _HINGED[-1]), len(_HINGED)),
         method="local",
@@ -140,8 +140,8 @@ def _ring(n: int, _: bool) -> Measured:
     moment = 2.0 * 0.003 * area(V, F) / _YIELD_RADIUS
     shares = [1.0 - _extent(step) / 2.0 for step in steps]
     loads = [_load(step) / moment for step in steps]
-    answers = [AnswerPair(hinged_load(share), load) for share, load in zip(shares, loads, strict=True)]
-    return Measured(tuple(answers), np.column_stack([shares, loads]))
+    answers = [ResultPair(hinged_load(share), load) for share, load in zip(shares, loads, strict=True)]
+    return CaseResults(tuple(answers), np.column_stack([shares, loads]))
 
 
 def _ring_curve() -> np.ndarray:
@@ -164,7 +164,7 @@ CYLINDER = VerificationCase(
     "J",
     tr("Cylinder pressed along its axis"),
     "S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability, 2nd ed., 1961, § 11.1",
-    # Held rims bulge before it buckles, which lowers the strain by up to 15 %.
+    # Held rims bulge before buckling, which lowers the strain by up to 15 %.
     (CaseQuantity(tr("strain at the first bifurcation / classical one"), 0.15),),
     (110, 220),
     _cylinder,

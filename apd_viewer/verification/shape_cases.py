@@ -10,12 +10,12 @@ from apd_viewer.geometry.mesh.operators import face_areas, volume
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation_result import deform
 from apd_viewer.language import tr
-from apd_viewer.verification.case_meshes import cube, divided, grid, lune
-from apd_viewer.verification.verification_case import AnswerPair, CaseQuantity, Measured, VerificationCase
+from apd_viewer.verification.case_meshes import cube, grid, lune, subdivided_triangles
+from apd_viewer.verification.verification_case import CaseQuantity, CaseResults, ResultPair, VerificationCase
 
 _PLAIN_ITERATIONS = 1000
-_STRICT = Convergence(energy_tolerance=1e-9)  # at 1e-7 the sags are off by 0.02 % more
-_THIN = 1e-4  # thickness of a wall that hardly stretches, in sizes of the shape
+_STRICT = Convergence(energy_tolerance=1e-9)  # at 1e-7 the error of the sags is 0.02 % larger
+_THIN = 1e-4  # thickness of a nearly inextensible wall, in sizes of the shape
 
 
 def _shape(
@@ -25,9 +25,9 @@ def _shape(
     is_plain: bool,
     thickness: float | None = None,
 ) -> np.ndarray:
-    """Shape with base and handle, its ``sides``, held along a path (s, n, 3).
+    """Shape with base and handle, given as ``sides``, held along a path (s, n, 3).
 
-    That of a wall, if it has a thickness, and of fabric without.
+    A wall if a thickness is given, else fabric.
     """
     held, handle = np.concatenate(sides), sides[1]
     V, targets = path[0], path[1:, held]
@@ -43,9 +43,9 @@ def _shape(
     ).U
 
 
-def _distance(U: np.ndarray, goal: np.ndarray, free: np.ndarray, size: float) -> AnswerPair:
-    """Root mean square distance of the free vertices from their goal, over a size."""
-    return AnswerPair(0.0, float(np.sqrt(((U - goal)[free] ** 2).sum(axis=1).mean())) / size)
+def _distance(U: np.ndarray, goal: np.ndarray, free: np.ndarray, size: float) -> ResultPair:
+    """RMS distance of the free vertices from their goal, relative to a size."""
+    return ResultPair(0.0, float(np.sqrt(((U - goal)[free] ** 2).sum(axis=1).mean())) / size)
 
 
 def _mean_area_change(V: np.ndarray, U: np.ndarray, F: np.ndarray) -> float:
@@ -64,7 +64,7 @@ def elastica_sag(distance: float) -> float:
     return float(k / ellipk(k * k))
 
 
-def _strip(n: int, is_plain: bool) -> Measured:
+def _strip(n: int, is_plain: bool) -> CaseResults:
     uv, F = grid(n, max(2, round(_STRIP_WIDTH * n)))
     V = np.insert(uv * [1.0, _STRIP_WIDTH], 2, 0.0, axis=1)
     rows = np.arange(len(V)).reshape(n + 1, -1)
@@ -73,8 +73,8 @@ def _strip(n: int, is_plain: bool) -> Measured:
         for d in _DISTANCES
     ]
     sags = [float(np.abs(U[rows[n // 2], 2]).mean()) for U in shapes]
-    answers = [AnswerPair(elastica_sag(d), sag) for d, sag in zip(_DISTANCES, sags, strict=True)]
-    return Measured(tuple(answers), np.column_stack([_DISTANCES, sags]))
+    answers = [ResultPair(elastica_sag(d), sag) for d, sag in zip(_DISTANCES, sags, strict=True)]
+    return CaseResults(tuple(answers), np.column_stack([_DISTANCES, sags]))
 
 
 def _elastica_curve() -> np.ndarray:
@@ -87,7 +87,7 @@ def _elastica_curve() -> np.ndarray:
 _INFLATED, _OVERFULL = 120.0, 139.0  # percent; the sphere of the same area holds 138.198 %
 
 
-def _cube(n: int, _: bool) -> Measured:
+def _cube(n: int, _: bool) -> CaseResults:
     V, F = cube(n)
     held = np.array([0])
     full, over = (
@@ -96,7 +96,7 @@ def _cube(n: int, _: bool) -> Measured:
     )
     change = _mean_area_change(V, full.U, F)
     refused = float(not over.converged and len(over.warnings) > 0)
-    return Measured((AnswerPair(0.0, change), AnswerPair(1.0, refused)), np.array([[n, 100.0 * change]]))
+    return CaseResults((ResultPair(0.0, change), ResultPair(1.0, refused)), np.array([[n, 100.0 * change]]))
 
 
 # Kresling cell
@@ -105,7 +105,7 @@ _TALL, _TURN, _SIDES = 1.6, np.pi / 6.0, 6
 
 
 def kresling_height(tall: float, turn: float) -> float:
-    """Height of the other shape of a hexagonal Kresling cell of radius 1."""
+    """Height of the second shape of a hexagonal Kresling cell of radius 1."""
     other = np.pi - 2.0 * np.pi / _SIDES - turn
     return float(np.sqrt(tall**2 - 2.0 * (np.cos(turn) - np.cos(other))))
 
@@ -115,19 +115,19 @@ def _hexagon(height: float, turn: float) -> np.ndarray:
     return np.column_stack([np.cos(angle), np.sin(angle), np.full(_SIDES, height)])
 
 
-def _kresling(n: int, is_plain: bool) -> Measured:
+def _kresling(n: int, is_plain: bool) -> CaseResults:
     A, B, C = _hexagon(0.0, 0.0), _hexagon(_TALL, _TURN), _hexagon(2.0 * _TALL, 0.0)
     a, b, c = (np.roll(ring, 1, axis=0) for ring in (A, B, C))
     kinds = (a, A, B), (a, B, b), (c, B, C), (c, b, B)
-    V, F = divided(np.concatenate([np.stack(kind, axis=1) for kind in kinds]), n)
+    V, F = subdivided_triangles(np.concatenate([np.stack(kind, axis=1) for kind in kinds]), n)
     base, top = np.flatnonzero(V[:, 2] == 0.0), np.flatnonzero(V[:, 2] == 2.0 * _TALL)
     push = 2.0 * (_TALL - kresling_height(_TALL, _TURN)) / (2.0 * _TALL)
     path = V * np.column_stack([np.ones((21, 2)), 1.0 - push * np.linspace(0.0, 1.0, 21)])[:, None]
     U = _shape(F, path, (base, top), is_plain, _THIN)
     corners = [int(np.linalg.norm(V - corner, axis=1).argmin()) for corner in B]
     turn = np.degrees(np.angle((U[corners] @ [1.0, 1j, 0.0]) / (B @ [1.0, 1j, 0.0])))
-    answers = AnswerPair(60.0, float(turn.mean())), AnswerPair(0.0, _mean_area_change(V, U, F))
-    return Measured(answers, np.column_stack([np.arange(1, _SIDES + 1), turn]))
+    answers = ResultPair(60.0, float(turn.mean())), ResultPair(0.0, _mean_area_change(V, U, F))
+    return CaseResults(answers, np.column_stack([np.arange(1, _SIDES + 1), turn]))
 
 
 # Spindle of Minding
@@ -136,18 +136,18 @@ _SPINDLE = 0.75
 
 
 def spindle(latitude: np.ndarray, angle: np.ndarray, k: float) -> np.ndarray:
-    """Points (n, 3) of a sphere wound up to the largest radius ``k``, isometric."""
+    """Points (n, 3) of the spindle of largest radius ``k``, isometric to a sphere."""
     r = k * np.cos(latitude)
     return np.column_stack([r * np.cos(angle), r * np.sin(angle), ellipeinc(latitude, k * k)])
 
 
 def spindle_volume(k: float) -> float:
-    """Volume in the spindle of largest radius ``k``."""
+    """Volume of the spindle of largest radius ``k``."""
     section = quad(lambda s: np.cos(s) ** 2 * np.sqrt(1.0 - (k * np.sin(s)) ** 2), 0.0, np.pi / 2.0)[0]
     return float(2.0 * np.pi * k**2 * section)
 
 
-def _minding(n: int, is_plain: bool) -> Measured:
+def _minding(n: int, is_plain: bool) -> CaseResults:
     parameters, F = lune(n, 5)
     height, across = parameters.T
     latitude, angle = np.pi / 2.0 * height, 2.0 * np.pi * _SPINDLE * (across - 0.5)
@@ -155,10 +155,10 @@ def _minding(n: int, is_plain: bool) -> Measured:
     left, right = np.flatnonzero((across == 0.0) | (np.abs(height) == 1.0)), np.flatnonzero(across == 1.0)
     U = _shape(F, path, (left, right), is_plain)
     free = np.flatnonzero((across > 0.0) & (across < 1.0) & (np.abs(height) < 1.0))
-    enclosed = AnswerPair(spindle_volume(_SPINDLE), abs(volume(U, F)))
+    enclosed = ResultPair(spindle_volume(_SPINDLE), abs(volume(U, F)))
     opposite = np.flatnonzero(across == 0.5)
     profile = np.column_stack([U[opposite, 2], np.linalg.norm(U[opposite, :2], axis=1)])
-    return Measured((enclosed, _distance(U, path[-1], free, 2.0 * _SPINDLE)), profile)
+    return CaseResults((enclosed, _distance(U, path[-1], free, 2.0 * _SPINDLE)), profile)
 
 
 def _spindle_curve() -> np.ndarray:
@@ -177,18 +177,18 @@ def bonnet(u: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
     return found
 
 
-def _helicoid(n: int, is_plain: bool) -> Measured:
+def _helicoid(n: int, is_plain: bool) -> CaseResults:
     uv, F = grid(3 * n, n)
     u, v = 2.0 * np.pi * uv[:, 0], 2.0 * uv[:, 1] - 1.0
     path = np.array([bonnet(u, v, t) for t in np.linspace(0.0, np.pi / 2.0, 11)])
     ids = np.arange(len(uv)).reshape(3 * n + 1, n + 1)
-    # Two rows, so that the slope is held, too: a free one relaxes in a layer, with an error of order h.
+    # Two rows, to hold the slope as well: a free slope relaxes in a layer, with an error of order h.
     free, base = ids[2:-2, 2:-2].ravel(), ids[:2].ravel()
     U = _shape(F, path, (base, np.setdiff1d(ids, np.concatenate([free, base]))), is_plain)
-    area = AnswerPair(float(2.0 * np.pi + np.pi * np.sinh(2.0)), float(face_areas(U, F).sum()))
+    area = ResultPair(float(2.0 * np.pi + np.pi * np.sinh(2.0)), float(face_areas(U, F).sum()))
     middle = U[ids[3 * n // 2]]
     profile = np.column_stack([middle[:, 2], np.linalg.norm(middle[:, :2], axis=1)])
-    return Measured((_distance(U, path[-1], free, 2.0), area), profile)
+    return CaseResults((_distance(U, path[-1], free, 2.0), area), profile)
 
 
 def _catenoid_curve() -> np.ndarray:
@@ -241,12 +241,12 @@ def _band(n: int, length: float) -> tuple[bool, float]:
     return meets, _mean_area_change(V, found.U, F)
 
 
-def _bands(n: int, _: bool) -> Measured:
+def _bands(n: int, _: bool) -> CaseResults:
     bands = [_band(n, length) for length in _BAND_LENGTHS]
     (long_meets, long_change), (short_meets, short_change) = bands
     refused = not short_meets or short_change > _STRETCHED
-    answers = AnswerPair(1.0, long_meets), AnswerPair(0.0, long_change), AnswerPair(1.0, refused)
-    return Measured(answers, np.column_stack([_BAND_LENGTHS, [100.0 * change for _, change in bands]]))
+    answers = ResultPair(1.0, long_meets), ResultPair(0.0, long_change), ResultPair(1.0, refused)
+    return CaseResults(answers, np.column_stack([_BAND_LENGTHS, [100.0 * change for _, change in bands]]))
 
 
 ELASTICA = VerificationCase(

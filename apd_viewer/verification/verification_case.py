@@ -1,4 +1,4 @@
-"""Cases with exact answers: their quantities, bars and measurements."""
+"""Cases with exact solutions: quantities, error bounds and measurements."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,27 +7,27 @@ from typing import NamedTuple
 import numpy as np
 
 
-class AnswerPair(NamedTuple):
-    """Answer of the program beside the exact one."""
+class ResultPair(NamedTuple):
+    """Result of the program and the exact value."""
 
     exact: float
     ours: float
 
     @property
     def error(self) -> float:
-        """Relative error; the absolute one where the exact answer is 0."""
+        """Relative error; the absolute one if the exact value is 0."""
         return float(self.ours / self.exact - 1.0 if self.exact else self.ours)
 
 
 @dataclass(frozen=True)
 class CaseQuantity:
-    """Quantity with an exact value, and its bar.
+    """Quantity with an exact value, and its error bound.
 
     Attributes
     ----------
     title : str
     bar : float
-        Largest error that passes, as :attr:`AnswerPair.error`.
+        Largest error that passes, as :attr:`ResultPair.error`.
     least_order : float or None
         Order of convergence that it must have, too.
     reason : str
@@ -40,24 +40,24 @@ class CaseQuantity:
     reason: str = ""
 
 
-class Measured(NamedTuple):
-    """Answers of one run.
+class CaseResults(NamedTuple):
+    """Results of one run.
 
     Attributes
     ----------
-    answers : tuple of AnswerPair
+    answers : tuple of ResultPair
         Of each quantity of the case.
     points : (k, 2) float array
         Places on the curve of the figure.
     """
 
-    answers: tuple[AnswerPair, ...]
+    answers: tuple[ResultPair, ...]
     points: np.ndarray
 
 
 @dataclass(frozen=True)
 class VerificationCase:
-    """Case with an exact or published answer.
+    """Case with an exact or published solution.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class VerificationCase:
     source: str
     quantities: tuple[CaseQuantity, ...] = ()
     resolutions: tuple[int, ...] = ()
-    measure: Callable[[int, bool], Measured] | None = None
+    measure: Callable[[int, bool], CaseResults] | None = None
     has_plain: bool = False
     axes: tuple[str, str] = ("", "")
     curve: Callable[[], np.ndarray] = lambda: np.empty((0, 2))

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from apd_viewer.verification.verification_case import Measured, VerificationCase
+from apd_viewer.verification.verification_case import CaseResults, VerificationCase
 
 RECORD = Path(__file__).with_name("recorded.json")
-# Another processor changes errors by less than a tenth, and small ones by less than 2 % of their bar.
+# Another processor changes errors by less than a tenth, or 2 % of the error bound if small.
 _MARGIN, _FLOOR = 1.1, 0.02
-_ROUNDING = 1e-9  # errors below have no order
+_ROUNDING = 1e-9  # smaller errors give no order of convergence
 
 
 class VerificationRow(NamedTuple):
@@ -25,7 +25,7 @@ class VerificationRow(NamedTuple):
     case, title, quantity : str
         Letter and title of the case; it has no quantity if it cannot be set up yet.
     exact, ours, error : float or None
-        Exact answer, that of the program, and its error, see :attr:`AnswerPair.error`.
+        Exact answer, that of the program, and its error, see :attr:`ResultPair.error`.
     plain : float or None
         Error of plain ARAP, where it can be asked.
     order : float or None
@@ -62,8 +62,8 @@ class CaseRun(NamedTuple):
 
     case: VerificationCase
     rows: tuple[VerificationRow, ...]
-    measured: tuple[Measured, ...]
-    plain: Measured | None
+    measured: tuple[CaseResults, ...]
+    plain: CaseResults | None
 
 
 @cache
@@ -100,15 +100,15 @@ def run_cases(
 
 
 def _weights(case: VerificationCase) -> list[float]:
-    """Expected seconds at each resolution, from those recorded of the finest."""
+    """Expected seconds at each resolution, from the recorded time of the finest."""
     rows = recorded_rows().get(case.letter) or [{"seconds": 1.0}]
     return [rows[0]["seconds"] * (n / case.resolutions[-1]) ** 3 for n in case.resolutions]
 
 
 def case_rows(
-    case: VerificationCase, measured: Sequence[Measured], plain: Measured | None, seconds: float
+    case: VerificationCase, measured: Sequence[CaseResults], plain: CaseResults | None, seconds: float
 ) -> tuple[VerificationRow, ...]:
-    """Rows of a case; one without numbers if it was not measured."""
+    """Rows of a case; a single one without numbers if not measured."""
     if not measured:
         return (VerificationRow(case.letter, case.title, reason=case.reason),)
     found = []
@@ -123,7 +123,7 @@ def recorded_case_rows(case: VerificationCase) -> tuple[VerificationRow, ...]:
     return tuple(_row(case, k, numbers) for k, numbers in enumerate(recorded_rows()[case.letter]))
 
 
-def _numbers(case: VerificationCase, k: int, measured: Sequence[Measured]) -> dict[str, float | None]:
+def _numbers(case: VerificationCase, k: int, measured: Sequence[CaseResults]) -> dict[str, float | None]:
     answers = [each.answers[k] for each in measured]
     order = _order([answer.error for answer in answers[-2:]], case.resolutions[-2:])
     return {**answers[-1]._asdict(), "error": answers[-1].error, "order": order}
@@ -147,12 +147,12 @@ def _row(case: VerificationCase, k: int, numbers: dict[str, Any]) -> Verificatio
 
 
 def is_worse(error: float, recorded: float, bar: float) -> bool:
-    """True if an error exceeds the recorded one by more than machines differ."""
+    """True if an error exceeds the recorded one beyond differences of machines."""
     return not abs(error) <= _MARGIN * abs(recorded) + _FLOOR * bar
 
 
 def _order(errors: Sequence[float], resolutions: Sequence[int]) -> float | None:
-    """Order of convergence of two errors; None of one, and of rounding errors."""
+    """Order of convergence of two errors; None for one or for rounding errors."""
     sizes = np.abs(errors)
     if len(sizes) < 2 or not (sizes > _ROUNDING).all():
         return None

@@ -64,7 +64,7 @@ def test_use_streams_replaces_what_the_output_cannot_encode():
     ("name", "status"),
     [("SIGTERM", 143), *(pytest.param(*each, marks=pytest.mark.night) for each in OTHERS)],
 )
-def test_ended_by_signals_leaves_no_scratch(name, status, mesh, tmp_path):
+def test_exit_on_signals_leaves_no_scratch(name, status, mesh, tmp_path):
     labels = np.where(box()[0][:, 2] > 5.0, 2, np.where(box()[0][:, 2] < 1.0, 1, 0))
     np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
     there, own = tmp_path / "there", tmp_path / "tmp"
@@ -89,7 +89,7 @@ def test_ended_by_signals_leaves_no_scratch(name, status, mesh, tmp_path):
 
 
 @pytest.mark.night
-def test_ended_by_signals_respects_nohup(mesh):
+def test_exit_on_signals_respects_nohup(mesh):
     program = "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n" + PROGRAM.replace(
         "main())", "[main(), print(signal.getsignal(signal.SIGHUP) is signal.SIG_IGN)][0])"
     )

@@ -98,7 +98,7 @@ nursery = cache(Nursery)
 class Forked(ChildProcess):
     """A child process that has nothing to import."""
 
-    def _spawned(self) -> "Fork":
+    def _spawn(self) -> "Fork":
         return Fork(self._script)
 
 

@@ -68,7 +68,7 @@ class InThread(ChildProcess):
         self._compiler = compiler
         self.start()
 
-    def _spawned(self) -> "ServingThread":
+    def _spawn(self) -> "ServingThread":
         return ServingThread(self._serve_orders)
 
     def _serve_orders(self, source: BinaryIO, sink: BinaryIO) -> None:
@@ -83,7 +83,7 @@ class ServedInThread(ChildProcess):
         super().__init__(title, script)
         self._serve = serve
 
-    def _spawned(self) -> "ServingThread":
+    def _spawn(self) -> "ServingThread":
         return ServingThread(self._serve)
 
 

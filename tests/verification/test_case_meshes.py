@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from apd_viewer.geometry.mesh.operators import area, volume
-from apd_viewer.verification.case_meshes import cube, divided, grid, lune, tube
+from apd_viewer.verification.case_meshes import cube, grid, lune, subdivided_triangles, tube
 
 TRIANGLE = np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])
 
@@ -18,7 +18,7 @@ MESHES = {  # with the number of edges of the boundary, and vertices less edges 
     "tube": (tube(12, 2.0), 24, 0),
     "cube": (cube(3), 0, 2),
     "lune": (flat(*lune(4, 3)), 16, 1),
-    "divided": (flat(*divided(TRIANGLE, 5)), 15, 1),
+    "subdivided": (flat(*subdivided_triangles(TRIANGLE, 5)), 15, 1),
 }
 
 

@@ -11,7 +11,7 @@ from apd_viewer.verification import verification_run
 from apd_viewer.verification.case_meshes import grid
 from apd_viewer.verification.case_table import CASES
 from apd_viewer.verification.shape_cases import CATENOID, SPINDLE, bonnet
-from apd_viewer.verification.verification_case import AnswerPair, CaseQuantity, Measured, VerificationCase
+from apd_viewer.verification.verification_case import CaseQuantity, CaseResults, ResultPair, VerificationCase
 from apd_viewer.verification.verification_run import case_rows, is_worse, recorded_rows, run_cases
 
 
@@ -20,7 +20,7 @@ def case_with(*answers, **traits):
     quantity = CaseQuantity("a quantity", 0.01, **traits)
     resolutions = tuple(10 * 2**k for k in range(len(answers)))
     case = VerificationCase("X", "a case", "", (quantity,), resolutions)
-    return case_rows(case, [Measured((answer,), np.empty((0, 2))) for answer in answers], None, 1.0)[0]
+    return case_rows(case, [CaseResults((answer,), np.empty((0, 2))) for answer in answers], None, 1.0)[0]
 
 
 def test_run_cases_yields_the_rows_of_a_case_when_it_is_finished():
@@ -47,23 +47,23 @@ def test_run_cases_gives_a_case_that_cannot_be_set_up_one_row_with_the_reason():
 
 
 def test_case_rows_have_the_order_between_the_two_finest_resolutions():
-    row = case_with(AnswerPair(0.0, 0.5), AnswerPair(0.0, 0.04), AnswerPair(0.0, 0.01))
+    row = case_with(ResultPair(0.0, 0.5), ResultPair(0.0, 0.04), ResultPair(0.0, 0.01))
     assert row.order == pytest.approx(2.0)
     assert row.passes
     assert not case_with(
-        AnswerPair(0.0, 0.5), AnswerPair(0.0, 0.008), AnswerPair(0.0, 0.006), least_order=1.8
+        ResultPair(0.0, 0.5), ResultPair(0.0, 0.008), ResultPair(0.0, 0.006), least_order=1.8
     ).passes
-    assert case_with(AnswerPair(1.0, 1.0), AnswerPair(1.0, 1.0)).order is None
+    assert case_with(ResultPair(1.0, 1.0), ResultPair(1.0, 1.0)).order is None
 
 
 def test_case_rows_are_numbers_that_json_knows():
-    row = case_with(AnswerPair(np.float64(1.0), np.float64(1.001)))
+    row = case_with(ResultPair(np.float64(1.0), np.float64(1.001)))
     assert json.loads(json.dumps(row._asdict()))["passes"] is True
 
 
 def test_case_rows_give_the_reason_only_of_what_does_not_pass():
-    assert case_with(AnswerPair(2.0, 2.1), reason="for a reason").reason == "for a reason"
-    assert case_with(AnswerPair(2.0, 2.01), reason="for a reason").reason == ""
+    assert case_with(ResultPair(2.0, 2.1), reason="for a reason").reason == "for a reason"
+    assert case_with(ResultPair(2.0, 2.01), reason="for a reason").reason == ""
 
 
 @pytest.mark.parametrize(
@@ -83,8 +83,8 @@ def test_is_worse_allows_for_other_machines(error, recorded, worse):
 
 def test_case_rows_are_worse_than_a_recorded_state_that_was_better(monkeypatch):
     monkeypatch.setattr(verification_run, "recorded_rows", lambda: {"X": [{"error": 0.001}]})
-    assert case_with(AnswerPair(1.0, 1.005)).is_worse
-    assert not case_with(AnswerPair(1.0, 1.001)).is_worse
+    assert case_with(ResultPair(1.0, 1.005)).is_worse
+    assert not case_with(ResultPair(1.0, 1.001)).is_worse
 
 
 def test_run_cases_asks_plain_arap_what_libigl_answers():

@@ -175,7 +175,7 @@ def _remove_collected(folder: Path, names: Sequence[str]) -> None:
     for name in names:
         (folder / name).unlink(missing_ok=True)
     for inner in folder.iterdir():
-        with contextlib.suppress(OSError):  # a file, or a folder with files of other programs
+        with contextlib.suppress(OSError):  # no folder, or one with files of other programs
             inner.rmdir()
 
 

@@ -59,7 +59,7 @@ def add_criteria(parser: Parser, names: Iterable[str] = CRITERIA, of_session: bo
 
 
 def given_criteria(options: argparse.Namespace) -> dict[str, Any]:
-    """Criteria of convergence from the options, without those that are None."""
+    """Convergence criteria given as options."""
     values = {name: getattr(options, name, None) for name in CRITERIA}
     return {name: value for name, value in values.items() if value is not None}
 

@@ -88,7 +88,7 @@ def write_animation(animation: Animation, path: Path) -> None:
 
 @contextmanager
 def replacing_series(paths: Sequence[Path]) -> Iterator[None]:
-    """Delete VTU files listed by the series at ``paths`` on entry but not on exit.
+    """Context deleting the VTU files of replaced series at ``paths`` on exit.
 
     Only those in the folder of its name: a series of another program may list anything.
     """

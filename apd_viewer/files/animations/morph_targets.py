@@ -44,7 +44,7 @@ class _Bounds(NamedTuple):
     high: np.ndarray
 
     @classmethod
-    def of(cls, X: np.ndarray) -> _Bounds:
+    def from_points(cls, X: np.ndarray) -> _Bounds:
         return cls(X.min(axis=0), X.max(axis=0))
 
 
@@ -148,7 +148,7 @@ def _bounds(animation: Animation) -> list[_Bounds]:
     for U in animation:
         moved = _single_precision(U) if start is None else _difference(U, start)
         start = moved if start is None else start
-        found.append(_Bounds.of(moved))
+        found.append(_Bounds.from_points(moved))
     return found
 
 

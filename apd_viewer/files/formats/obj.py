@@ -131,11 +131,11 @@ def read_obj(content: bytes) -> ParsedMesh:
     try:
         V = np.fromiter(map(float, chain.from_iterable(words)), np.float64, 3 * len(words)).reshape(-1, 3)
     except ValueError as error:
-        raise ValueError(_not_understood(text)) from error
+        raise ValueError(_syntax_error_sentence(text)) from error
     return ParsedMesh(V, parse_faces(text).polygons.triangles(V), ObjFile(content))
 
 
-def _not_understood(text: bytes) -> str:
+def _syntax_error_sentence(text: bytes) -> str:
     """Error sentence for the first vertex with a malformed number."""
     for match in _POSITION.finditer(text):
         try:
@@ -186,7 +186,7 @@ def material_images(text: bytes, mesh: Path, faces: ObjFaces) -> tuple[list[str]
 def _named_images(text: bytes, mesh: Path) -> dict[str, str]:
     """Image path of each material, by material name."""
     named = {}
-    for library in dict.fromkeys(map(_decoded, _LIBRARY.findall(text))):
+    for library in dict.fromkeys(map(_decoded_name, _LIBRARY.findall(text))):
         content = sibling_content(library, mesh)
         if content is None:
             continue
@@ -196,16 +196,16 @@ def _named_images(text: bytes, mesh: Path) -> dict[str, str]:
         for match, end in zip(begins, [*(m.start() for m in begins[1:]), len(said)], strict=True):
             found = _IMAGE.search(said, match.end() - 1, end)
             if found is not None:
-                image = _OPTION.sub("", _decoded(found[1])).replace("\\", "/")
+                image = _OPTION.sub("", _decoded_name(found[1])).replace("\\", "/")
                 named[_name(match)] = posixpath.join(folder, image)
     return named
 
 
 def _name(match: re.Match[bytes]) -> str:
-    return _decoded(match[1])
+    return _decoded_name(match[1])
 
 
-def _decoded(name: bytes) -> str:
+def _decoded_name(name: bytes) -> str:
     return name.decode("utf-8", errors="replace").strip()
 
 

@@ -76,7 +76,7 @@ class OffFile:
         spans = []
         for start, row in self.rows:
             match = pattern.match(row)
-            assert match is not None  # every row was parsed on reading
+            assert match is not None  # all rows were parsed on reading
             spans += [(start + match.start(k), start + match.end(k)) for k in (1, 2, 3)]
         return spans
 

@@ -176,7 +176,7 @@ def _part_name(said: str) -> str:
     return posixpath.normpath("/" + unquote(said)).lstrip("/").lower()
 
 
-_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/"  # followed by the year of the specification
+_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/"  # the specification's year follows
 _PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/"
 _BEAMS = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/"
 _SLICES = "http://schemas.microsoft.com/3dmanufacturing/slice/"

@@ -46,12 +46,12 @@ class PlyFile:
             return None
         kind = np.dtype(self._scalars[_COLORS[0]])
         return polygon_mesh.colors_to_uint8(
-            self.columns(self._at, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max)
+            self.columns(self._vertex, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max)
         )
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
         """Vertex normals (n, 3), and the vertex of each corner (m, 3); None without any."""
-        return (self.columns(self._at, _NORMAL), mesh.F) if set(_NORMAL) <= set(self._scalars) else None
+        return (self.columns(self._vertex, _NORMAL), mesh.F) if set(_NORMAL) <= set(self._scalars) else None
 
     def texture(self, mesh: Mesh) -> Texture | None:
         """Texture from an image named in a comment and per-vertex coordinates."""
@@ -62,12 +62,12 @@ class PlyFile:
         name = named[1].decode("utf-8", errors="replace").strip()
         image = sibling_image(name, mesh.path)
         return joined_texture(
-            self.columns(self._at, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image]
+            self.columns(self._vertex, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image]
         )
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and rotated normals."""
-        at, kinds = self._at, self._scalars
+        at, kinds = self._vertex, self._scalars
         if any(kinds[axis][0] != "f" for axis in ply_elements.AXES):
             raise InputError(tr("The file stores integer coordinates only; choose another format."))
         new: dict[tuple[str, ...], np.ndarray] = {ply_elements.AXES: U}
@@ -80,21 +80,21 @@ class PlyFile:
         for names, values in new.items():
             old = self.columns(at, names)
             for axis, name in enumerate(names):
-                self._put(body, name, values[:, axis], values[:, axis] != old[:, axis])
+                self._write(body, name, values[:, axis], values[:, axis] != old[:, axis])
         return bytes(body)
 
     @property
-    def _at(self) -> int:
+    def _vertex(self) -> int:
         """Index of the vertex element."""
         return next(k for k, element in enumerate(self.elements) if element.name == "vertex")
 
     @property
     def _scalars(self) -> dict[str, str]:
         """Types of the scalar vertex properties, by name."""
-        return {name: kind for name, length, kind in self.elements[self._at].properties if not length}
+        return {name: kind for name, length, kind in self.elements[self._vertex].properties if not length}
 
-    def _put(self, body: bytearray, name: str, values: np.ndarray, which: np.ndarray) -> None:
-        element, start, kind = self.elements[self._at], self.starts[self._at], self._scalars[name]
+    def _write(self, body: bytearray, name: str, values: np.ndarray, which: np.ndarray) -> None:
+        element, start, kind = self.elements[self._vertex], self.starts[self._vertex], self._scalars[name]
         if not element.has_lists:
             table = np.frombuffer(body, element.row_dtype(self.order), element.rows, start)
             table[name][which] = values[which]

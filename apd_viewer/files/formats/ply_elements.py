@@ -269,7 +269,7 @@ def read_header(content: bytes) -> tuple[str, list[PlyElement], int]:
             case ["format" | "element" | "property", *_]:
                 raise ValueError(tr("its header has an invalid line: {text}").format(text=excerpt(line)))
             case _:
-                pass  # comments, and lines of other programs
+                pass  # comments and unknown keywords
     if order is None:
         raise ValueError(tr("its header does not say whether it is text or binary"))
     _check(elements)

@@ -1,4 +1,4 @@
-"""Mesh as a format reader finds it: polygons, triangles, encoding, normals."""
+"""Parsed mesh: polygons, triangles, encoding, normals."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def trailing_bytes_remark(size: int) -> tuple[str, ...]:
 def updated_normals(
     V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray
 ) -> np.ndarray:
-    """Normals ``N`` rotated with the surface; zero and huge ones unchanged."""
+    """Normals ``N`` rotated with the surface; zero and huge normals unchanged."""
     good = (np.abs(N) < _LONGEST).all(axis=1)
     if good.all():
         return rotated_normals(V, U, F, N, normal_of)
@@ -163,7 +163,7 @@ def strip_triangles(strips: np.ndarray) -> np.ndarray:
 
 def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
     """Indices (t,) of triangles opposed to the area vector of their face."""
-    with np.errstate(all="ignore"):  # absurd coordinates are refused later
+    with np.errstate(all="ignore"):  # absurd coordinates are rejected later
         cross = np.cross(X[T[:, 1]] - X[T[:, 0]], X[T[:, 2]] - X[T[:, 0]])
         count = int(face[-1]) + 1 if len(face) else 0
         whole = np.column_stack(
@@ -175,8 +175,8 @@ def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
 def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
     """Ear-clipped triangles (k - 2, 3) of a polygon (k, 3), and the ears tested."""
     left, found, tries = np.arange(len(X)), [], 0
-    with np.errstate(all="ignore"):  # absurd coordinates are refused later
-        x = _flattened(X)
+    with np.errstate(all="ignore"):  # absurd coordinates are rejected later
+        x = _projected_corners(X)
         while len(left) > 3:
             ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), None)
             tries += len(left) if ear is None else ear + 1
@@ -186,7 +186,7 @@ def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
     return np.array([*found, left]), tries
 
 
-def _flattened(X: np.ndarray) -> np.ndarray:
+def _projected_corners(X: np.ndarray) -> np.ndarray:
     """Corners (k, 2) projected along the area vector, counter-clockwise."""
     normal = np.cross(X - X[0], np.roll(X, -1, axis=0) - X[0]).sum(axis=0)
     size = np.linalg.norm(normal)

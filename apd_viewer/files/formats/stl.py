@@ -87,10 +87,10 @@ def _numbers(pattern: re.Pattern[bytes], content: bytes) -> np.ndarray:
 
 def is_binary_stl(content: bytes) -> bool:
     """True if the size fits the declared number of binary facets."""
-    return len(content) >= _HEAD and len(content) == _HEAD + _declared(content) * _FACET.itemsize
+    return len(content) >= _HEAD and len(content) == _HEAD + _declared_count(content) * _FACET.itemsize
 
 
-def _declared(content: bytes) -> int:
+def _declared_count(content: bytes) -> int:
     return int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
 
 
@@ -115,7 +115,7 @@ def read_stl(content: bytes) -> ParsedMesh:
 
 def _binary(content: bytes) -> tuple[int, tuple[str, ...]]:
     """Facet count of a binary file, and remarks on trailing bytes."""
-    m, size = _declared(content), _FACET.itemsize
+    m, size = _declared_count(content), _FACET.itemsize
     there, more = divmod(max(len(content) - _HEAD, 0), size)
     rest = content[_HEAD + m * size :]
     is_count_wrong = bool(there) if m == 0 else not more and any(rest)  # trailing zeros are padding

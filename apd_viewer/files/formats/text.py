@@ -26,7 +26,7 @@ class Encoding(NamedTuple):
 
 _MARKED = (
     Encoding(codecs.BOM_UTF8, "utf-8"),
-    Encoding(codecs.BOM_UTF32_LE, "utf-32-le"),  # before UTF-16, whose mark is a prefix of this one
+    Encoding(codecs.BOM_UTF32_LE, "utf-32-le"),  # before UTF-16, whose mark is a prefix of UTF-32's
     Encoding(codecs.BOM_UTF32_BE, "utf-32-be"),
     Encoding(codecs.BOM_UTF16_LE, "utf-16-le"),
     Encoding(codecs.BOM_UTF16_BE, "utf-16-be"),
@@ -35,7 +35,7 @@ _MARKED = (
 
 def decoded_text(content: bytes) -> tuple[bytes, Encoding | None]:
     """Text of a file as UTF-8 with its encoding; other content as is, with None."""
-    encoding = next((each for each in _MARKED if content.startswith(each.mark)), None) or _unmarked(content)
+    encoding = next((each for each in _MARKED if content.startswith(each.mark)), None) or _utf_16(content)
     if encoding is None:
         return content, None
     body = content[len(encoding.mark) :]
@@ -48,7 +48,7 @@ def decoded_text(content: bytes) -> tuple[bytes, Encoding | None]:
     return (content, None) if b"\0" in text else (text, encoding)
 
 
-def _unmarked(content: bytes) -> Encoding | None:
+def _utf_16(content: bytes) -> Encoding | None:
     even, odd = content[:_SAMPLE:2], content[1:_SAMPLE:2]
     if len(content) < _SAMPLE or any(even) == any(odd):
         return None

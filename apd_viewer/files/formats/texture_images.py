@@ -28,9 +28,9 @@ def sibling_image(named: str, mesh: Path | None) -> np.ndarray:
     try:
         content = sibling_content(named, mesh)
     except OSError as error:
-        raise _missing(named) from error
+        raise _missing_texture_error(named) from error
     if content is None:
-        raise _missing(named)
+        raise _missing_texture_error(named)
     return read_image(content, named)
 
 
@@ -50,10 +50,10 @@ def read_image(content: bytes, name: str) -> np.ndarray:
             image.thumbnail((_LARGEST, _LARGEST))
             return np.array(image.convert("RGB"))
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise _missing(name) from error
+        raise _missing_texture_error(name) from error
 
 
-def _missing(name: str) -> InputError:
+def _missing_texture_error(name: str) -> InputError:
     return InputError(
         tr(
             "The texture {name} is missing or cannot be read; put it beside the mesh and open that again."
@@ -88,7 +88,7 @@ def joined_texture(
     pairs, corner = np.unique(
         np.where(valid[:, None], uv_of, 0) + len(uv) * cell[:, None], return_inverse=True
     )
-    image, places = _joined([*images, _BARE])
+    image, places = _atlas([*images, _BARE])
     inside = np.nan_to_num(uv[pairs % len(uv)])
     inside = np.where((inside < 0.0) | (inside > 1.0), inside - np.floor(inside), inside)
     low, size = places[pairs // len(uv)].reshape(-1, 2, 2).transpose(1, 0, 2)
@@ -96,7 +96,7 @@ def joined_texture(
     return Texture(*map(frozen, ((low + inside * size).astype(np.float32), corner, image)))
 
 
-def _joined(images: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _atlas(images: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Atlas of several images, with the lower corner and size of each, (k, 4)."""
     columns = math.ceil(math.sqrt(len(images)))
     rows = math.ceil(len(images) / columns)
@@ -105,14 +105,14 @@ def _joined(images: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     places = []
     for k, image in enumerate(images):
         top, left = side * (k // columns), side * (k % columns)
-        whole[top : top + side, left : left + side] = _resized(image, side)
+        whole[top : top + side, left : left + side] = _resized_image(image, side)
         # An inset of half a pixel keeps interpolation from blending in the neighbouring image.
         x, y = (left + 0.5) / whole.shape[1], 1.0 - (top + side - 0.5) / whole.shape[0]
         places.append((x, y, (side - 1) / whole.shape[1], (side - 1) / whole.shape[0]))
     return whole, np.array(places)
 
 
-def _resized(image: np.ndarray, side: int) -> np.ndarray:
+def _resized_image(image: np.ndarray, side: int) -> np.ndarray:
     """Image resampled to (side, side, 3) by nearest pixels."""
     down, along = (np.arange(side) * n // side for n in image.shape[:2])
     return image[down[:, None], along]

@@ -49,7 +49,7 @@ def replacing_file(
         streams = is_stream(path)
         if not streams:
             path = resolved_path(path)  # replace the file behind a link, not the link
-            _clear_away(path)
+            _remove_stale_files(path)
         # The suffix is kept: writers choose the format by it.
         suffix, folder = _PART + path.suffix, None if streams else path.parent
         with DEFERRED_SIGNALS:
@@ -129,7 +129,7 @@ def _prefix(path: Path) -> str:
     return f".{path.name[:_MOST_OF_A_NAME]}-"
 
 
-def _clear_away(path: Path) -> None:
+def _remove_stale_files(path: Path) -> None:
     """Remove scratch files left by writers killed over an hour ago."""
     prefix, suffix = _prefix(path), _PART + path.suffix
     with os.scandir(path.parent) as found:
@@ -193,7 +193,7 @@ def staging_folder(folder: Path) -> Iterator[Path]:
     lock: FileLock | None = None
     try:
         beside = _nearest_folder(folder)
-        _clear_folders_away(beside)
+        _remove_stale_folders(beside)
         with DEFERRED_SIGNALS:
             scratch = beside / f"{_PREFIX}{os.getpid()}-{time.time_ns()}{_PART}"
             lock = _lock_scratch(scratch)
@@ -256,7 +256,7 @@ def _lock_scratch(scratch: Path) -> FileLock | None:
     return None
 
 
-def _clear_folders_away(folder: Path, process: str = "*") -> None:
+def _remove_stale_folders(folder: Path, process: str = "*") -> None:
     """Remove scratch folders of killed programs."""
     for path in folder.glob(f"{_PREFIX}{process}-*{_LOCK}"):
         if (lock := _lock_scratch(path)) is not None:
@@ -266,7 +266,7 @@ def _clear_folders_away(folder: Path, process: str = "*") -> None:
 
 def remove_scratch_of(process: int, folder: Path) -> None:
     """Remove the scratch folders of a killed process in ``folder``."""
-    _clear_folders_away(folder, str(process))
+    _remove_stale_folders(folder, str(process))
 
 
 def unused_folder(folder: Path, name: str) -> Path:

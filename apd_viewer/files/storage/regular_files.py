@@ -64,7 +64,7 @@ def open_regular(path: str | Path, flags: int = 0) -> BinaryIO:
     """
     check_regular(path)
     stream = os.fdopen(os.open(path, _FLAGS | flags), "rb")
-    if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):  # replaced since the check
+    if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):  # the file was replaced after the check
         stream.close()
         raise NotRegularError(path)
     return stream

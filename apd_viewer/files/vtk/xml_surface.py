@@ -111,7 +111,7 @@ def _read(content: bytes, suffix: str) -> ParsedMesh:
     arrays = XmlArrays(content)
     kind = arrays.root.attributes.get("type", "")
     if kind != _KINDS[suffix]:
-        raise InputError(_about_kind(kind))
+        raise InputError(_kind_error_message(kind))
     grid = arrays.root.first_child(kind)
     pieces = grid.children_named("Piece") if grid is not None else []
     points, faces, count = [], [], 0
@@ -129,7 +129,7 @@ def _read(content: bytes, suffix: str) -> ParsedMesh:
     return ParsedMesh(X, concatenated(faces).triangles(X), VtkXmlFile(arrays, tuple(points), suffix))
 
 
-def _about_kind(kind: str) -> str:
+def _kind_error_message(kind: str) -> str:
     """Error sentence for a VTK data set kind not matching the suffix."""
     suffix = next((suffix for suffix, own in _KINDS.items() if own == kind), None)
     if suffix is not None:

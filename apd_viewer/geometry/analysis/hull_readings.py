@@ -12,7 +12,7 @@ from apd_viewer.language import tr
 # Volume fraction of randomly packed convex bodies: the densest random packing of equal spheres, and the range
 # from the loosest spheres [Onoda & Liniger 1990] to the densest spheroids [Donev et al. 2004].
 PACKING, LOOSEST, DENSEST = 0.64, 0.55, 0.71
-_LITTLE = 1e-9  # fraction of an object, to absorb rounding
+_LITTLE = 1e-9  # rounding tolerance, as a fraction of an object
 
 
 class HullReadings(NamedTuple):

@@ -1,4 +1,4 @@
-"""Inspection of a mesh: its contents, defects, and their treatment."""
+"""Inspection of a mesh: its contents and defects."""
 
 from dataclasses import dataclass
 

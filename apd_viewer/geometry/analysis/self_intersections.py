@@ -27,7 +27,7 @@ class _Edges(NamedTuple):
     face: np.ndarray
 
     @classmethod
-    def of(cls, F: np.ndarray, n: int) -> _Edges:
+    def from_triangles(cls, F: np.ndarray, n: int) -> _Edges:
         a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
         key, edge = np.unique(np.minimum(a, b) * n + np.maximum(a, b), return_inverse=True)
         start = np.concatenate([[0], np.cumsum(np.bincount(edge, minlength=len(key)))])
@@ -76,7 +76,7 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     if not len(F):
         return np.zeros((0, 2), dtype=np.int64)
     X = _unit_size_positions(U, F)
-    edges, tree = _Edges.of(F, len(X)), ipctk.LBVH()
+    edges, tree = _Edges.from_triangles(F, len(X)), ipctk.LBVH()
     tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
     near = tree.detect_edge_face_candidates()  # excludes pairs with a common vertex
     pairs = np.array([(pair.edge_id, pair.face_id) for pair in near], dtype=np.int64).reshape(-1, 2)

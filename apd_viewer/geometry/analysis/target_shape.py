@@ -40,7 +40,7 @@ class TargetDistance(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class TargetShape:
-    """Another mesh for comparison, in the same coordinates and unit of length.
+    """Mesh for comparison, in the coordinates and unit of length of the deformed one.
 
     Attributes
     ----------

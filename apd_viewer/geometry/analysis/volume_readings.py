@@ -50,7 +50,7 @@ class VolumeReadings(NamedTuple):
     capacity: float | None = None
 
     @classmethod
-    def of(
+    def from_hull(
         cls,
         area: float,
         enclosed: float | None,
@@ -59,7 +59,7 @@ class VolumeReadings(NamedTuple):
         thickness: float | None,
         wall: DoubleWall | None = None,
     ) -> VolumeReadings:
-        """Readings, with the material volume from a double wall or a known ``thickness``."""
+        """Readings with the material volume from a double wall or a known ``thickness``."""
         if wall is not None:
             return cls(area, enclosed, openings, hull, wall.material, wall.capacity)
         return cls(area, enclosed, openings, hull, None if thickness is None else area * thickness)
@@ -99,4 +99,4 @@ def mesh_volumes(mesh: Mesh, thickness: float | None) -> VolumeReadings:
         raise InputError(tr("Enter a wall thickness greater than 0."))
     found, hull = inspect(mesh), hull_readings(mesh.V[np.unique(mesh.F)])
     enclosed = found.volume if found.volume_capped is None else found.volume_capped
-    return VolumeReadings.of(found.area, enclosed, found.openings, hull, thickness, found.double_wall)
+    return VolumeReadings.from_hull(found.area, enclosed, found.openings, hull, thickness, found.double_wall)

@@ -30,7 +30,7 @@ _SHORTEST = 1e-3
 
 
 class DirectedSprings(NamedTuple):
-    """Springs that resist a change of gaps, and no sliding.
+    """Springs that resist changes of gaps, but no sliding.
 
     Attributes
     ----------
@@ -281,7 +281,7 @@ class Contact:
         return sp.coo_array((entries, (rows, columns)), shape=(size, size)).tocsr()[:n]
 
     def directed_springs(self, U: np.ndarray) -> DirectedSprings:
-        """Springs along the gaps of touching pairs at ``U`` (n, 3), as firm as the gaps."""
+        """Springs along the gaps of touching pairs at ``U`` (n, 3), with their stiffness."""
         placed, n = self._placed_at(U), len(U)
         found = []
         for k, pairs in enumerate(self._all):
@@ -365,7 +365,7 @@ def exempt_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
 
 
 def is_within_zone(zone: np.ndarray) -> np.ndarray:
-    """Mask (p,) of triangle pairs sharing a zone; zones of their corners (p, 2, 3).
+    """Mask (p,) of triangle pairs sharing a zone, from their corners' (p, 2, 3).
 
     At the rim a triangle of a zone is crossed by those with one corner in it.
     """

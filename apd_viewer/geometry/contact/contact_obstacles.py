@@ -10,7 +10,7 @@ from apd_viewer.geometry.mesh.arrays import checked, checked_direction, checked_
 from apd_viewer.language import tr
 
 _PLATE, _CAPSULE = 3, 2  # number of points that define each
-# Circumradius of the triangle that stands for a plate, in extents of the surface it confines.
+# Circumradius of the triangle representing a plate, in extents of the confined surface.
 _ENDLESS = 30.0
 
 

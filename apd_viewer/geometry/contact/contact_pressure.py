@@ -38,7 +38,7 @@ class ContactPressure:
         return mesh_contact(shape, held, handle_of, diagonal(shape.V[shape.F.ravel()]), self._thickness)
 
     @cached_property
-    def _is_regarded(self) -> np.ndarray:
+    def _has_contact(self) -> np.ndarray:
         """Mask of the vertices subject to contact."""
         held = np.unique(self._weld.inverse[np.flatnonzero(self._labels != FREE)])
         regarded = self._shape.is_connected_to(held)
@@ -57,5 +57,5 @@ class ContactPressure:
             force = np.linalg.norm(self._contact.gradient(U), axis=1)
             area = vertex_areas(U, F)
         pressure = np.divide(force, area, out=np.zeros(len(U)), where=area > 0.0)
-        pressure = np.where(self._is_regarded, pressure / (pressure.max() or 1.0), np.nan)
+        pressure = np.where(self._has_contact, pressure / (pressure.max() or 1.0), np.nan)
         return pressure[self._weld.inverse]

@@ -112,7 +112,7 @@ class NearPairs:
         if self._within:
             self._energy_after = 0.0
             return None
-        far = self._spend(U, W, _CORNER * largest_difference(W, U))
+        far = self._list_within_reach(U, W, _CORNER * largest_difference(W, U))
         if far is not None:
             return np.full(len(U), far)
         listed, self._ahead = self._listed, W
@@ -158,7 +158,7 @@ class NearPairs:
         k, w = gap_springs(U, touching.pairs, touching.edges, touching.reach, most, 0.0)
         return touching.pairs, k, w
 
-    def _pay(self, U: np.ndarray) -> None:
+    def _reduce_bounds(self, U: np.ndarray) -> None:
         """Reduce all bounds by the approach during steps within the clearance."""
         if U is not self._paid_at:
             approach = self._patches.approach_bounds(self._paid_at, U, self._between)
@@ -166,9 +166,9 @@ class NearPairs:
             self._bound = self._bound - approach
             self._paid_at, self._clearance = U, 0.0
 
-    def _spend(self, U: np.ndarray, W: np.ndarray, step: float) -> float | None:
+    def _list_within_reach(self, U: np.ndarray, W: np.ndarray, step: float) -> float | None:
         """List all pairs within reach of a step; return a fraction if it is too long."""
-        self._pay(U)
+        self._reduce_bounds(U)
         if step > _LONGEST * self._edge:
             return 0.9 * _LONGEST * self._edge / step
         moved, needed = _CORNER * largest_difference(U, self._listed_at), max(self._usual, 4.0 * step)
@@ -223,7 +223,7 @@ class NearPairs:
 
 
 class NoPairs:
-    """Stands in for the near pairs of a surface that passes through itself.
+    """Empty set of near pairs, for a surface without self-contact.
 
     Parameters
     ----------

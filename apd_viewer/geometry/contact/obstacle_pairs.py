@@ -50,7 +50,7 @@ class ObstaclePairs:
 
     def __init__(self, V: np.ndarray, F: np.ndarray, E: np.ndarray, obstacle: Obstacle, reach: float) -> None:
         self.obstacle, self._reach = obstacle, reach
-        self._stand(np.zeros(3))
+        self._place(np.zeros(3))
         self._all, self._all_edges = obstacle.pairs(F, E, len(V))
         lengths = np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1)
         self._beyond = _LISTED_WITHIN * float(lengths.mean())
@@ -64,7 +64,7 @@ class ObstaclePairs:
         """Distance of ``U`` (n, 3) from the shifted obstacle; negative if they intersect."""
         return clearance(self.obstacle, shift, U, self._F)
 
-    def _stand(self, shift: np.ndarray) -> None:
+    def _place(self, shift: np.ndarray) -> None:
         self.shift = self.shift_ahead = shift
         self.points = self.points_ahead = self.obstacle.points + shift
 
@@ -77,7 +77,7 @@ class ObstaclePairs:
 
         It must be clear of ``U``. What is nearer than steps go may stay as near.
         """
-        self._stand(self.shift if shift is None else shift)
+        self._place(self.shift if shift is None else shift)
         self._listed_at = self._with(U, self.points)
         self._bound = np.full(len(self._all), -np.inf)
         self._list(self._listed_at)
@@ -188,7 +188,7 @@ def clearance(obstacle: Obstacle, shift: np.ndarray, U: np.ndarray, F: np.ndarra
     if len(points) == _PLATE:
         return least
     near = F[_may_be_nearer(U, F, away, least)]
-    if len(points) == _CAPSULE and _pierced(U[near], *points):
+    if len(points) == _CAPSULE and _crosses(U[near], *points):
         return -obstacle.radius
     return min(least, _least_distance(points, U, near) - obstacle.radius)
 
@@ -214,7 +214,7 @@ def _least_distance(points: np.ndarray, U: np.ndarray, F: np.ndarray) -> float:
     return float(gaps(X, found, edges).min(initial=np.inf))
 
 
-def _pierced(T: np.ndarray, a: np.ndarray, b: np.ndarray) -> bool:
+def _crosses(T: np.ndarray, a: np.ndarray, b: np.ndarray) -> bool:
     """True if the segment from ``a`` to ``b`` crosses a triangle of ``T`` (m, 3, 3).
 
     By the signs of volumes [Segura & Feito 2001]; where it only touches an edge, distances tell.

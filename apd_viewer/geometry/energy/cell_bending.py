@@ -49,7 +49,7 @@ def cell_stiffness(V: np.ndarray, F: np.ndarray) -> float:
     a, b = F[:, [1, 2, 0]].ravel(), F[:, [2, 0, 1]].ravel()
     i, j = np.concatenate([a, b]), np.concatenate([b, a])
     w = np.tile(0.5 * np.maximum(cotangents(V, F), 0.0).ravel(), 2)
-    x, y = _flattened(V, F, i, V[j] - V[i])
+    x, y = _in_plane(V, F, i, V[j] - V[i])
 
     def sums(values: np.ndarray) -> np.ndarray:
         return np.bincount(i, w * values, minlength=len(V))
@@ -67,7 +67,7 @@ def cell_stiffness(V: np.ndarray, F: np.ndarray) -> float:
     return 0.25 * float(energy.sum() / face_areas(V, F).sum() ** 2)
 
 
-def _flattened(V: np.ndarray, F: np.ndarray, i: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _in_plane(V: np.ndarray, F: np.ndarray, i: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates of edges ``e`` (k, 3) in the tangent planes of vertices ``i`` (k,)."""
     N = vertex_normals(V, F)
     along = np.cross(N, np.eye(3)[np.abs(N).argmin(axis=1)])

@@ -38,12 +38,12 @@ _NOTHING = np.empty((0, 3))
 _NONE, _NO_FORCES = np.empty(0), np.empty((0, 0, 3))
 
 
-def _here_and_now(matrix: Callable[[], Matrix], V: np.ndarray) -> LinearSolver:
+def _factor_directly(matrix: Callable[[], Matrix], V: np.ndarray) -> LinearSolver:
     return LinearSolver(matrix(), V)
 
 
 class ElasticSurface(HeldSurface):
-    """Local and global steps with some vertices held.
+    """Elastic surface with held vertices, solved by local and global steps.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class ElasticSurface(HeldSurface):
         soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
     ) -> None:
         super().__init__(rest, fixed, soft)
-        self.factorizer = factorizer or _here_and_now
+        self.factorizer = factorizer or _factor_directly
         self.material = material = material or Material()
         self.membrane: Membrane | None = None
         if material.shear > 0.0 or material.area > 0.0:
@@ -130,7 +130,7 @@ class ElasticSurface(HeldSurface):
 
     @cached_property
     def hessian(self) -> ProjectedHessian:
-        """Approximate Hessian of a surface with a membrane; without one, use K instead."""
+        """Approximate Hessian of a surface with a membrane; undefined without one."""
         assert self.membrane is not None
         others = self.K_ff - self.membrane.K[self.free][:, self.free]
         return ProjectedHessian(self.rest.V, self.free, others, self.membrane)
@@ -194,7 +194,7 @@ class ElasticSurface(HeldSurface):
         return residual
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3) near the current positions, which stay current."""
+        """Residual at ``U`` (n, 3), with the current positions left as they are."""
         current, q = self.U, self.q.copy()
         self.local_step(U)
         residual = self.residual(targets)

@@ -1,4 +1,4 @@
-"""Surface with held vertices: its positions, and which of them are free."""
+"""Elastic surface with held vertices, independent of its energy."""
 
 from abc import ABC, abstractmethod
 
@@ -69,7 +69,7 @@ class HeldSurface(ABC):
 
     @abstractmethod
     def local_step(self, U: np.ndarray) -> None:
-        """Make ``U`` (n, 3) current, with all that the energy there needs."""
+        """Make ``U`` (n, 3) current, and prepare its energy."""
 
     @property
     @abstractmethod
@@ -86,7 +86,7 @@ class HeldSurface(ABC):
 
     @abstractmethod
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3) near the current positions, which stay current."""
+        """Residual at ``U`` (n, 3), with the current positions left as they are."""
 
-    def commit_creases(self) -> None:  # noqa: B027 (most have none)
-        """Make the plastic flow at the current positions permanent, if there is any."""
+    def commit_creases(self) -> None:  # noqa: B027 (optional)
+        """Make the plastic flow at the current positions permanent, if any."""

@@ -23,11 +23,11 @@ from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.mesh.operators import cotangents, face_areas, well_shaped
 
-# Weight of an edge's own hinge against each of the other four, and the largest weight that is trusted.
+# Weight of an edge's own hinge relative to each of the other four, and the largest weight accepted.
 _OWN, _LARGEST = 9.0, 3.0
-# Fewest hinges that tell a quadratic, and the part of the trace by which the three equations are regularized.
+# Least number of hinges to determine a quadratic, and relative regularization of the three equations.
 _FEWEST, _REGULAR = 4, 1e-6
-# Entries of Q below this part of the bending rigidity are rounding.
+# Entries of Q below this fraction of the bending rigidity are rounding errors.
 _ROUNDING = 1e-12
 
 
@@ -65,7 +65,7 @@ class Hinges:
         Q.eliminate_zeros()
         Q.sort_indices()
         self.Q = Q
-        # From the gradients of the angles to the vertices.
+        # Maps gradients with respect to the corners of the hinges to the vertices.
         at = np.arange(4 * len(self.corners))
         self._to_vertices = sp.csr_array(
             (np.ones(len(at)), (self.corners.ravel(), at)), shape=(self._n, len(at))
@@ -81,9 +81,9 @@ class Hinges:
         return self._to_vertices.indptr, self._to_vertices.indices
 
     def moments(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
-        """Energy and its derivatives (h,) by the ``angles`` (h,).
+        """Energy, and its derivatives (h,) with respect to the ``angles`` (h,).
 
-        A hinge may have turned by more than half a turn from rest: the nearest way back counts.
+        Rotations from rest are taken modulo full turns, at most half a turn.
         """
         turned = self._turned(angles)
         moments = self.Q @ turned
@@ -94,7 +94,7 @@ class Hinges:
         return turned - 2.0 * np.pi * np.round(turned / (2.0 * np.pi))
 
     def triangle_energies(self, angles: np.ndarray) -> np.ndarray:
-        """Energies (m,) of the triangles, which add up to the whole."""
+        """Energies (m,) of the triangles, with the total energy as their sum."""
         slopes = self._slopes @ self._turned(angles)
         return 0.5 * (slopes * (self._stiffness @ slopes)).reshape(-1, 3).sum(axis=1)
 
@@ -167,7 +167,7 @@ def _hinge_angles(P: np.ndarray, Q: np.ndarray, left: np.ndarray, right: np.ndar
 
 
 def _third_corner(P: np.ndarray, Q: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Corner (k, 2) on the left of ``P`` to ``Q``, ``p`` and ``q`` (k,) from them."""
+    """Corner (k, 2) left of ``P`` to ``Q``, at distances ``p``, ``q`` (k,) from them."""
     t = Q - P
     length = np.linalg.norm(t, axis=1)
     x = (p * p - q * q + length * length) / (2.0 * length)
@@ -177,7 +177,7 @@ def _third_corner(P: np.ndarray, Q: np.ndarray, p: np.ndarray, q: np.ndarray) ->
 
 
 def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology) -> sp.csr_array:
-    """Slopes (3 m, h) across the triangles' edges by the hinges' angles."""
+    """Matrix (3 m, h) from the hinge angles to the slopes across the triangles' edges."""
     first, second, corners = topology.first, topology.second, topology.corners
     a, b, c, d = corners.T
     count, edge = len(corners), np.linalg.norm(V[corners[:, 1]] - V[corners[:, 0]], axis=1)
@@ -192,15 +192,15 @@ def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology) -> sp.
     hinges = np.full((count, 5), -1)
     angles, signs = np.zeros((count, 5, 3)), np.ones((count, 5))
     hinges[:, 0], angles[:, 0] = np.arange(count), _hinge_angles(A, B, C, D)
-    # Whether the second triangle is wound as the first.
+    # True if both triangles of a hinge have the same orientation.
     side = topology.sign.ravel()[second]
-    # Half edges of each triangle after that of the hinge itself, as seen from the first one's side.
+    # Half-edges of each triangle following the hinge's own, seen from the first triangle's side.
     around = [(first, 1, b, c, B, C, A), (first, 2, c, a, C, A, B)]
     around += [(second, 1, a, d, A, D, B), (second, 2, d, b, D, B, A)]
     for slot, (half, step, p, q, P, Q, R) in enumerate(around, start=1):
         t, k = half // 3, half % 3
         seen = side if half is second else 1.0
-        # Wound the other way, the triangle meets its edges in the other order.
+        # A triangle of opposite orientation meets its edges in reverse order.
         k = np.where(seen > 0.0, k + step, k + 3 - step) % 3
         other = topology.hinge[t, k]
         hinges[:, slot] = other
@@ -208,7 +208,7 @@ def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology) -> sp.
         is_first = first[other] == 3 * t + k
         x = np.where(is_first, corners[other, 3], corners[other, 2])
         X = _third_corner(Q, P, apart(q, x), apart(p, x))
-        with np.errstate(divide="ignore", invalid="ignore"):  # of needles, and where there is no hinge
+        with np.errstate(divide="ignore", invalid="ignore"):  # in needles, and without a hinge
             angles[:, slot] = np.where(other[:, None] >= 0, _hinge_angles(P, Q, R, X), 0.0)
     weights = _slope_weights(angles, _gradients(A, B, C)[..., 1], hinges >= 0) * signs
     rest = -weights
@@ -252,7 +252,7 @@ def _slope_weights(angles: np.ndarray, slopes: np.ndarray, known: np.ndarray) ->
 def _triangle_stiffness(
     V: np.ndarray, F: np.ndarray, free: np.ndarray, rigidity: float, poisson: float
 ) -> sp.csr_array:
-    """Second derivatives (3 m, 3 m) of the triangles' energies by their slopes.
+    """Second derivatives (3 m, 3 m) of the triangle energies in the slopes.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# That of the cells of Eq. 1.
+# Young's modulus times thickness of the cells of Eq. 1.
 _WALL_YOUNG = 4.0
 
 

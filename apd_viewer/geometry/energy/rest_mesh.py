@@ -22,7 +22,7 @@ from apd_viewer.language import tr
 
 
 class ShapeMeasures(NamedTuple):
-    """Readings of a shape, named as in a frame.
+    """Area and volume readings of a shape, named as in :class:`Frame`.
 
     Attributes
     ----------

@@ -26,8 +26,8 @@ from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import edge_weights, face_areas, laplacian, vertex_areas
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
 
-# Ratio of vertices between levels; most coarse vertices for a solve without noticeable delay, and fewest
-# for a useful prediction of the fine shape.
+# Vertex ratio of consecutive levels; largest coarse mesh solved without noticeable delay, and smallest one
+# useful to predict the fine shape.
 _RATIO = 2.5
 MOST_COARSE_VERTICES = 40_000
 FEWEST_COARSE_VERTICES = 500
@@ -135,8 +135,8 @@ class SolveMesh:
         return np.tile([1.0, 0.0, 0.0, 0.0], (len(self.V), 1))
 
 
-# Half of this weight left single triangles below a fifth of their area. Acting from half of the area on,
-# the penalty hindered squeezed shapes on the way to a smooth one, and led to folds of higher energy.
+# Weight of the penalty, and area fraction below which it acts. Half of the weight left single triangles below
+# a fifth of their area. Acting from a half, it hindered squeezed shapes and led to folds of higher energy.
 _WEIGHT, _FROM = 2.0, 0.3
 # Fraction of the rest area below which the normal is unreliable, so that the force fades.
 _FLAT = 1e-3
@@ -159,12 +159,12 @@ class AreaBarrier:
 
     def energy(self, U: np.ndarray) -> float:
         """Penalty at ``U`` (n, 3), in square mesh units."""
-        missing = self._collapsing(U)[1]
+        missing = self._collapsing_triangles(U)[1]
         return float(self._weight * inner_product(missing, missing))
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
         """Gradient of the penalty at ``U`` (n, 3), (n, 3)."""
-        (t, missing), out = self._collapsing(U), np.zeros_like(U)
+        (t, missing), out = self._collapsing_triangles(U), np.zeros_like(U)
         if len(t):
             F = self._F[t]
             X = U[F]
@@ -176,7 +176,7 @@ class AreaBarrier:
             np.add.at(out, F, np.cross(normal[:, None, :], X[:, [2, 0, 1]] - X[:, [1, 2, 0]]))
         return out
 
-    def _collapsing(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _collapsing_triangles(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Indices of the collapsing triangles, and degrees of collapse, 0 to 1."""
         areas = face_areas(U, self._F)
         t = np.flatnonzero(areas < self._least)

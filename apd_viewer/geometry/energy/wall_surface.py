@@ -30,7 +30,7 @@ from apd_viewer.geometry.mesh.weighted_areas import Patch
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.language import trn
 
-# Firmness of a shift of the whole, in bending rigidities over the fourth power of the mesh size.
+# Stiffness against translation, in bending rigidities over the fourth power of the mesh size.
 _SHIFT = 0.1
 # Triangles per parallel task.
 _PORTION = 512
@@ -80,7 +80,7 @@ class WallSurface(HeldSurface):
 
     @property
     def thickness(self) -> float:
-        """Thickness at the moment: a thin wall is approached by thicker ones."""
+        """Current thickness, which decreases in steps towards that of a thin wall."""
         return self._thickness
 
     @thickness.setter
@@ -89,7 +89,7 @@ class WallSurface(HeldSurface):
 
     @property
     def plate_rigidity(self) -> float:
-        """Bending rigidity at the moment, a squared length."""
+        """Current bending rigidity, a squared length."""
         return replace(self.material, thickness=self._thickness).plate_rigidity
 
     def restart(self, U: np.ndarray) -> None:
@@ -135,7 +135,7 @@ class WallSurface(HeldSurface):
         return self.stretching.energy_and_gradient(self.U)[0] / E if E > 0.0 else 0.0
 
     def draw_to(self, targets: np.ndarray) -> None:
-        """Have springs draw soft vertices to their ``targets``, those after the held."""
+        """Attach springs to soft vertices, at the ``targets`` after those of held ones."""
         self._targets = targets
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
@@ -156,7 +156,7 @@ class WallSurface(HeldSurface):
 
     @cached_property
     def couplings(self) -> sp.csr_array:
-        """Pattern (f, f) of what the Hessian couples."""
+        """Nonzero pattern (f, f) of the Hessian."""
         hinges, n = self.hinges, len(self.U)
         count = np.arange(len(hinges.corners))
         at = np.repeat(count, 4), hinges.corners.ravel()

@@ -58,7 +58,7 @@ def check_no_factor(value: float, factors: float = _FACTORS) -> None:
 
 
 def percentage_text(percent: float | None) -> float | str | None:
-    """Percentage as input for :func:`percentage`, as text in the range of factors."""
+    """Percentage as unambiguous input for :func:`percentage`."""
     return percent if percent is None or percent >= _FACTORS else f"{percent!r}{PERCENT_SIGN}"
 
 

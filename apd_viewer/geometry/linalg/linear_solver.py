@@ -50,7 +50,7 @@ class Factor(Metric, Protocol):
 
     @property
     def is_in_other_process(self) -> bool:
-        """True if factored in another process, with other work possible meanwhile."""
+        """True if factored in another process, in parallel with other work."""
 
     @property
     def seconds(self) -> float:
@@ -63,7 +63,7 @@ Factorizer: TypeAlias = Callable[[Callable[[], Matrix], np.ndarray], Factor]
 
 
 class LinearSolver:
-    """Solver for a symmetric positive definite matrix, by its factor.
+    """Direct solver for a symmetric positive definite matrix.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ from apd_viewer.language import tr
 
 
 class MeasurementKind(Enum):
-    """A kind of measurement; its value is its name in files."""
+    """Kind of measurement; the value is its name in files."""
 
     DISTANCE = "distance"
     ANGLE = "angle"

@@ -161,7 +161,7 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
 
 P = ParamSpec("P")
 R = TypeVar("R")
-MOST_STIFFNESS = 1e9  # its products with areas, and their squares, keep enough digits
+MOST_STIFFNESS = 1e9  # products with areas, and their squares, keep enough digits
 _LARGEST = 1e38  # largest length or coordinate; products of the squares of larger ones overflow
 _MOST_ITERATIONS = 10**9
 

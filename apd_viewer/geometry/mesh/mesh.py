@@ -135,7 +135,7 @@ class Mesh:
         """
         read = self.origin.mesh if isinstance(self.origin, BakedOrigin) else self
         origin = BakedOrigin(read.origin, read) if read.origin is not None else None
-        return Mesh.from_checked(U, self.F, self.path, origin, self._welded, self.remarks, self.unit)
+        return Mesh.from_checked(U, self.F, self.path, origin, self._weld_maps, self.remarks, self.unit)
 
     def welded(self) -> Mesh:
         """The mesh with nearly touching seams welded; vertices and file are unchanged.
@@ -169,10 +169,10 @@ class Mesh:
         origin = self.origin
         if isinstance(origin, BakedOrigin):
             origin = BakedOrigin(origin.origin, origin.mesh.without_path())
-        return Mesh.from_checked(self.V, self.F, None, origin, self._welded, self.remarks, self.unit)
+        return Mesh.from_checked(self.V, self.F, None, origin, self._weld_maps, self.remarks, self.unit)
 
     @property
-    def _welded(self) -> tuple[np.ndarray, np.ndarray]:
+    def _weld_maps(self) -> tuple[np.ndarray, np.ndarray]:
         return self.weld.first, self.weld.inverse
 
     @cached_property
@@ -296,7 +296,7 @@ class BakedOrigin(DerivedOrigin):
         return self.mesh.colors
 
     def normals(self, _: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Normals of the file, for the mesh as it was read."""
+        """Normals of the file, for the undeformed mesh."""
         return self.origin.normals(self.mesh)
 
     def texture(self, _: Mesh) -> Texture | None:

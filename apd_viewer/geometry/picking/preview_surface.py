@@ -22,7 +22,7 @@ class PreviewSurface:
     repeated_vertices = np.empty(0, dtype=np.int32)
 
     def render_mesh(self, sharp: bool, with_file_normals: bool = False) -> PreviewSurface:  # noqa: ARG002
-        """The preview itself, always with smooth normals."""
+        """The surface itself, always with smooth normals."""
         return self
 
     def drape(

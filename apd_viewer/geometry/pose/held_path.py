@@ -12,7 +12,7 @@ from apd_viewer.geometry.pose.transforms import fitted_motion
 # Handles move along a screw if their motion is rigid up to this fraction of their displacement.
 _RIGID = 1e-6
 _NO_OBSTACLES = np.zeros((2, 0, 3))
-# Iterations of the shape between two points of a path.
+# Number of iterations between two points of a path.
 ITERATIONS_A_STEP = 4
 
 
@@ -43,7 +43,7 @@ class HeldPath:
     ) -> None:
         self._X, self._Y, self._shifts = X, Y, shifts
         moved = np.unique(handle_of[(X != Y).any(axis=1)])
-        # Points have no orientation: hundreds of them go straight at once.
+        # Single vertices have no orientation: all of them move straight at once.
         is_point = np.bincount(handle_of)[moved] == 1
         self._parts = [_part(X, Y, np.flatnonzero(handle_of == k)) for k in moved[~is_point]]
         if is_point.any():

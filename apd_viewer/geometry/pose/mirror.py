@@ -66,6 +66,6 @@ class MirrorPlane(NamedTuple):
         way = transform(pose, pivot[None])[0] - pivot
         way[self.axis] = 0.0
         linear = rotation_about(np.zeros(3), normal, angle)[:3, :3] @ stretch
-        foot = np.where(normal > 0.0, self.coordinate, pivot)  # scaling keeps the plane in place
+        foot = np.where(normal > 0.0, self.coordinate, pivot)  # fixed point, on the mirror plane
         moved: np.ndarray = translation(way) @ linear_map_about(foot, linear)
         return moved

@@ -10,10 +10,10 @@ from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.goals.goal_projection import GoalProjection
 from apd_viewer.geometry.linalg.linear_solver import Metric
 
-# Most free vertices with a tolerable wait for a factorization: 0.9 to 1.2 s with 31,000 (160 MB), up to
-# 1.6 s with 40,000, 12 s (750 MB) with 125,000.
+# Largest number of free vertices with a tolerable factorization time: 0.9 to 1.2 s with 31,000 (160 MB), up
+# to 1.6 s with 40,000, 12 s (750 MB) with 125,000.
 MOST_HESSIAN_VERTICES = 40_000
-# Most free vertices for a Hessian that only a search for lower shapes needs: 0.1 s of 2.
+# Largest number of free vertices for a Hessian that only the stability search needs: 0.1 s of 2 s.
 _MOST_SEARCH_VERTICES = 5_000
 # Steps between two Hessians; together they take about twice as long as a factorization.
 _PERIOD = 50
@@ -47,7 +47,7 @@ class AdaptiveMetric:
 
     @property
     def search_metric(self) -> Metric:
-        """Metric of a search for lower shapes: the Hessian of a small membrane.
+        """Metric of the stability search: the Hessian for a small membrane.
 
         Relative to K, a membrane that gives way to the side is soft beyond measure.
         """

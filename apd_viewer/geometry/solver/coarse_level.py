@@ -26,7 +26,7 @@ from apd_viewer.geometry.mesh.decimation import with_held_vertices
 from apd_viewer.geometry.solver.iterative_solver import LevelSolver
 from apd_viewer.geometry.solver.prolongation import Prolongation
 
-# Iterations timed: the pace is their median, since other processes may delay any one of them.
+# Number of timed iterations: their median is robust against delays by other processes.
 _PACES = 5
 # Width of the collar smoothed in previews, coarse edges; 2, 3, 4 leave 1.9, 1.7, 1.6 times the rest angles.
 _COLLAR = 3.0
@@ -74,7 +74,7 @@ class CoarseLevel:
         )
         drawn = soft.subset(has)._replace(ids=own[soft.ids[has]])
         self._elastic = ElasticSurface(self._shape, held, elastic.material, soft=drawn)
-        self._solver = make_solver(self._elastic, self._own(goals))
+        self._solver = make_solver(self._elastic, self._coarse_goals(goals))
         self._near, self._weight = thinning.coarse_neighbours, thinning.weight
         self._fine = elastic
         self.steps, self._paces = 0, deque[float](maxlen=_PACES)
@@ -82,7 +82,7 @@ class CoarseLevel:
 
     @property
     def converged(self) -> bool:
-        """True if further iterations would change next to nothing."""
+        """True if further iterations would hardly change the shape."""
         return self._solver.has_ended
 
     @property
@@ -92,7 +92,7 @@ class CoarseLevel:
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Set the fine surface's goals, at the same percentages of coarse rest values."""
-        self._solver.set_goals(self._own(goals))
+        self._solver.set_goals(self._coarse_goals(goals))
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3) of the fine surface."""
@@ -146,7 +146,7 @@ class CoarseLevel:
 
     def take_rotations(self) -> np.ndarray:
         """Rotations of the fine vertices since the last call, (n, 4) quaternions."""
-        turns = blended_rotations(self._turned(), self._near, self._weight)
+        turns = blended_rotations(self._relative_rotations(), self._near, self._weight)
         self._set_reference()
         return turns
 
@@ -157,7 +157,7 @@ class CoarseLevel:
         """
         U, fixed = self._fine.U, self._fine.fixed
         moved = self._elastic.U - self._reference[1]
-        U = self._prolongation.moved_positions(U, U[self.vertices], self._turned(), moved)
+        U = self._prolongation.moved_positions(U, U[self.vertices], self._relative_rotations(), moved)
         U[fixed] = targets[: len(fixed)]
         return self._collar.smoothed(U)
 
@@ -186,10 +186,10 @@ class CoarseLevel:
     def _set_reference(self) -> None:
         self._reference = self._elastic.q.copy(), self._elastic.U
 
-    def _turned(self) -> np.ndarray:
+    def _relative_rotations(self) -> np.ndarray:
         return relative_rotations(self._elastic.q, self._reference[0])
 
-    def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
+    def _coarse_goals(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
         """Goals of the coarse surface, at the same percentages of its rest values."""
         shape, own = self._shape, []
         for goal in goals:

@@ -133,7 +133,7 @@ class ConstrainedDescent:
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Surface as a search for lower shapes sees it; None in plain iterations."""
+        """Surface at rest, for the stability search; None in plain iterations."""
         if self._plain:
             return None
         solve = self._metric.search_metric.solve
@@ -240,12 +240,12 @@ class ConstrainedDescent:
         steady = 1.0 / max(1.0, _STEADY + pressure)
         for damping in _DAMPINGS if met_before else _DAMPINGS[:1]:
             share = damping * steady
-            U, mu = projection.project(end if share == 1.0 else self._between(start, end, share))
+            U, mu = projection.project(end if share == 1.0 else self._blend(start, end, share))
             if self._projection.has_met_goals:
                 break
-        self.multipliers = self._updated(share, mu)
+        self.multipliers = self._next_multipliers(share, mu)
         elastic.local_step(U)
-        self._give_up_hopeless()
+        self._give_up_stalled()
 
     def _update_directions(self, pressure: float) -> None:
         """Update gradients and directions of the goals when due."""
@@ -258,12 +258,12 @@ class ConstrainedDescent:
         self._age += 1
         self._lag += 1
 
-    def _between(self, start: np.ndarray, end: np.ndarray, share: float) -> np.ndarray:
+    def _blend(self, start: np.ndarray, end: np.ndarray, share: float) -> np.ndarray:
         U = start + share * (end - start)
         U[self.elastic.fixed] = self.held_positions[: len(self.elastic.fixed)]
         return U
 
-    def _updated(self, share: float, mu: np.ndarray) -> np.ndarray:
+    def _next_multipliers(self, share: float, mu: np.ndarray) -> np.ndarray:
         """Multipliers plus ``share`` times ``mu``, with bounded growth and pressure."""
         updated = self.multipliers + share * mu / max(1.0, self._pressure(mu) / _LARGEST_GROWTH)
         return updated / max(1.0, self._pressure(updated) / _LARGEST_PRESSURE)
@@ -271,8 +271,8 @@ class ConstrainedDescent:
     def _pressure(self, multipliers: np.ndarray) -> float:
         return self._projection.force_stiffness(multipliers, self._edge)
 
-    def _give_up_hopeless(self) -> None:
-        """Give the goals up after a long stall, and restore the best shape."""
+    def _give_up_stalled(self) -> None:
+        """Give up the goals after a long stall, and restore the best shape."""
         worst = self._projection.largest_miss
         if worst <= GOAL_TOLERANCE or worst < _REDUCTION * self._nearest[0]:
             self._nearest, self._waited = (worst, self.elastic.U), 0

@@ -40,10 +40,10 @@ from apd_viewer.geometry.solver.touching_surface import (
 from apd_viewer.geometry.solver.touching_wall import TouchingWall
 from apd_viewer.language import tr
 
-# Motion of held vertices at once, in mesh sizes, and number of steps between two motions.
+# Path increment in mesh sizes, and number of steps between two increments.
 _PART, _STEPS = 0.05, 10
-# Stiffness of the gaps of a thin wall, by its thickness in mesh sizes: stiffer ones would hardly close by
-# the small forces that bend it, softer ones would close to nothing under those that dent it.
+# Stiffness of the gaps of a thin wall, by its thickness in mesh sizes: stiffer gaps would hardly close under
+# small bending forces, softer ones would vanish under denting forces.
 _SOFTNESS = 10.0
 # Substeps of blocked steps taken as a sign of contact; the first shapes after a motion may be rough.
 _PATIENCE = 60
@@ -82,7 +82,7 @@ def stop_sentence(share: float, contact: ContactDescent | None = None) -> str:
 
 
 def whole_path_frame(frame: Frame, leg: int, legs: int, contact: ContactDescent | None) -> Frame:
-    """Frame of a ``leg``, from 0, with share and stop sentence for the whole path."""
+    """Frame of a path's ``leg``, with fraction and stop sentence of the whole path."""
     share = (leg + (1.0 if contact is None else contact.share)) / legs
     stopped = frame.share_reached < 1.0 and frame.unreached is not None
     said = stop_sentence(share, contact) if stopped else frame.unreached
@@ -256,7 +256,7 @@ class ContactDescent:
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Surface with its gaps as a search for lower shapes sees it."""
+        """Surface in contact at rest, for the stability search."""
         if self._touching or self._inner is None:
             return self._touching.equilibrium if self._touching else None
         inner = self._inner.equilibrium
@@ -281,7 +281,7 @@ class ContactDescent:
         if self._inner:
             self._inner.set_goals(goals)
         if self._touching:
-            self._touch()
+            self._begin_contact()
         self._set_path()
 
     def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
@@ -294,7 +294,7 @@ class ContactDescent:
         self._before = self._U, self.shifts
         self._is_inside = not obstacles
         self.start_shifts: np.ndarray | None = None
-        self._touching = None if self._inner else self._descending()
+        self._touching = None if self._inner else self._touching_descent()
         self._set_path()
 
     def restart(self, U: np.ndarray) -> None:
@@ -322,14 +322,14 @@ class ContactDescent:
         self.contact.start_at(U, self.shifts)
         self._U, self._is_inside = U, True
         self.held_positions = np.concatenate([U[self.elastic.fixed], U[self.elastic.soft.ids]])
-        self._release()
+        self._end_contact()
         self._set_path()
 
     def aim(self, targets: np.ndarray) -> None:
         """Set the targets (k + s, 3) of held and soft vertices, with a path to them."""
         self._targets, self.start_shifts = targets, None
         if self._touching and not self.contact.may_touch:
-            self._release()
+            self._end_contact()
         self._set_path()
 
     def _set_path(self) -> None:
@@ -384,7 +384,7 @@ class ContactDescent:
         elif self.elastic.factor.ready:  # contact steps need the factor
             self._refused += self.contact.examined_parts
             if self._refused >= _PATIENCE or progress.converged:
-                self._touch()
+                self._begin_contact()
                 self.step()
                 return
         # Without the factor, previews may stop improving; move on before the usual number of steps.
@@ -392,19 +392,19 @@ class ContactDescent:
             self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
             self._inner.aim(self.path.positions_at(self._ahead))
 
-    def _touch(self) -> None:
+    def _begin_contact(self) -> None:
         """Continue with contact from the last shape."""
-        self._touching = self._descending()
+        self._touching = self._touching_descent()
         self._touching.follow_path(self.path, self.share)
 
-    def _descending(self) -> TouchingDescent:
+    def _touching_descent(self) -> TouchingDescent:
         surface = self._touching_surface
         return TouchingDescent(surface, self._U, self.held_positions, self._goals, self._tolerance)
 
-    def _release(self) -> None:
+    def _end_contact(self) -> None:
         """Continue without contact from the last shape, if allowed."""
         if self._inner and not self._always_touches:
             self._touching = None
             self._inner.restart(self._U)
         elif self._touching is None or self._touching.U is not self._U:
-            self._touching = self._descending()
+            self._touching = self._touching_descent()

@@ -57,9 +57,9 @@ class Convergence(NamedTuple):
 
 
 DEFAULT_CONVERGENCE = Convergence()
-# Criteria that say how a shape is disturbed on a saddle.
+# Criteria for the disturbance of a shape at a saddle.
 DISTURBANCE = ("imperfection", "seed")
-# What each criterion is, for the help of commands.
+# Descriptions of the criteria, for the help of commands.
 CRITERIA = {
     "most_iterations": tr("stop after N iterations at the latest"),
     "energy_tolerance": tr("converged once ten iterations reduce the energy by at most this part"),
@@ -98,7 +98,7 @@ def check_convergence(convergence: Convergence) -> None:
 
 
 def stability_text(frame: Frame, descends: bool) -> str:
-    """Text on the stability of the last shape, or on why it is not known.
+    """Text on the stability of the last shape, or the reason why it is unknown.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def stability_text(frame: Frame, descends: bool) -> str:
 
 
 def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:
-    """Last and remaining step lengths, in multiples of the tolerance to settle.
+    """Last and remaining step lengths, in multiples of the step tolerance.
 
     None before there are enough ``steps``, or while they do not become shorter.
     """
@@ -159,10 +159,10 @@ class StepConvergence:
         return self.has_steps and self._steps[-1] <= _ROUNDING
 
     def convergence_ratio(self, convergence: Convergence) -> float | None:
-        """Last and remaining step lengths, in multiples of the tolerance to settle."""
+        """Last and remaining step lengths, in multiples of the step tolerance."""
         return step_ratio(self._steps, convergence.step_tolerance)
 
     def has_converged(self, convergence: Convergence) -> bool:
-        """True if further iterations would change nothing significant."""
+        """True if further iterations would make no significant change."""
         gap = self.convergence_ratio(convergence)
         return self.is_rounding or (gap is not None and gap <= 1.0)

@@ -359,7 +359,7 @@ class Deformation:
     def iterate(self) -> None:
         """Do one iteration, without readings; at rest, examine the stability."""
         with cores_for(len(self.rest.solve_mesh.V)):
-            at_rest = self._would_rest and self.share_reached == 1.0
+            at_rest = self._is_at_rest and self.share_reached == 1.0
             if self._stability.is_due(at_rest, self._iteration):
                 if self._stability.step(at_rest):
                     self._steps = StepConvergence()
@@ -371,7 +371,7 @@ class Deformation:
     def _descend(self) -> None:
         """Do a step; repeat it without the area goals of calm parts if they are missed."""
         solver, kept = self.solver, self._kept
-        if kept.may_retry_calm_goals and self._would_settle(solver.progress):
+        if kept.may_retry_calm_goals and self._has_settled(solver.progress):
             kept.retry_calm_goals()
             solver.set_goals(kept.goals)
         before = solver.progress.U
@@ -391,16 +391,16 @@ class Deformation:
     @property
     def settled(self) -> bool:
         """True if further iterations would change nothing."""
-        # Where contact stops the handles the target is not reached, and other shapes are not looked for.
+        # Stability is examined only at the targets, not where contact stops the handles on the way.
         looked = not self._stability.is_open or self.share_reached < 1.0
-        return self.solver.progress.stuck or (self._would_rest and looked)
+        return self.solver.progress.stuck or (self._is_at_rest and looked)
 
     @property
-    def _would_rest(self) -> bool:
+    def _is_at_rest(self) -> bool:
         """True if the shape is at rest, stable or not."""
-        return self._would_settle(self.solver.progress) and not self._kept.may_retry_calm_goals
+        return self._has_settled(self.solver.progress) and not self._kept.may_retry_calm_goals
 
-    def _would_settle(self, progress: SolverProgress) -> bool:
+    def _has_settled(self, progress: SolverProgress) -> bool:
         converged = progress.converged
         if converged is None or not self._steps.has_steps:
             converged = self._steps.has_converged(self._convergence)
@@ -416,7 +416,7 @@ class Deformation:
             regions = self._kept.region_areas(progress.U)
             energy = self.solver.energy
         return Frame(
-            U=frozen(self.rest.from_local(self._spread(progress))),
+            U=frozen(self.rest.from_local(self._file_positions(progress))),
             iteration=self._iteration,
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
@@ -424,7 +424,7 @@ class Deformation:
             converged=settled and progress.has_met_goals and self.share_reached == 1.0,
             settled=settled,
             regions=regions,
-            unreached=self._unreached(progress),
+            unreached=self._unreached_sentence(progress),
             energy=energy,
             stable=self._stability.is_stable if settled else None,
             saddle_escapes=self._stability.saddle_escapes,
@@ -447,7 +447,7 @@ class Deformation:
         """True if the held vertices are still moving towards their targets."""
         return self.contact is not None and self.contact.is_on_its_way
 
-    def _spread(self, progress: SolverProgress) -> np.ndarray:
+    def _file_positions(self, progress: SolverProgress) -> np.ndarray:
         """Local positions of all vertices of the file."""
         spread = self.rest.weld.to_file(self.loose.with_followers(progress.U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
@@ -475,8 +475,8 @@ class Deformation:
         """Goals not met by the last frame, and their values; None if all are met."""
         return self._kept.missed_goals_sentence(self.solver.progress.goal_values)
 
-    def _unreached(self, progress: SolverProgress) -> str | None:
+    def _unreached_sentence(self, progress: SolverProgress) -> str | None:
         stopped = self.contact is not None and self.contact.is_stopped
-        if stopped and progress.has_met_goals:  # otherwise the goals are what stops it
+        if stopped and progress.has_met_goals:  # otherwise the goals stop the handles
             return stop_sentence(self.share_reached, self.contact)
         return self._kept.out_of_reach_sentence(progress.goal_values if stopped or progress.stuck else None)

@@ -80,7 +80,7 @@ class GoalSet:
                 ).format(method=self._name)
             )
         levels = self._levels() if calm and self._method.keeps_calm_parts else None
-        self.goals = self._tolerant(make_goals(self._rest, area, volume, regions, levels))
+        self.goals = self._with_tolerance(make_goals(self._rest, area, volume, regions, levels))
         self.regions, self._patches, self._dropped = tuple(regions), patches, ()
 
     @property
@@ -92,9 +92,9 @@ class GoalSet:
     def tolerance(self, tolerance: float) -> None:
         check_argument("tolerance", tolerance)
         self._tolerance = tolerance
-        self.goals, self._dropped = self._tolerant(self.goals), self._tolerant(self._dropped)
+        self.goals, self._dropped = self._with_tolerance(self.goals), self._with_tolerance(self._dropped)
 
-    def _tolerant(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
+    def _with_tolerance(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
         return tuple(replace(goal, tolerance=self._tolerance) for goal in goals)
 
     def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
@@ -151,7 +151,7 @@ class GoalSet:
         self._retries = 0
 
     def out_of_reach_sentence(self, values: np.ndarray | None) -> str | None:
-        """Sentence on goals out of reach in this pose; ``values`` of goals given up."""
+        """Sentence on goals out of reach in this pose; ``values`` are of abandoned goals."""
         missed = None if values is None else self.missed_goals_sentence(values)
         if missed is None:
             return _CALM_GAVE_WAY if self.has_dropped_calm_goals else None
@@ -161,7 +161,7 @@ class GoalSet:
 
     def missed_goals_sentence(self, values: np.ndarray) -> str | None:
         """Goals not met by their ``values``, as a sentence; None if all are met."""
-        # Li & Hui's method approaches the target round by round: a miss in between is no failure.
+        # Li & Hui's method approaches the target in rounds: a deviation in between is no failure.
         if self._method.has_tolerance:
             return None
         missed = [

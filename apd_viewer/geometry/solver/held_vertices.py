@@ -135,9 +135,9 @@ def checked_rest_mesh(rest: RestMesh | None, V: np.ndarray, F: np.ndarray, weld:
 def solve_constraints(
     soft: SoftConstraints, rest: RestMesh, solve_ids: np.ndarray
 ) -> tuple[SoftConstraints, tuple[np.ndarray, int]]:
-    """Soft vertices of the solve, their rows among the given, and the given number.
+    """Soft vertices of the solve, with their rows in ``soft`` and its length.
 
-    Held vertices are left out, and pieces without any held vertex.
+    Held vertices and components without any held vertex are left out.
     """
     check_type("soft", soft, SoftConstraints)
     ids, which = np.unique(rest.weld.inverse[soft.ids], return_index=True)

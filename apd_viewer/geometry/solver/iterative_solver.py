@@ -50,7 +50,7 @@ class IterativeSolver(Protocol):
 
     @property
     def elastic(self) -> HeldSurface:
-        """Surface that is iterated."""
+        """Elastic surface being solved."""
 
     @property
     def progress(self) -> SolverProgress:
@@ -66,7 +66,7 @@ class IterativeSolver(Protocol):
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Surface as a search for lower shapes sees it; None without a descent."""
+        """Surface at rest, for the stability search; None without a descent."""
 
     def set_tolerance(self, tolerance: float) -> None:
         """Converge once ten steps reduce the energy by at most this fraction."""
@@ -98,4 +98,4 @@ class LevelSolver(IterativeSolver, Protocol):
         """Continue from the result of an earlier :meth:`shapes`."""
 
     def smooth(self, iterations: int) -> None:
-        """Iterate without a coarser level, to smooth the roughness left by its rotations."""
+        """Iterate without a coarser level, to smooth the roughness due to its rotations."""

@@ -17,9 +17,9 @@ DEFAULT_AREA_STIFFNESS = 20.0
 DEFAULT_SHEAR_STIFFNESS = 0.1
 DEFAULT_POISSON = 0.4
 _LOCAL_RIGIDITY = 0.1
-# Most vertices for interactive speed in contact. A fixed number, so that all machines behave alike.
+# Largest number of vertices for interactive speed in contact, the same on all machines.
 MOST_VERTICES_IN_CONTACT = 20_000
-# Most vertices of a wall: the factors of its Hessian take about 3 GB there.
+# Largest number of vertices of a wall: the factors of its Hessian then take about 3 GB.
 _MOST_WALL_VERTICES = 100_000
 
 
@@ -78,7 +78,7 @@ class Method:
 
     @property
     def description(self) -> str:
-        """Sentences on the gains and the losses of the method."""
+        """Sentences on the benefits and drawbacks of the method."""
         return f"{self.keeps_sentence} {self.gives_up_sentence}"
 
 
@@ -95,7 +95,7 @@ def _coupled(stiffness: float, _area: float, _shear: float) -> Material:
 
 
 def _wall(_stiffness: float, _area: float, _shear: float) -> Material:
-    return Material(thickness=1.0)  # its own needs the size of the mesh: see wall_material
+    return Material(thickness=1.0)  # placeholder: wall_material needs the size of the mesh
 
 
 METHODS = {
@@ -230,13 +230,13 @@ def method_material(
     return replace(material, yield_curvature=1.0 / yield_radius)
 
 
-# Thickness of a wall unless another is given, the smallest and the largest one, in diagonals of the bounding
-# box. As thin as the smallest a wall hardly stretches any more.
+# Default, least and greatest wall thickness, in bounding-box diagonals; thinner walls are nearly
+# inextensible.
 _THICKNESS, _THINNEST, _THICKEST = 1e-3, 1e-5, 0.05
 
 
 def check_wall_size(vertices: int) -> None:
-    """Raise InputError if a wall of so many vertices would take too much memory."""
+    """Raise InputError if a wall has too many vertices for the memory."""
     if vertices > _MOST_WALL_VERTICES:
         raise InputError(
             tr("The method Wall takes at most {most:,} vertices; choose Local, or thin the mesh.").format(
@@ -246,7 +246,7 @@ def check_wall_size(vertices: int) -> None:
 
 
 def wall_material(diagonal: float, thickness: float | None, poisson: float) -> Material:
-    """Material of a thin elastic wall; raises InputError if it is no thin one.
+    """Material of a thin elastic wall; raises InputError unless it is thin.
 
     Parameters
     ----------

@@ -130,7 +130,7 @@ class MultilevelDescent:
 
     @property
     def _is_descending(self) -> bool:
-        """True if the fine surface alone has still to converge."""
+        """True if only the fine surface has yet to converge."""
         return self.coarse.converged and not self._previews
 
     @property
@@ -145,7 +145,7 @@ class MultilevelDescent:
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Fine surface as a search for lower shapes sees it."""
+        """Fine surface at rest, for the stability search."""
         return self.fine.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
@@ -224,7 +224,7 @@ class MultilevelDescent:
         self._ahead = min(2 * self._ahead, _MOST_AHEAD)
 
     def _end_previews(self) -> None:
-        """End the previews, and iterate from the last one."""
+        """End the previews, and iterate from the last preview."""
         self.forecast.begin_descent()
         self.elastic.rotate_projections(self.coarse.take_rotations())
         if self._preview is not None:

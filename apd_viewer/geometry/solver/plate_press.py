@@ -98,7 +98,7 @@ class PlatePress:
         plates = self._plates_around(U, aside=rest.diagonal if self._relaxes else 0.0)
         settings |= {"obstacles": shifted_obstacles(plates, rest.centre), "contact": True, "calm": False}
         self.solver = Deformation(rest.V, rest.F, fixed, rest=rest, **settings)
-        # Far from the origin local plates are exact, and so the loads are those near it.
+        # Plates in local coordinates are exact even far from the origin, and so are their loads.
         self._contact.replace_obstacles(plates)
         self._targets = (rest.V if start is None else start)[self.solver.fixed]
         self._from = self._to = 0.0

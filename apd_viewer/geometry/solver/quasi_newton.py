@@ -21,7 +21,7 @@ _HALVINGS = 12
 
 
 class DescentSurface(ElasticResponse, Protocol):
-    """Elastic surface, as seen by a descent."""
+    """Interface of an elastic surface to a descent."""
 
     @property
     def energy(self) -> float:
@@ -31,7 +31,7 @@ class DescentSurface(ElasticResponse, Protocol):
         """A quarter of the gradient on the free vertices, (f, 3)."""
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3) near the current positions, which stay current."""
+        """Residual at ``U`` (n, 3), with the current positions left as they are."""
 
     def positions_along(
         self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
@@ -46,7 +46,7 @@ class DescentSurface(ElasticResponse, Protocol):
 
 
 class Equilibrium(NamedTuple):
-    """Surface at rest, as seen by a search.
+    """Surface at rest, for the stability search.
 
     Attributes
     ----------
@@ -126,11 +126,11 @@ class QuasiNewton:
                 slope, projection.lagrangian_gradient(G_before, self.multipliers, spare)
             )
         g, projection.g = projection.g, np.zeros_like(projection.g) if spare is None else spare
-        moved = self._go(slope, held)
+        moved = self._line_search(slope, held)
         self._last = (G, g) if moved else None
         return moved
 
-    def _go(self, slope: np.ndarray, held: np.ndarray) -> bool:
+    def _line_search(self, slope: np.ndarray, held: np.ndarray) -> bool:
         """Line search from the current positions; False if it fails."""
         elastic, start = self._elastic, self._elastic.U
         while True:

@@ -104,7 +104,7 @@ class Restarts:
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Fine surface as a search for lower shapes sees it."""
+        """Fine surface at rest, for the stability search."""
         return self.inner.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
@@ -150,14 +150,14 @@ class Restarts:
         if self._finishing:
             if progress.stuck or progress.converged:
                 self._end()
-        elif self._leads_nowhere() or (self._on_trial and (progress.stuck or self._fails(energy, progress))):
+        elif self._is_hopeless() or (self._on_trial and (progress.stuck or self._fails(energy, progress))):
             (self._end if self._by_hessian else self._finish)()
         elif progress.stuck:
             self._done = True
         elif progress.converged or ((self._on_trial or not self._by_hessian) and self._stalls(energy)):
             self._begin_trial()
 
-    def _leads_nowhere(self) -> bool:
+    def _is_hopeless(self) -> bool:
         """True if a trial's coarse level has converged without prospect of a new minimum."""
         coarse = self.inner.coarse
         if self._led or not coarse.converged:

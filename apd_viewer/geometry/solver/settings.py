@@ -269,7 +269,7 @@ class Settings:
 
     @property
     def in_effect(self) -> Settings:
-        """Settings with those not applicable reset to their defaults."""
+        """Settings, with inapplicable ones reset to their defaults."""
         idle = {name for name, setting in SETTINGS.items() if not setting.applies(self)}
         return replace(self, **{name: getattr(DEFAULT_SETTINGS, name) for name in idle})
 

@@ -1,9 +1,9 @@
-"""Stability of a shape at rest, and the way down from a saddle of the energy.
+"""Stability of a shape at rest, and the descent from a saddle of the energy.
 
-At rest the slope of the energy vanishes, but that holds at saddles, too: a flat sheet that is pushed in its
-own plane rests flat, however hard. Whether a shape is stable, its curvature tells. The Lanczos process
-[Lanczos 1950] finds the lowest one from differences of gradients, relative to the metric of the descent:
-that of K is 1 in every direction, and below 0 the energy falls. All is looked at within the goals.
+The gradient also vanishes at saddles: a flat sheet compressed in its plane stays flat under any load. The
+Lanczos process [Lanczos 1950] finds the lowest curvature of the energy from differences of gradients,
+relative to the metric of the descent, in which K has curvature 1 in every direction. Along a direction of
+negative curvature the energy falls. All directions are tangent to the goals.
 """
 
 import numpy as np
@@ -13,31 +13,31 @@ from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 from apd_viewer.geometry.solver.quasi_newton import Equilibrium
 
-# Size of the displacement from which a difference of gradients is taken, in mesh sizes.
+# Displacement for a difference of gradients, in mesh sizes.
 _DIFFERENCE = 1e-7
-# Most directions looked at: 40 of a small surface; of a large one, whose rest is seldom a saddle since its
-# coarse levels are not symmetric, 6, which take 1 to 5 % of the time to settle with 13,000 vertices.
+# Largest number of directions for a small and for a large surface. A large one seldom rests at a saddle, as
+# its coarse levels are not symmetric; 6 directions take 1 to 5 % of the time for 13,000 vertices.
 _MOST_DIRECTIONS, _LEAST_DIRECTIONS, _VERTICES_IN_ALL = 40, 6, 80_000
-# The search ends once the error of the lowest curvature, relative to it, is below the first where the energy
-# falls, and below the second elsewhere.
+# The search ends once the relative error of the lowest curvature is below the first value if negative, below
+# the second if positive.
 _KNOWN_FALLING, _KNOWN_RISING = 0.3, 0.1
-# Curvatures from here on, relative to K, are told from rounding and from the last part of the descent.
+# Smallest negative curvature, relative to K, distinct from rounding errors and incomplete convergence.
 _FALLING = -1e-5
-# Most free vertices of a flat sheet that is looked at after so many iterations: larger ones have coarse
-# levels, which are not symmetric. Points of a flat one are so near to a plane, in mesh sizes.
+# Largest number of free vertices of a flat sheet examined already after these iterations, and largest
+# distance of its points from a plane, in mesh sizes. Larger meshes have unsymmetric coarse levels.
 _MOST_OF_FLAT, _FIRST_ITERATIONS, _FLAT = 5_000, 2, 1e-9
-# Times that a displacement along a falling direction is doubled while the energy falls.
+# Largest number of doublings of a displacement along which the energy falls.
 _DOUBLINGS = 12
-# Saddles left until a shape counts as not stable; most often there is one.
+# Number of saddles left before a shape counts as unstable; most often there is one.
 _MOST_ESCAPES = 10
-# Energy of a shape at rest up to rounding, relative to the size of the mesh; strains of 1e-8.
+# Energy due to rounding, relative to the squared mesh size; strains of 1e-8.
 _NO_ENERGY = 1e-16
 
 
 class StabilitySearch:
     """Search for a direction in which the energy of a shape at rest falls.
 
-    It begins with the response to random forces, in which soft directions prevail.
+    It starts from the response to random forces, dominated by soft directions.
 
     Parameters
     ----------
@@ -79,12 +79,12 @@ class StabilitySearch:
         return forces - np.einsum("i,ija->ja", self._inverse @ along, self._g)
 
     def step(self) -> None:
-        """Look at one more direction."""
+        """Examine one more direction."""
         direction, dual = self._response / self._norm, self._forces / self._norm
-        forces = self._curved(direction)
+        forces = self._hessian_product(direction)
         self._directions.append(direction.astype(np.float32))
         self._diagonal.append(float(np.einsum("ij,ij->", direction, forces)))
-        # The recurrence of three terms; `dual` is K times the direction.
+        # Three-term recurrence; `dual` is K times the direction.
         forces = forces - self._diagonal[-1] * dual - self._norm_before * self._before
         self._before, self._forces = dual, forces
         self._response = self.at.solve(forces)
@@ -101,7 +101,7 @@ class StabilitySearch:
     def _norm_before(self) -> float:
         return self._beside[-1] if self._beside else 0.0
 
-    def _curved(self, direction: np.ndarray) -> np.ndarray:
+    def _hessian_product(self, direction: np.ndarray) -> np.ndarray:
         """Hessian of the Lagrangian times ``direction`` (f, 3), within the goals."""
         at, small = self.at, self._difference / max(float(np.abs(direction).max()), 1e-300)
         change = (at.slope(at.along(small * direction)) - self._slope) / small
@@ -112,7 +112,7 @@ class StabilitySearch:
     def falling_direction(self, seed: int) -> np.ndarray | None:
         """Direction (f, 3) in which the energy falls, at most 1 long; None if none.
 
-        The lowest for seed 0; for any other a random mixture of all that fall.
+        The lowest one for seed 0, else a random combination of all falling ones.
         """
         falling = np.flatnonzero(self._values < _FALLING)
         if not len(falling):
@@ -131,7 +131,7 @@ def _norm(response: np.ndarray, forces: np.ndarray) -> float:
 
 
 def lower_shape(at: Equilibrium, way: np.ndarray) -> np.ndarray | None:
-    """Shape (n, 3) of lower energy along ``way`` (f, 3), or against it; None if none.
+    """Shape (n, 3) of lower energy along plus or minus ``way`` (f, 3), or None.
 
     The displacement is doubled for as long as the energy falls. The surface stays at rest.
     """
@@ -153,9 +153,9 @@ def lower_shape(at: Equilibrium, way: np.ndarray) -> np.ndarray | None:
 
 
 class Stability:
-    """Stability of the shapes that a solver comes to rest at.
+    """Stability of the shapes at which a solver comes to rest.
 
-    A saddle is left for a lower shape nearby, from which the solver goes on.
+    At a saddle, the solver restarts from a lower shape nearby.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ class Stability:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew, since targets or goals are others."""
+        """Discard all results after a change of targets or goals."""
         self._search: StabilitySearch | None = None
         self._begins_flat: bool | None = None
         self._is_stable: bool | None = None
@@ -196,14 +196,14 @@ class Stability:
 
     @property
     def is_stable(self) -> bool | None:
-        """True if the energy falls in no direction looked at; None while not known."""
+        """True if the energy falls in no examined direction; None while unknown."""
         if self._is_stable is None and self._is_descent and (self._solver.energy or 0.0) <= self._no_energy:
             return True
         return self._is_stable
 
     @property
     def is_open(self) -> bool:
-        """True if stability can be found out, and has not been."""
+        """True if stability can be determined, but is still unknown."""
         return self._is_descent and self.is_stable is None
 
     @property
@@ -213,15 +213,15 @@ class Stability:
     def is_due(self, at_rest: bool, iteration: int) -> bool:
         """True if a step is due: at rest, and at the beginning of a flat sheet's descent.
 
-        A sheet that is pushed in its plane, and not along the axes, would leave it by rounding errors, for
-        any fold.
+        A sheet compressed in its plane, not along the axes, would buckle into an arbitrary fold by rounding
+        errors.
         """
         if self._begins_flat is None and iteration == _FIRST_ITERATIONS:
             self._begins_flat = self._lies_flat
         return (at_rest or bool(self._begins_flat)) and self.is_open
 
     def step(self, at_rest: bool) -> bool:
-        """Look at one more direction; return True if the shape is left for a lower one."""
+        """Examine one more direction; return True if the shape is left for a lower one."""
         if self._search is None:
             at = self._solver.equilibrium
             assert at is not None
@@ -238,7 +238,7 @@ class Stability:
             lower = lower_shape(at, self.imperfection * self._size * way)
         if lower is None:
             if at_rest:
-                # It holds where no displacement of that size leads lower, or contact leaves no way.
+                # Stable if no displacement of that size lowers the energy, or contact blocks it.
                 known_to_fall = at.is_definite is False and not len(at.multipliers)
                 self._is_stable = may_leave if way is not None else not known_to_fall
             return False

@@ -17,12 +17,12 @@ from apd_viewer.geometry.solver.iterative_solver import SolverProgress
 from apd_viewer.geometry.solver.quasi_newton import Equilibrium, QuasiNewton
 from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
-# Path increments in mesh sizes: the first, the longest, and the least that another path begins with.
+# Path increments in mesh sizes: the first, the longest, and the least initial one of a later path.
 _FIRST, _LONGEST, _LEAST_FIRST = 2e-3, 8e-3, 2e-5
 # Attempts at a path increment; factors of the increment after a blocked and after a successful attempt.
 _TRIES, _LESS, _MORE = 6, 0.4, 1.4
 # Steps between two path increments: fewest, most, and the relative energy gain below which they end. A shape
-# lagging behind the held vertices would be wound up.
+# lagging behind the held vertices would wind up.
 _LEAST_STEPS, _MOST_STEPS, _FOLLOWS = 4, 40, 1e-3
 # Number of path increments without progress after which the path ends.
 _PATIENCE = 12
@@ -99,7 +99,7 @@ class TouchingDescent:
 
     @property
     def equilibrium(self) -> Equilibrium:
-        """Surface with its gaps as a search for lower shapes sees it."""
+        """Surface in contact at rest, for the stability search."""
         multipliers, surface = self._quasi_newton.multipliers, self._surface
         if surface.outdate_metric():
             surface.renew_metric(self._projection.goals, multipliers)
@@ -123,7 +123,7 @@ class TouchingDescent:
 
     @property
     def converged(self) -> bool:
-        """True if the path has ended, and further steps would gain next to nothing.
+        """True if the path has ended, and further steps hardly reduce the energy.
 
         Where nothing is held, loads have to cancel out, too.
         """

@@ -85,9 +85,9 @@ class TouchingSurface(ABC):
         return residual
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3) near the current positions, which stay current."""
+        """Residual at ``U`` (n, 3), with the current positions left as they are."""
         residual = self._with_contact(self.elastic.residual_near(U, targets), U)
-        self.contact.gradient(self.U)  # contact readings are those of its last gradient
+        self.contact.gradient(self.U)  # contact readings belong to the last gradient of the contact
         return residual
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
@@ -110,7 +110,7 @@ class TouchingSurface(ABC):
 
     @property
     def is_definite(self) -> bool | None:
-        """True if the energy rises in every direction, as found last; None if unknown."""
+        """True if the last Hessian was positive definite; None if unknown."""
         return None
 
     @abstractmethod
@@ -139,21 +139,21 @@ class TouchingSurface(ABC):
         """
 
     def outdate_metric(self) -> bool:
-        """Have the metric renewed before the next step; False if that is of no use."""
+        """Request a new metric for the next step; False if it would not change."""
         return False
 
-    def thicken(self) -> None:  # noqa: B027 (most materials follow)
-        """Begin anew with a material that follows handles and obstacles easily."""
+    def thicken(self) -> None:  # noqa: B027 (optional)
+        """Restart with a material that easily follows handles and obstacles."""
 
     def thin(self) -> bool:
-        """Continue with a material nearer to the one asked for; False if it is that."""
+        """Continue with a material closer to the requested one; False if already reached."""
         return False
 
-    def draw_to(self, targets: np.ndarray) -> None:  # noqa: B027 (most know them by then)
-        """Have springs draw soft vertices to their ``targets`` (k + s, 3), after the held."""
+    def draw_to(self, targets: np.ndarray) -> None:  # noqa: B027 (optional)
+        """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
 
     def is_gentle(self, _: np.ndarray) -> bool:
-        """True if gaps at the positions (n, 3) are wide enough to go on from there."""
+        """True if the gaps at positions (n, 3) are wide enough to continue from there."""
         return True
 
     def without_rotation(self, U: np.ndarray, _: np.ndarray) -> np.ndarray:

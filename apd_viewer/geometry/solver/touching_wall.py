@@ -1,7 +1,7 @@
 """Thin elastic wall in contact, stepped by its Hessian.
 
-A wall is many times firmer in its plane than against bending, so that no constant matrix is a metric for it.
-Its Hessian is, with the curvature of the goals, whose tension stiffens the wall, and of the gaps.
+A wall is many times stiffer in its plane than in bending, so that no constant matrix serves as a metric. Its
+Hessian does, including the curvature of the goals, whose tension stiffens the wall, and of the gaps.
 """
 
 import numpy as np
@@ -15,20 +15,20 @@ from apd_viewer.geometry.linalg.block_cholesky import BlockFactor, BlockPattern
 from apd_viewer.geometry.linalg.linear_solver import Metric
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 
-# Steps after which the Hessian is renewed: its factor takes as long as 30 of them.
+# Number of steps per Hessian, whose factorization takes as long as 30 steps.
 _RENEWED = 30
-# Parts of what may be indefinite that are tried, one after the other, and what is added to the diagonal then,
-# in means of it: needles resist nothing, and leave their corners loose.
+# Successive attempts at a definite matrix: factor of the indefinite terms, and addition to the diagonal
+# relative to its mean, since needles resist nothing and leave their corners loose.
 _ATTEMPTS = (1.0, 0.0), (0.3, 0.0), (0.0, 0.0), (0.0, 1e-9), (0.0, 1e-6), (0.0, 1e-3), (0.0, 1.0)
-# Largest energy of the gaps after a motion of held vertices and obstacles, relative to all energy before it
-# and to the bending rigidity.
+# Largest gap energy after a motion of held vertices and obstacles, relative to the total energy before and to
+# the bending rigidity.
 _MOST_RISE, _LEAST_RISE = 4.0, 0.01
-# A wall thinner than the first, in mesh sizes, has too many folds to choose from: one as thick as the second
-# follows handles and obstacles, and gets thinner by the third from rest to rest.
+# A wall thinner than the first value, in mesh sizes, has too many competing folds: one of the second
+# thickness follows handles and obstacles, and is thinned by the third factor at each rest.
 _THIN, _EASY, _THINNER = 1e-3, 8e-3, 0.3
-# Longest way of what follows held vertices and obstacles, in theirs.
+# Longest displacement of free vertices, relative to that of held vertices and obstacles.
 _FLUNG = 3.0
-# Part of the mesh size that held vertices move to find what follows them.
+# Trial displacement of held vertices, in mesh sizes.
 _MOVED = 1e-6
 
 
@@ -56,20 +56,20 @@ class TouchingWall(TouchingSurface):
         self._is_definite: bool | None = None
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
-        """Response to forces ``b_f``, both (f, 3): a wall may turn as a whole."""
+        """Response to forces ``b_f``, both (f, 3), without a constraint on rotation."""
         if self._factored is None:
             self._factored = self._factor()
         return self._factored.solve(b_f)
 
     def thicken(self) -> None:
-        """Begin anew with a wall that is thick enough to follow handles and obstacles."""
+        """Restart with a wall thick enough to follow handles and obstacles."""
         last, thin = self.elastic.material.thickness, _THIN * self._size
         thickness = _EASY * self._size if last < thin else last
         if thickness != self.elastic.thickness:
             self.elastic.thickness, self._age = thickness, _RENEWED
 
     def thin(self) -> bool:
-        """Continue with a thinner wall; False if it is as thin as asked."""
+        """Continue with a thinner wall; False if already at the requested thickness."""
         wall, last = self.elastic, self.elastic.material.thickness
         if wall.thickness <= last:
             return False
@@ -78,21 +78,21 @@ class TouchingWall(TouchingSurface):
         return True
 
     def draw_to(self, targets: np.ndarray) -> None:
-        """Have springs draw soft vertices to their ``targets`` (k + s, 3), after the held."""
+        """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
         self.elastic.draw_to(targets)
 
     @property
     def is_definite(self) -> bool | None:
-        """True if the energy rises in every direction, as found last; None if unknown."""
+        """True if the last Hessian was positive definite; None if unknown."""
         return self._is_definite
 
     def is_gentle(self, W: np.ndarray) -> bool:
-        """True if gaps at ``W`` (n, 3) are wide enough to go on from there."""
+        """True if the gaps at ``W`` (n, 3) are wide enough to continue from there."""
         allowed = max(_MOST_RISE * self.energy, _LEAST_RISE * self.elastic.plate_rigidity)
         return self.contact.energy_at(W) <= allowed
 
     def outdate_metric(self) -> bool:
-        """Have the Hessian renewed before the next step; False if it is new."""
+        """Request a new Hessian for the next step; False if it is already new."""
         was_new = self._age == 0
         self._age = _RENEWED
         return not was_new
@@ -128,7 +128,7 @@ class TouchingWall(TouchingSurface):
         raise ArithmeticError("The Hessian of the wall is not finite.")
 
     def _pattern_with(self, ids: np.ndarray) -> BlockPattern:
-        """Pattern in which the vertices ``ids`` (p, 4) of each pair are coupled, too."""
+        """Pattern that also couples the vertices ``ids`` (p, 4) of each pair."""
         couplings, f = self.elastic.couplings, len(self.free)
         rows = np.append(self.elastic.rows, -1)[np.minimum(ids, len(self.U))]
         a, b = np.repeat(rows, 4, axis=1).ravel(), np.tile(rows, 4).ravel()
@@ -159,7 +159,7 @@ class TouchingWall(TouchingSurface):
         way = self.solve(self._pull_of_held(held, held_after) + self._pull_of_obstacles())
         moves = [pairs.points_ahead - pairs.points for pairs in self.contact.obstacles]
         longest = max(float(np.abs(move).max(initial=0.0)) for move in [held_after - held, *moves])
-        # About to buckle, a wall would be flung away.
+        # Near buckling the response would be far too large.
         return start + min(1.0, _FLUNG * longest / max(float(np.abs(way).max()), 1e-300)) * way
 
     def _pull_of_held(self, held: np.ndarray, held_after: np.ndarray) -> np.ndarray:

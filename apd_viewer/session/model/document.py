@@ -70,7 +70,7 @@ class Document:
     labels: np.ndarray = field(metadata=FACTORED)
     grip: np.ndarray = field(metadata=NOT_FACTORED)
     member: np.ndarray = field(metadata=NOT_FACTORED)
-    # Fields of handles and settings carry their own declarations.
+    # Handles and settings declare FACTORED or NOT_FACTORED for each of their own fields.
     handles: tuple[Handle, ...] = field(
         default=(Handle(default_name(tr("Handle"), 1)),), metadata=NOT_FACTORED
     )

@@ -33,7 +33,7 @@ def has_region_targets(document: Document) -> bool:
 
 
 def have_same_paint(document: Document, other: Document) -> bool:
-    """True if both share the same arrays of labels and regions."""
+    """True if two documents share their arrays of labels and regions."""
     return document.labels is other.labels and document.member is other.member
 
 
@@ -45,7 +45,7 @@ def obstacle_shifts(document: Document) -> np.ndarray:
 
 
 def with_handles_reset(document: Document, *numbers: int) -> Document:
-    """Document with handles reset; if none remains moved, all of the shape is at rest."""
+    """Document with handles reset, and the shape at rest if no handle remains moved."""
     document = document.relative_to_rest
     handles = list(document.handles)
     for k in numbers:
@@ -77,7 +77,7 @@ def without_region(document: Document, k: int) -> Document:
 
 
 def _codes_without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
-    """Codes with ``gone`` replaced by ``instead``, and those above decremented."""
+    """Codes with ``gone`` replaced by ``instead``, and higher codes decremented."""
     return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))
 
 
@@ -169,7 +169,7 @@ class PaintedPart(NamedTuple):
     def document_with_members(self, document: Document, members: np.ndarray) -> Document:
         """Document with exactly the vertices ``members`` (n,) bool in the part."""
         if not self.exists_in(document) and members.any():
-            document = with_next_region(document)  # a stroke may create the region
+            document = with_next_region(document)  # the region may be created by a stroke
         paint = type(document).with_region_number if self.is_region else type(document).with_label
         cleared = paint(document, np.flatnonzero(self.mask(document) & ~members), self.unpainted_code)
         return paint(cleared, np.flatnonzero(members), self.code)

@@ -121,7 +121,7 @@ class Handle:
         return self.with_pose(pose, extended_waypoints(self.waypoints, self.pose, pose))
 
     def __getstate__(self) -> dict[str, object]:
-        """Fields alone: a value cached meanwhile on another thread would end the pickling."""
+        """Fields without cached values, which other threads may add during pickling."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
 
     @cached_property
@@ -166,7 +166,7 @@ class Handle:
             return self.with_pose(pose, waypoints)
         handle, back = self.with_pose(IDENTITY), np.linalg.inv(self.earlier_poses[-1])
         for each in (*reversed(self.earlier_poses[:-1]), IDENTITY, *waypoints, pose):
-            handle = handle.moved_to(each @ back)  # cancels the common part of both paths
+            handle = handle.moved_to(each @ back)  # removes the common part of both paths
         return handle
 
 
@@ -175,7 +175,7 @@ def _moved_point(point: np.ndarray | None, pose: np.ndarray) -> np.ndarray | Non
 
 
 class HandlePlacement(NamedTuple):
-    """Pose of a named handle, and the waypoints on the way to it.
+    """Pose of a named handle, and the waypoints leading to it.
 
     Attributes
     ----------
@@ -202,7 +202,7 @@ class NamedPose:
 
 @dataclass(frozen=True, eq=False)
 class NamedRegion:
-    """Region with its area measured, and preserved if it has a target.
+    """Region with a measured area, preserved if it has a target.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.session.model.state import State
 
-_MANY = 1000  # items of a list; the size of a longer one is estimated from its first item
+_MANY = 1000  # longest list measured item by item; longer ones are estimated from the first item
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class History:
         while len(self._undo) > 1 and self.undo_bytes > self.most_bytes:
             dropped.append(self._pop(0))
         if dropped:
-            dropped.clear()  # release their memory before the callback
+            dropped.clear()  # release the states' memory before the callback
             self.entries_dropped()
 
     def undo(self, state: State) -> State | None:
@@ -136,7 +136,7 @@ class History:
 
 
 def array_bytes(value: object) -> dict[int, int]:
-    """Bytes of the arrays and file contents within a value, by their identity.
+    """Sizes in bytes of the arrays and file contents within a value, by identity.
 
     It looks into everything of this package, and into tuples, lists and dictionaries.
     """

@@ -10,7 +10,7 @@ from apd_viewer.language import tr, trn
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
 
-# Most parts listed individually; smaller ones are decided on together.
+# Number of parts listed individually, the largest first; the first finding includes all.
 _MOST = 100
 
 

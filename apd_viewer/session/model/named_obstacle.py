@@ -110,7 +110,7 @@ class NamedObstacle:
 def carried_shifts(
     before: Sequence[NamedObstacle], shifts: np.ndarray, after: Sequence[NamedObstacle]
 ) -> np.ndarray:
-    """Displacements reached so far, (o, 3), carried over to changed obstacles.
+    """Displacements (o, 3) after a change of obstacles, kept for unchanged ones.
 
     Parameters
     ----------
@@ -127,11 +127,11 @@ def carried_shifts(
 
 def geometric_obstacles(obstacles: Sequence[NamedObstacle], V: np.ndarray) -> tuple[Obstacle, ...]:
     """Geometric obstacles for a mesh with vertices ``V`` (n, 3)."""
-    return tuple(each.to_obstacle(stopping_extent(each, V)) for each in obstacles)
+    return tuple(each.to_obstacle(plate_extent(each, V)) for each in obstacles)
 
 
-def stopping_extent(obstacle: NamedObstacle, V: np.ndarray) -> float:
-    """Extent needed for an obstacle to block a mesh with vertices ``V`` (n, 3)."""
+def plate_extent(obstacle: NamedObstacle, V: np.ndarray) -> float:
+    """Extent of a plate large enough to block a mesh with vertices ``V`` (n, 3)."""
     middle = 0.5 * (V.min(axis=0) + V.max(axis=0))
     # A distant plate needs a larger extent.
     return diagonal(V) + float(np.linalg.norm(obstacle.place - middle))

@@ -206,9 +206,9 @@ def welded_state(state: State) -> State:
 
 
 def _shared_codes(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
-    """Codes shared by both sides of a seam; ``none`` yields to the other side's."""
+    """Common codes for both sides of a seam; any code takes precedence over ``none``."""
     shared = np.full(len(weld.first), none, dtype=codes.dtype)
-    said = np.flatnonzero(codes != none)[::-1]  # the first of several codes is used
+    said = np.flatnonzero(codes != none)[::-1]  # of several codes at a vertex, the first is used
     shared[weld.inverse[said]] = codes[said]
     return frozen(shared[weld.inverse])
 

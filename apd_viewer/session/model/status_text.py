@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
 
 
-def about_findings(findings: Sequence[Finding]) -> str | None:
+def findings_sentences(findings: Sequence[Finding]) -> str | None:
     """Sentences about the findings of an opened mesh; None without any.
 
     Those about its file are told as they are, since much else is found in any file of some formats.
@@ -39,14 +39,14 @@ def about_findings(findings: Sequence[Finding]) -> str | None:
     return " ".join(sentences) or None
 
 
-def about_export(name: str, area: float, rest_area: float, unit: Unit) -> str:
+def export_sentence(name: str, area: float, rest_area: float, unit: Unit) -> str:
     """Sentence about an exported mesh: the area measured on the file."""
     return tr("Exported {name}: area {area}, {percent:.3f} % of the rest area.").format(
         name=name, area=unit.format_area(localized_number(f"{area:.6g}")), percent=100.0 * area / rest_area
     )
 
 
-def about_deck(name: str, deck: Deck) -> str:
+def deck_sentence(name: str, deck: Deck) -> str:
     """Sentence about an FE deck: its size and number of held nodes."""
     sentence = trn(
         "{name}: {shells:,} shells, {held:,} held nodes, {n} step.",
@@ -57,7 +57,7 @@ def about_deck(name: str, deck: Deck) -> str:
     return sentence.format(name=name, shells=len(deck.used_faces), held=held, n=len(deck.steps))
 
 
-def about_baking(area: float, before: float, unit: Unit) -> str:
+def baking_sentence(area: float, before: float, unit: Unit) -> str:
     """Sentence about a new rest area, with its ratio to the previous one."""
     return tr(
         "New rest shape: 100 % is now {area}, {percent} % of before, and motions count from here. "
@@ -68,7 +68,7 @@ def about_baking(area: float, before: float, unit: Unit) -> str:
     )
 
 
-def about_session(name: str, embedded: bool) -> str:
+def saved_session_sentence(name: str, embedded: bool) -> str:
     """Sentence about a saved session."""
     sentence = tr("Saved {name}, including a copy of the mesh.") if embedded else tr("Saved {name}.")
     return sentence.format(name=name)
@@ -86,19 +86,19 @@ def lost_file_text(name: str, file_state: FileState) -> str:
     return _LOST[file_state].format(name=name) if file_state in _LOST else ""
 
 
-def about_lost_file(name: str, file_state: FileState) -> str:
+def lost_file_sentences(name: str, file_state: FileState) -> str:
     """Sentences about a lost file, with a remedy."""
     remedy = tr("What is shown here is in no file until you save it.")
     return f"{lost_file_text(name, file_state)} {remedy}"
 
 
-def about_selection(name: str, left_out: Sequence[str]) -> str:
+def saved_selection_sentence(name: str, left_out: Sequence[str]) -> str:
     """Sentence about a saved selection."""
     sentence = tr("Saved {name}, without the {things}.") if left_out else tr("Saved {name}.")
     return sentence.format(name=name, things=tr(" and the ").join(left_out))
 
 
-def about_loaded_selection(name: str, selection: Selection) -> str:
+def loaded_selection_sentence(name: str, selection: Selection) -> str:
     """Sentence about a loaded selection."""
     if selection.same_mesh:
         return tr("Selection loaded from {name}.").format(name=name)
@@ -107,13 +107,13 @@ def about_loaded_selection(name: str, selection: Selection) -> str:
     ).format(name=name)
 
 
-def about_missing_target(document: Document) -> str | None:
+def missing_target_sentence(document: Document) -> str | None:
     """Sentence about a missing target shape; None if nothing is missing."""
     missing = document.missing_target_shape
     return None if missing is None else tr("The target shape is not shown: {why}").format(why=missing.reason)
 
 
-def about_target(target: TargetShape, mesh: Mesh) -> str:
+def target_sentence(target: TargetShape, mesh: Mesh) -> str:
     """Sentence about a loaded target shape, with a warning on a different size."""
     name, factor = target.mesh.name, target.size_ratio(mesh)
     if factor is None:
@@ -123,8 +123,8 @@ def about_target(target: TargetShape, mesh: Mesh) -> str:
     ).format(name=name, factor=localized_number(f"{factor:.3g}"), mesh=mesh.name)
 
 
-def about_lock(name: str) -> str:
-    """Sentence about a locked part refusing a change."""
+def lock_sentence(name: str) -> str:
+    """Sentence about a locked part that prevents a change."""
     return tr("{name} is locked; unlock it in the panel first.").format(name=name)
 
 

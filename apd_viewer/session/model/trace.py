@@ -24,7 +24,7 @@ TRACE_COLUMNS = (
     "largest_edge_strain",
     "mean_edge_strain",
 )
-# Most samples; a plot is hardly wider in pixels. Even, so that every other one can be dropped.
+# Largest number of samples, about a plot's width in pixels; even, so that every other one can be dropped.
 MOST_SAMPLES = 512
 
 
@@ -55,10 +55,10 @@ class Trace:
         self._rows = np.empty((MOST_SAMPLES, len(TRACE_COLUMNS)))
         self._start = _Start(None, [], 0.0)
         self._next: _Start | None = None
-        self._forget()
+        self._clear()
         self._total: int | None = None
 
-    def _forget(self) -> None:
+    def _clear(self) -> None:
         self._count = self._iteration = 0
         self._since = self._stride = 1
 
@@ -105,16 +105,16 @@ class Trace:
             self._begin(coming)
         # Undisplayed frames are not measured, but their iterations count.
         more = frame.iteration if self._total is None else frame.total - self._total
-        self._iteration += more if more >= 0 else frame.total  # a new solver counts from zero
+        self._iteration += more if more >= 0 else frame.total  # a new solver restarts its iteration count
         self._total = frame.total
-        self._keep([self._clock() - self._start.moment, self._iteration, *_readings(document, frame)])
+        self._store_row([self._clock() - self._start.moment, self._iteration, *_readings(document, frame)])
 
     def _begin(self, start: _Start) -> None:
-        self._start = replace(start, requested=None)  # the document would keep its mesh alive
-        self._forget()
-        self._keep([0.0, 0.0, *start.readings])
+        self._start = replace(start, requested=None)  # a stored document would keep its mesh alive
+        self._clear()
+        self._store_row([0.0, 0.0, *start.readings])
 
-    def _keep(self, row: list[float]) -> None:
+    def _store_row(self, row: list[float]) -> None:
         if self._count > 1 and self._since < self._stride:
             self._since += 1
         else:

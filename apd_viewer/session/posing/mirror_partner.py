@@ -24,7 +24,7 @@ _LIKE = 0.5
 
 
 class MirrorPartner(NamedTuple):
-    """Handle mirroring another handle or itself.
+    """Handle at the mirror image of another handle, or of itself.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ def mirror_plane(mesh: Mesh, axis: int) -> MirrorPlane:
 
 
 @memoised
-def _named(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+def _used_vertices(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Mask of the vertices used by triangles, (n,) bool array."""
     named = np.zeros(len(V), dtype=bool)
     named[F.ravel()] = True
@@ -56,14 +56,14 @@ def _named(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 @memoised
 def _box(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper corner of the bounding box of the triangles."""
-    named = V[_named(V, F)]
+    named = V[_used_vertices(V, F)]
     return named.min(axis=0), named.max(axis=0)
 
 
 @memoised
 def _images(V: np.ndarray, F: np.ndarray, labels: np.ndarray, label: int, plane: MirrorPlane) -> np.ndarray:
     """Fraction of the mirror images of a label's vertices on each label, (256,)."""
-    named = _named(V, F)
+    named = _used_vertices(V, F)
     ids = np.flatnonzero((labels == label) & named)
     if not len(ids):
         return np.zeros(256)

@@ -54,14 +54,14 @@ class MotionReference(NamedTuple):
     @property
     def pivot(self) -> np.ndarray:
         """Current pivot of the handle, (3,)."""
-        return self._carried(self.document.pivot(self.handle))
+        return self._carried_point(self.document.pivot(self.handle))
 
     @property
     def centre(self) -> np.ndarray:
         """Current centre of the handle, (3,)."""
-        return self._carried(self.document.centre(self.handle))
+        return self._carried_point(self.document.centre(self.handle))
 
-    def _carried(self, gripped: np.ndarray | None) -> np.ndarray:
+    def _carried_point(self, gripped: np.ndarray | None) -> np.ndarray:
         handle = self.document.handles[self.handle]
         if gripped is None:
             raise InputError(tr("“{name}” is empty; paint it first.").format(name=handle.name))
@@ -224,14 +224,14 @@ class Motion:
         return posed
 
 
-def _pushed(at: MotionReference, _axis: str, amounts: Sequence[float]) -> np.ndarray:
+def _push_pose(at: MotionReference, _axis: str, amounts: Sequence[float]) -> np.ndarray:
     way = at.base - at.centre
     if not way.any():
         raise InputError(tr("Base and handle have the same centre, so there is no line to push along."))
     return translation(amounts[0] * (way / np.linalg.norm(way)))
 
 
-def _bent(at: MotionReference, axis: str, amounts: Sequence[float]) -> np.ndarray:
+def _bend_pose(at: MotionReference, axis: str, amounts: Sequence[float]) -> np.ndarray:
     if axis != LINE:
         return rotation_about(at.base, AXES[axis], amounts[0])
     if at.line is None:
@@ -255,7 +255,7 @@ PUSH = MotionKind(
     word="push",
     title=tr("Push"),
     amount=AmountKind.LENGTH_OR_PERCENT,
-    matrix=_pushed,
+    matrix=_push_pose,
     tip=tr("Way towards the base: a length, or a share of its distance such as 30%"),
     example="30%",
     help=tr("towards the base: a length, or 30%% of the distance of the centres"),
@@ -293,7 +293,7 @@ BEND = MotionKind(
         LINE: tr("Bend about a line"),
     },
     amount=AmountKind.ANGLE,
-    matrix=_bent,
+    matrix=_bend_pose,
     tip=tr("About an axis through the centre of the base: an angle such as 30deg"),
     example="60deg",
     help=tr("about an axis through the centre of the base; “20deg about x” names the axis"),

@@ -158,7 +158,7 @@ def motion_paths(document: Document, steps: Sequence[MotionStep]) -> tuple[Handl
 
 def _path(document: Document, k: int, steps: tuple[MotionStep, ...]) -> HandlePath | MotionPath:
     path = MotionPath(document, k, steps)
-    path.pose_at(1.0)  # raises early if a step is impossible
+    path.pose_at(1.0)  # raises InputError early for an impossible step
     if [step.motion.kind for step in steps] != [TWIST]:
         return path
     start = MotionReference(document, k)
@@ -194,7 +194,7 @@ _SAME = 1e-9
 
 def motion_title(motion: Motion, amount: float, handles: str, unit: Unit) -> str:
     """Title such as “Twist +60° (Handle 1)”, for radians, a length or a factor."""
-    return _titled(motion.title, motion.kind.amount.format(amount, unit), handles)
+    return _title(motion.title, motion.kind.amount.format(amount, unit), handles)
 
 
 def motion_title_between(before: Document, after: Document, k: int, unit: Unit) -> str:
@@ -213,16 +213,16 @@ def motion_title_between(before: Document, after: Document, k: int, unit: Unit) 
             return motion_title(Motion(SCALE), factor, names, unit)
         length = float(np.linalg.norm(by[:3, 3]))
         free = unit.format_length(localized_number(f"{length:.4g}"))
-        return _title_along(MOVE, by[:3, 3], length, unit, names) or _titled(tr("Move"), free, names)
+        return _title_along(MOVE, by[:3, 3], length, unit, names) or _title(tr("Move"), free, names)
     if np.abs(by[:3, :3] @ by[:3, :3].T - np.eye(3)).max() <= _SAME:
         turn = rigid_transform(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
         if abs(float(turn.displacement @ turn.axis)) <= _SAME * diagonal(before.mesh.V):
-            # Full turns follow from the waypoints of the handles.
+            # Full turns are counted from the waypoints of the handles.
             made = summed_rotations(new.waypoints, new.pose) - summed_rotations(old.waypoints, old.pose)
             full = 2.0 * math.pi * round((float(made @ turn.axis) - turn.angle) / (2.0 * math.pi))
             free = TURN.amount.format(turn.angle + full, unit)
             titled = _title_along(TURN, turn.axis, turn.angle + full, unit, names)
-            return titled or _titled(tr("Rotate"), free, names)
+            return titled or _title(tr("Rotate"), free, names)
     return tr("Move handle ({handle})").format(handle=names)
 
 
@@ -241,7 +241,7 @@ def _title_along(kind: MotionKind, vector: np.ndarray, amount: float, unit: Unit
     return motion_title(Motion(kind, "XYZ"[largest]), signed, names, unit)
 
 
-def _titled(motion: str, amount: str, handles: str) -> str:
+def _title(motion: str, amount: str, handles: str) -> str:
     return tr("{motion} {amount} ({handle})").format(
         motion=motion, amount=amount.replace("-", "−"), handle=handles
     )

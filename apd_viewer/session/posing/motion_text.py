@@ -60,7 +60,7 @@ class MotionTextStep:
             raise InputError(tr("A factor must be greater than 0; enter another one."))
         return found
 
-    def on(self, document: Document, unit: Unit, names: Mapping[str, float]) -> MotionStep:
+    def resolved_on(self, document: Document, unit: Unit, names: Mapping[str, float]) -> MotionStep:
         """Motion step with its amounts resolved on a document, relative to rest."""
         k, kind, axis = self.handle, self.motion.kind, self.motion.axis
         if k >= len(document.handles):
@@ -78,7 +78,7 @@ class MotionTextStep:
 def motion_steps(document: Document, text: str, unit: Unit) -> tuple[MotionStep, ...]:
     """Parse a motion text into steps on a mesh; raises InputError."""
     document, names = document.relative_to_rest, document.mesh.named_lengths
-    return tuple(step.on(document, unit, names) for step in parse_motion(text))
+    return tuple(step.resolved_on(document, unit, names) for step in parse_motion(text))
 
 
 def parse_motion(text: str) -> tuple[MotionTextStep, ...]:

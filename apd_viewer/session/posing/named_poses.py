@@ -31,7 +31,7 @@ def _grip_motion(V: np.ndarray, grip: np.ndarray, labels: np.ndarray, label: int
 _size = memoised(diagonal)
 
 
-def _gripped(document: Document, k: int) -> Handle:
+def _gripped_handle(document: Document, k: int) -> Handle:
     """Handle ``k`` with its motion before gripping, estimated if not recorded."""
     handle = document.handles[k]
     if not handle.earlier_poses:
@@ -43,7 +43,7 @@ def _gripped(document: Document, k: int) -> Handle:
 def handle_placements(document: Document) -> tuple[HandlePlacement, ...]:
     """Current placements of all handles with vertices."""
     found = [
-        _gripped(document, k).relative_to_rest
+        _gripped_handle(document, k).relative_to_rest
         for k in range(len(document.handles))
         if document.label_counts[HANDLE + k]
     ]
@@ -58,7 +58,7 @@ def _targets(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]
     for placement in pose.placements:
         k = numbers.get(placement.handle)
         if k is not None:
-            there = _gripped(document, k).with_pose_from_rest(placement.pose, placement.waypoints)
+            there = _gripped_handle(document, k).with_pose_from_rest(placement.pose, placement.waypoints)
             yield k, document.handles[k].with_pose(there.pose, there.waypoints)
 
 
@@ -78,10 +78,10 @@ def missing_handles(document: Document, pose: NamedPose) -> list[str]:
 def is_in_pose(document: Document, pose: NamedPose) -> bool:
     """True if all existing handles of a named pose are in it."""
     size, there = _size(document.mesh.V), list(_targets(document, pose))
-    return bool(there) and all(_alike(document.handles[k], handle, size) for k, handle in there)
+    return bool(there) and all(_are_equal_poses(document.handles[k], handle, size) for k, handle in there)
 
 
-def _alike(one: Handle, other: Handle, size: float) -> bool:
+def _are_equal_poses(one: Handle, other: Handle, size: float) -> bool:
     apart = np.abs(one.pose - other.pose)
     if max(apart[:, :3].max(), apart[:, 3].max() / size) > _SAME:
         return False
@@ -109,7 +109,7 @@ def rebased_poses(document: Document) -> tuple[NamedPose, ...]:
         replace(
             pose,
             placements=tuple(
-                _rebased(each, present[each.handle]) if each.handle in present else each
+                _rebased_placement(each, present[each.handle]) if each.handle in present else each
                 for each in pose.placements
             ),
         )
@@ -117,7 +117,7 @@ def rebased_poses(document: Document) -> tuple[NamedPose, ...]:
     )
 
 
-def _rebased(placement: HandlePlacement, present: HandlePlacement) -> HandlePlacement:
+def _rebased_placement(placement: HandlePlacement, present: HandlePlacement) -> HandlePlacement:
     """Placement relative to ``present``: back along its path, then to the placement."""
     handle = Handle(placement.handle, earlier_poses=(*present.waypoints, present.pose))
     there = handle.with_pose_from_rest(placement.pose, placement.waypoints)

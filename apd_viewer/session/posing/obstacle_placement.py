@@ -80,7 +80,7 @@ def proposed_obstacle(
     longest = float(max(state.inspection.size))
     radius, length = _RADIUS[kind] * longest, _LENGTH * longest if kind is ObstacleKind.CYLINDER else 0.0
     place = point + (distance + radius + 0.5 * length) * normal
-    axis = -checked_direction(normal) + 0.0  # no negative zeros
+    axis = -checked_direction(normal) + 0.0  # avoids negative zeros
     return NamedObstacle("", kind, frozen(place), frozen(axis), radius, length)
 
 

@@ -114,7 +114,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
         return None
     motion = replace(document, grip=before.frame.U)
     for k, pair in enumerate(pairs):
-        motion = motion.with_handle(k, _rest_of_way(*pair))
+        motion = motion.with_handle(k, _remaining_motion(*pair))
     return motion
 
 
@@ -123,22 +123,22 @@ def has_moved(before: Handle, after: Handle) -> bool:
     return not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints)
 
 
-def _rest_of_way(before: Handle, after: Handle) -> Handle:
+def _remaining_motion(before: Handle, after: Handle) -> Handle:
     """Handle gripped at its previous pose, with the path from there to its new pose.
 
-    Back to where both ways part, and on from there: what is gone back along is taken off again.
+    The path first returns to the last common waypoint, which removes the waypoints retraced.
     """
     gripped = replace(before.regripped(), earlier_poses=(), former_twist_axis=None)
     if not has_moved(before, after):
         return gripped
-    shared, origin = _shared(before, after), np.linalg.inv(before.pose)
+    shared, origin = _common_count(before, after), np.linalg.inv(before.pose)
     parting = before.waypoints[shared - 1] if shared else IDENTITY
     for pose in (*reversed(before.waypoints[shared:]), parting, *after.waypoints[shared:], after.pose):
         gripped = gripped.moved_to(pose @ origin)
     return gripped
 
 
-def _shared(before: Handle, after: Handle) -> int:
+def _common_count(before: Handle, after: Handle) -> int:
     """Number of common leading waypoints."""
     pairs = zip(before.waypoints, after.waypoints, strict=False)
     return sum(1 for _ in itertools.takewhile(lambda pair: np.array_equal(*pair), pairs))

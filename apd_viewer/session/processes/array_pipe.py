@@ -84,7 +84,7 @@ class ArrayPacker:
         self._mentioned, self._arrays, self._meshes = {}, [], []
         content = pickled(value, self._number)
         forgotten = [number for key, (number, _) in self._known.items() if key not in self._mentioned]
-        arrays = self._laid_out()
+        arrays = self._layout()
         self._known = self._mentioned
         name = self.shared_arrays.name if self.shared_arrays else None
         return pickle.dumps((arrays, self._meshes, forgotten, name, content))
@@ -96,21 +96,21 @@ class ArrayPacker:
         return self._mesh(value) if isinstance(value, Mesh) else None
 
     def _array(self, array: np.ndarray) -> int:
-        number, new = self._mention(array)
+        number, new = self._reference(array)
         if new:
             self._arrays.append((number, array))
         return number
 
     def _mesh(self, mesh: Mesh) -> int:
         V, F = self._array(mesh.V), self._array(mesh.F)
-        number, new = self._mention(mesh)
+        number, new = self._reference(mesh)
         if new:
             weld: Weld | None = mesh.__dict__.get("weld")
             both = (self._array(weld.first), self._array(weld.inverse)) if weld else None
             self._meshes.append(_Mesh(number, V, F, both, mesh.path))
         return number
 
-    def _mention(self, thing: object) -> tuple[int, bool]:
+    def _reference(self, thing: object) -> tuple[int, bool]:
         entry = self._mentioned.get(id(thing)) or self._known.get(id(thing))
         new = entry is None
         if entry is None:
@@ -118,7 +118,7 @@ class ArrayPacker:
         self._mentioned[id(thing)] = entry
         return entry[0], new
 
-    def _laid_out(self) -> list[_Array]:
+    def _layout(self) -> list[_Array]:
         large = [array for _, array in self._arrays if array.nbytes >= LEAST_SHARED_BYTES]
         try:
             self.shared_arrays = SharedArrays(large) if large else None
@@ -167,7 +167,7 @@ class ArrayUnpacker:
 
 
 def pickled(value: object, number_of: Callable[[object], int | None]) -> bytes:
-    """Pickle ``value``, with the objects that have a number replaced by it."""
+    """Pickle ``value``, with numbers in place of the numbered objects."""
 
     class Pickler(pickle.Pickler):
         def persistent_id(self, thing: object) -> int | None:

@@ -87,7 +87,7 @@ class ChildProcess:
         self._killed = self._failed = False
         self._last_words.clear()
         try:
-            self._process = process = self._spawned()
+            self._process = process = self._spawn()
         except OSError as error:
             _log.error("The %s process cannot be started: %s", self.title, error)
             raise
@@ -145,7 +145,7 @@ class ChildProcess:
         self.end()
         self.start()
 
-    def _spawned(self) -> Process:
+    def _spawn(self) -> Process:
         process = subprocess.Popen(
             [sys.executable, "-c", self._script, str(os.getpid()), *sys.path],
             stdin=subprocess.PIPE,

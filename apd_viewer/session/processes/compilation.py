@@ -32,7 +32,7 @@ class Compilation:
 
     def __init__(self, send: Callable[[CompilationProgress], object]) -> None:
         self._tell = send
-        self._stop = report_compilations(lambda share: self._say(min(share, _NEARLY_ALL)))
+        self._stop = report_compilations(lambda share: self._report(min(share, _NEARLY_ALL)))
 
     def run(self, is_interrupted: Callable[[], bool]) -> None:
         """Compile until ``is_interrupted()``; errors appear in later requests."""
@@ -40,9 +40,9 @@ class Compilation:
             warm_up(is_cancelled=is_interrupted)
         if not is_interrupted():
             self._stop()
-            self._say(1.0)
+            self._report(1.0)
 
-    def _say(self, share: float) -> None:
+    def _report(self, share: float) -> None:
         self._tell(CompilationProgress(share))
 
 

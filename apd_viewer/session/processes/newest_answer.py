@@ -97,13 +97,13 @@ class NewestAnswer(Generic[Question, Answer]):
             question = self._questions.wait()
             if question is None:
                 break
-            answer = self._answered(question)
+            answer = self._answer(question)
             if question is self._wanted:
                 self._answers.put((question, answer))
                 self._wake()
         self._process.end()
 
-    def _answered(self, question: Question) -> Answer:
+    def _answer(self, question: Question) -> Answer:
         try:
             with self._lock:
                 if question is not self._wanted:
@@ -116,7 +116,7 @@ class NewestAnswer(Generic[Question, Answer]):
             answer = None
         with self._lock:
             self._busy = False
-            # It may have been killed after its answer was received, for a newer question.
+            # The process may have been killed after its answer was received, for a newer question.
             ended = answer is None or self._process.is_killed
         if ended:
             self._process.end()

@@ -1,4 +1,4 @@
-"""Factorization in a separate process, killed once useless."""
+"""Factorization in a separate process, killed once obsolete."""
 
 import threading
 import time
@@ -84,13 +84,13 @@ class RemoteFactor:
         OSError
             If there can be no process.
         """
-        return self._solved(B, refined=False)
+        return self._solution(B, refined=False)
 
     def refined(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` for ``B`` (n, 3) to about ten digits; raises as :meth:`solve`."""
-        return self._solved(B, refined=True)
+        return self._solution(B, refined=True)
 
-    def _solved(self, B: np.ndarray, refined: bool) -> np.ndarray:
+    def _solution(self, B: np.ndarray, refined: bool) -> np.ndarray:
         while True:
             while not self.ready:
                 self._join()
@@ -115,7 +115,7 @@ class RemoteFactor:
     def _send(self) -> None:
         try:
             word = self._answer_to(*csr_rows(self._matrix()), np.ascontiguousarray(self._V))
-        except Exception as error:  # raised again in the waiting thread
+        except Exception as error:  # the waiting thread raises the error again
             self._error = error
             return
         if word:

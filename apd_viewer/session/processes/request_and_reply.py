@@ -1,4 +1,4 @@
-"""Requests to the solver and its replies, each complete without earlier ones."""
+"""Requests to the solver and its replies, each self-contained."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -52,7 +52,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Cost:
-    """Cost of an answer, by the same measure for every method.
+    """Energy and time of an answer, comparable between methods.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Cost:
 
 @dataclass(frozen=True, eq=False)
 class Reply:
-    """Result of a request: a frame, or a message saying why there is none.
+    """Result of a request: a frame, or a message on its failure.
 
     Attributes
     ----------
@@ -127,14 +127,14 @@ class CompilationProgress:
 
 SolverMessage = Reply | RequestProgress | CompilationProgress | LogRecord
 
-# Settings that a solver is told while it runs; a change of any other needs a new solver.
+# Settings changeable in a running solver; a change of any other needs a new solver.
 TOLD_SETTINGS = ("area", "volume", "hold_area", "calm", "tolerance", "convergence")
 _OF_DOCUMENT, _OF_HANDLE = factored_fields(Document), factored_fields(Handle)
 _OF_SETTINGS = tuple(name for name in SETTINGS if name not in TOLD_SETTINGS)
 
 
 def factor_key(document: Document) -> tuple[object, ...]:
-    """Key of a document's solver and its factorization; another key needs new ones."""
+    """Key of a document's solver and its factorization; a changed key needs new ones."""
     return (
         *(getattr(document, name) for name in _OF_DOCUMENT),
         *(getattr(document.settings, name) for name in _OF_SETTINGS),
@@ -151,7 +151,7 @@ def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
 
 
 def obstacle_key(document: Document) -> tuple[object, ...]:
-    """Key of the obstacles as first placed; another key needs new contact data."""
+    """Key of the obstacles as first placed; a changed key needs new contact data."""
     if not document.has_active_obstacles:
         return ()
     each = ((one.kind, one.place, one.axis, one.radius, one.length) for one in document.obstacles)

@@ -76,7 +76,7 @@ class RequestSolver:
         While there are none ``when_idle(called)`` is called, until it has come to its end: it should return
         soon once ``called()``.
         """
-        done = not self._requests.wait_for_value(_SOON) and self._rested(when_idle)
+        done = not self._requests.wait_for_value(_SOON) and self._run_idle_work(when_idle)
         while (request := self._requests.wait()) is not None:
             self._tell(RequestProgress(RequestStage.TURNED_TO, request))
             try:
@@ -91,7 +91,7 @@ class RequestSolver:
                 self._fail(request, _NO_ROOM if isinstance(error, MemoryError) else stopped)
             self._tell(RequestProgress(RequestStage.ANSWERED, request))
             if not done and not self._requests.is_ready:
-                done = self._rested(when_idle)
+                done = self._run_idle_work(when_idle)
             if not self._requests.wait_for_value(PAUSE):
                 release_freed_memory()
         self._drop()
@@ -100,7 +100,7 @@ class RequestSolver:
         """Answer a request, or prepare for the next one."""
         self.turn_to(request.document.mesh)
         if request.document.paint_problem:
-            # Sent during painting; an undeformable mesh is refused at its first request.
+            # Such requests are sent during painting, for preparations alone.
             if request.with_cost:  # a comparison of methods waits for an answer
                 raise InputError(request.document.paint_problem)
             with contextlib.suppress(InputError):
@@ -111,7 +111,7 @@ class RequestSolver:
             self._warm = True
         self._rest_of(request)
         started = time.perf_counter()
-        solver = self._prepared(request)
+        solver = self._prepared_solver(request)
         if request.iterate:
             self._iterate(request, solver, started)
         else:
@@ -128,7 +128,7 @@ class RequestSolver:
         """True while another process factors."""
         return any(factor.is_factoring for factor in self._factors)
 
-    def _rested(self, when_idle: Callable[[Callable[[], bool]], object]) -> bool:
+    def _run_idle_work(self, when_idle: Callable[[Callable[[], bool]], object]) -> bool:
         """Call ``when_idle``; return False if a request has arrived meanwhile."""
         when_idle(lambda: self._requests.is_ready)
         return not self._requests.is_ready
@@ -148,7 +148,7 @@ class RequestSolver:
         tray, cost, walk = self._shape_buffer_of(request), None, self._walk
         assert walk is not None
         iterations, since, last = 0, time.perf_counter(), 0
-        while True:  # at least once, or a fast sequence of poses would show nothing
+        while True:  # at least one iteration, or a fast sequence of poses would show nothing
             while not solver.ready:
                 if self._requests.is_ready:
                     return
@@ -196,7 +196,7 @@ class RequestSolver:
             self._tray = SharedShapeBuffer(len(request.document.mesh.V), request.shape_buffer)
         return self._tray
 
-    def _prepared(self, request: Request) -> Deformation:
+    def _prepared_solver(self, request: Request) -> Deformation:
         """Return the solver with the goals and poses of the request; factor if needed."""
         document = request.document
         held = document.constraints()
@@ -214,8 +214,8 @@ class RequestSolver:
         around = request_and_reply.obstacle_key(document)
         fresh = self._solver is None or not request_and_reply.are_same_keys(key, self._key)
         if self._solver is None or fresh:
-            self._drop()  # frees memory for the next solver
-            self._solver = self._made(request, held)
+            self._drop()  # frees memory before the next solver is made
+            self._solver = self._new_deformation(request, held)
         else:
             if not request_and_reply.are_same_keys(goals, self._goals):
                 self._solver.keep(*targets_of(document), document.settings.calm)
@@ -238,11 +238,11 @@ class RequestSolver:
         self._placed = around
         return self._solver
 
-    def _made(self, request: Request, held: Constraints) -> Deformation:
+    def _new_deformation(self, request: Request, held: Constraints) -> Deformation:
         rest, document = self._rest_of(request), request.document
-        return deformation_of(document, held, rest, self._factored if _is_large(rest) else None)
+        return deformation_of(document, held, rest, self._remote_factor if _is_large(rest) else None)
 
-    def _factored(self, matrix: Callable[[], Matrix], V: np.ndarray) -> Factor:
+    def _remote_factor(self, matrix: Callable[[], Matrix], V: np.ndarray) -> Factor:
         self._factors.append(RemoteFactor(matrix, V))
         return self._factors[-1]
 

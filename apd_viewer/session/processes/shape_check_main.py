@@ -34,7 +34,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     while len(said := [read for _ in range(6) if (read := array_pipe.read_message(source)) is not None]) == 6:
         triangles, positions, *turned = said
         F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
-        found = check_shape(np.frombuffer(positions).reshape(-1, 3), F, _turning(*turned))
+        found = check_shape(np.frombuffer(positions).reshape(-1, 3), F, _handle_turns(*turned))
         crossing = NOT_CHECKED if found.crossing is None else found.crossing.astype(np.int64).tobytes()
         array_pipe.write_message(sink, crossing)
         array_pipe.write_message(sink, np.array([*found.size, *found.hull[:2], *found.hull.sides]).tobytes())
@@ -42,7 +42,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
         array_pipe.write_message(sink, np.array(turns, dtype=float).tobytes())
 
 
-def _turning(before: bytes, labels: bytes, counts: bytes, poses: bytes) -> HandleTurns | None:
+def _handle_turns(before: bytes, labels: bytes, counts: bytes, poses: bytes) -> HandleTurns | None:
     if not before:
         return None
     ends = np.cumsum(np.frombuffer(counts, dtype=np.int64))[:-1]

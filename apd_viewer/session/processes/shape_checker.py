@@ -57,7 +57,7 @@ def _answer(process: ChildProcess, query: ShapeQuery) -> ShapeCheck | None:
     said = (
         np.ascontiguousarray(query.F, np.int32),
         np.ascontiguousarray(query.U),
-        *_turned(query.handle_turns),
+        *_turn_messages(query.handle_turns),
     )
     if not process.send_messages(*said):
         return None
@@ -73,7 +73,7 @@ def _answer(process: ChildProcess, query: ShapeQuery) -> ShapeCheck | None:
     return ShapeCheck(ids, (dx, dy, dz), HullReadings(volume, width, (a, b, c)), tuple(turns))
 
 
-def _turned(handle_turns: HandleTurns | None) -> tuple[bytes | np.ndarray, ...]:
+def _turn_messages(handle_turns: HandleTurns | None) -> tuple[bytes | np.ndarray, ...]:
     """The four messages about turns; see :func:`shape_check_main.serve`."""
     if handle_turns is None:
         return (b"",) * 4

@@ -45,7 +45,7 @@ class SharedArrays:
     def __init__(self, arrays: Sequence[np.ndarray]) -> None:
         ends = np.cumsum([-(-array.nbytes // _LINE) * _LINE for array in arrays])
         self.offsets = [0, *(int(end) for end in ends[:-1])]
-        block = _made(int(ends[-1]))
+        block = _create(int(ends[-1]))
         self.name = block.name
         self.discard = weakref.finalize(self, _remove, block)
         for array, offset in zip(arrays, self.offsets, strict=True):
@@ -56,7 +56,7 @@ class SharedArraysReader:
     """Reader of a block of shared arrays."""
 
     def __init__(self, name: str) -> None:
-        self._block = _attached(name)
+        self._block = _attach(name)
 
     def array(self, dtype: str, shape: tuple[int, ...], offset: int) -> np.ndarray:
         """Return a copy of the array at ``offset``."""
@@ -115,7 +115,7 @@ class SharedShapeBuffer:
     """
 
     def __init__(self, n: int, name: str | None = None) -> None:
-        block = _made(_LINE + 24 * n) if name is None else _attached(name)
+        block = _create(_LINE + 24 * n) if name is None else _attach(name)
         self.name = block.name
         self._counters = SharedCounters(_view(block, np.dtype(np.int64), (3,), 0))
         self._U = _view(block, np.dtype(np.float64), (n, 3), _LINE)
@@ -145,7 +145,7 @@ class SharedShapeBuffer:
 
     def take_shape(self, number: int) -> np.ndarray:
         """Copy shape ``number``, and free the buffer."""
-        while self._counters.load(_PUT) < number:  # its message may arrive before the store
+        while self._counters.load(_PUT) < number:  # the message may arrive before the counter is stored
             time.sleep(0.0)
         U = self._U.copy()
         self._counters.store(_COPIED, number)
@@ -157,12 +157,12 @@ class SharedShapeBuffer:
 
 
 def untrack_shared_memory() -> None:
-    """Leave blocks opened but not created here in place at exit, as in Python 3.13."""
+    """Keep blocks created by other processes at exit, as Python 3.13 does."""
     if sys.version_info < (3, 13):
         resource_tracker.register = lambda *_: None
 
 
-def _made(size: int) -> SharedMemory:
+def _create(size: int) -> SharedMemory:
     # The owner's process id distinguishes the block from those of other programs.
     block = SharedMemory(f"apd-{os.getpid()}-{secrets.token_hex(4)}", create=True, size=size)
     try:
@@ -175,7 +175,7 @@ def _made(size: int) -> SharedMemory:
     return block
 
 
-def _attached(name: str) -> SharedMemory:
+def _attach(name: str) -> SharedMemory:
     if sys.version_info >= (3, 13):
         return SharedMemory(name, track=False)
     return SharedMemory(name)

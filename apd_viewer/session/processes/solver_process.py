@@ -107,14 +107,14 @@ class SolverProcess:
         """
         self._received.clear()
         number, tray = next(self._numbers), self._shape_buffer_for(request)
-        self._watch.expect_answer(number, _patience(len(request.document.mesh.F)))
+        self._watch.expect_answer(number, _allowed_silence(len(request.document.mesh.F)))
         # With every request: the process may skip earlier ones. It has the decimations it computed itself.
         known = () if request.document.mesh is self._finder_of else decimations
         name = tray.name if tray else None
         request = replace(request, number=number, shape_buffer=name, decimations=known)
         self._requests[number], self._trays[number] = request, tray
-        message = self._packer.packed_message(_to_solve(self._with_first_start(request)))
-        if self.is_alive:  # if it has just ended, the listening thread reports so
+        message = self._packer.packed_message(_without_target(self._with_first_start(request)))
+        if self.is_alive:  # if the process has just ended, the listening thread reports it
             self._process.send_messages(message)
         if not self.is_alive:
             self._discard_shared_arrays()
@@ -158,7 +158,7 @@ class SolverProcess:
     def _listen(self) -> None:
         try:
             while (message := self._process.receive()) is not None:
-                self._hear(array_pipe.unpickled(message, self._requests))
+                self._handle_message(array_pipe.unpickled(message, self._requests))
         finally:
             self.is_alive = False
             self._watch.close()
@@ -167,18 +167,18 @@ class SolverProcess:
             self._received.set()
             self._ended(self)
 
-    def _hear(self, message: SolverMessage) -> None:
+    def _handle_message(self, message: SolverMessage) -> None:
         self._watch.note_message()
         if isinstance(message, logging.LogRecord):
             logging.getLogger(message.name).handle(message)
         elif isinstance(message, CompilationProgress):
             self._compiling(message.share)
         elif isinstance(message, Reply):
-            self._hear_reply(message)
+            self._handle_reply(message)
         elif message.request is not None:
-            self._hear_stage(message.stage, message.request.number)
+            self._handle_stage(message.stage, message.request.number)
 
-    def _hear_stage(self, stage: RequestStage, number: int) -> None:
+    def _handle_stage(self, stage: RequestStage, number: int) -> None:
         if stage is RequestStage.RECEIVED:
             self._discard_shared_arrays()
             self._received.set()
@@ -188,7 +188,7 @@ class SolverProcess:
         elif stage is RequestStage.ANSWERED:
             self._watch.note_message(answer=number)
 
-    def _hear_reply(self, reply: Reply) -> None:
+    def _handle_reply(self, reply: Reply) -> None:
         if reply.decimations is not None:
             self._finder_of = reply.request.document.mesh
             self._learned(self._finder_of, reply.decimations)
@@ -196,7 +196,7 @@ class SolverProcess:
         if reply.failure:
             # The process has lost its state: the next request starts from the displayed shape.
             self._start = None
-        looked: Callable[[], object] = _nothing
+        looked: Callable[[], object] = _do_nothing
         if (frame := reply.frame) is not None:
             U, shape_buffer = frame.U, self._trays[reply.request.number]
             if shape_buffer is not None and (number := reply.shape_number) is not None:
@@ -210,8 +210,8 @@ class SolverProcess:
             envelope.discard()
 
 
-def _patience(faces: int) -> int:
-    """Seconds of silence before it is reported.
+def _allowed_silence(faces: int) -> int:
+    """Seconds of silence allowed before a report.
 
     Native code holds the interpreter, and with it the pulse of the process, at most 2.4 s for a million
     triangles, on two busy cores.
@@ -219,11 +219,11 @@ def _patience(faces: int) -> int:
     return max(_PATIENCE, round(1e-5 * faces))
 
 
-def _nothing() -> None:
+def _do_nothing() -> None:
     """Do nothing when a reply is displayed."""
 
 
-def _to_solve(request: Request) -> Request:
+def _without_target(request: Request) -> Request:
     """Request without the target shape, irrelevant for the solver."""
     document = request.document
     if document.target_shape is None:
@@ -251,7 +251,7 @@ class SilenceWatch:
 
     def __init__(self, silence_changed: Callable[[int], object], first_patience: int) -> None:
         self._changed, self._at_start = silence_changed, first_patience
-        self._patience = 0
+        self._allowed_silence = 0
         self._condition = threading.Condition()
         self._awaited = self._answered = 0
         self._quiet = 0
@@ -265,7 +265,7 @@ class SilenceWatch:
             if not self._awaits:
                 self._quiet = 0
                 self._condition.notify()
-            self._awaited, self._patience = number, patience
+            self._awaited, self._allowed_silence = number, patience
 
     def note_message(self, answer: int = 0) -> None:
         """Register a message, and the number of an answer completed by it."""
@@ -299,6 +299,6 @@ class SilenceWatch:
                     self._condition.wait()
                 elif not self._condition.wait(TICK):
                     self._quiet += 1
-                    if self._quiet >= max(self._patience, self._at_start) and self._awaits:
+                    if self._quiet >= max(self._allowed_silence, self._at_start) and self._awaits:
                         self._silent = True
                         self._changed(self._quiet)

@@ -124,17 +124,17 @@ class SolverWorker:
     # Methods of the thread "solver"
 
     def _run(self) -> None:
-        while (called := self._newest()) is not None:
+        while (called := self._next_call()) is not None:
             if isinstance(called, Request):
                 self._turned_to = called
             try:
                 if called is self._turned_to or (self._child is not None and not self._child.is_alive):
-                    while self._turned_to and not self._closed and not self._sent(self._turned_to):
+                    while self._turned_to and not self._closed and not self._send(self._turned_to):
                         pass
             except Exception as error:
                 self._give_up(error)
 
-    def _newest(self) -> Request | _Call | None:
+    def _next_call(self) -> Request | _Call | None:
         """Wait for the process, then for the next call; None once closed."""
         if self._child is not None:
             self._child.wait_until_received()
@@ -149,7 +149,7 @@ class SolverWorker:
         if request is not None:
             self._fail(request, _NOT_SENT.format(why=str(error) or type(error).__name__))
 
-    def _sent(self, request: Request) -> bool:
+    def _send(self, request: Request) -> bool:
         """Send a request or give it up; return False if the process has died."""
         child = self._child
         if child is not None and not child.is_alive:
@@ -158,26 +158,26 @@ class SolverWorker:
                 return True
             child = None
         if child is None:
-            child = self._started(request)
+            child = self._start(request)
             if child is None:
                 return True
-            request = self._resumed(request)
+            request = self._resumed_request(request)
         mesh, thinnings = self._known
         return child.send_request(request, thinnings if mesh is request.document.mesh else ())
 
-    def _started(self, request: Request) -> SolverProcess | None:
+    def _start(self, request: Request) -> SolverProcess | None:
         with self._changing_child:
             if self._closed:
                 return None
             try:
                 self._child = SolverProcess(
-                    self._publish, self._learned, self._compiling, self._silence, self._ended
+                    self._publish, self._store, self._show_share, self._silence, self._end
                 )
             except OSError as error:
                 self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
             return self._child
 
-    def _resumed(self, request: Request) -> Request:
+    def _resumed_request(self, request: Request) -> Request:
         """Request for a new process, starting from the last shape."""
         shape, finished = self._shape, self._finished == (request.document, request.generation)
         request = replace(request, iterate=request.iterate and not finished)
@@ -216,10 +216,10 @@ class SolverWorker:
             self._finished = reply.request.document, reply.request.generation
         self._put(reply, on_displayed)
 
-    def _learned(self, mesh: Mesh, decimations: tuple[Decimation, ...]) -> None:
+    def _store(self, mesh: Mesh, decimations: tuple[Decimation, ...]) -> None:
         self._known = mesh, decimations
 
-    def _compiling(self, share: float) -> None:
+    def _show_share(self, share: float) -> None:
         self.compiled_share = share
         self._wake()
 
@@ -227,6 +227,6 @@ class SolverWorker:
         self.silent_seconds = seconds
         self._wake()
 
-    def _ended(self, _: SolverProcess) -> None:
+    def _end(self, _: SolverProcess) -> None:
         if not self._closed:
             self._requests.offer(_Call.CHILD_ENDED)

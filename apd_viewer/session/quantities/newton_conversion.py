@@ -54,8 +54,8 @@ class NewtonConversion:
     curvature: float
 
     @property
-    def is_of_the_wall(self) -> bool:
-        """True if the model bends and stretches as the wall itself does."""
+    def matches_wall(self) -> bool:
+        """True if the model bends and stretches like the wall itself."""
         return math.isclose(self.pressed_stiffness, self.stiffness, rel_tol=1e-6)
 
     def underestimate_factor(self, stretching: float) -> float:

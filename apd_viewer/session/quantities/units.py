@@ -100,7 +100,7 @@ class Unit(Enum):
 
     def capacity_unit(self, litres: float) -> tuple[str, float]:
         """Capacity unit suited to a volume in litres, and the factor from litres to it."""
-        if self._is_of_inches:
+        if self._is_imperial:
             symbol, factor = _fitting_unit(_LITRES_OF_INCHES, abs(litres))
         else:
             # Litres are customary for a tenth of a litre and more.
@@ -109,11 +109,11 @@ class Unit(Enum):
 
     def mass_unit(self, grams: float) -> tuple[str, float]:
         """Mass unit suited to an amount in grams, and the factor from grams to it."""
-        symbol, factor = _fitting_unit(_GRAMS_OF_INCHES if self._is_of_inches else _GRAMS, grams)
+        symbol, factor = _fitting_unit(_GRAMS_OF_INCHES if self._is_imperial else _GRAMS, grams)
         return symbol + self._mark, factor
 
     @property
-    def _is_of_inches(self) -> bool:
+    def _is_imperial(self) -> bool:
         return self.as_confirmed in (Unit.INCH, Unit.FOOT)
 
     @property

@@ -67,7 +67,7 @@ NO_WALL = WallText()
 
 @dataclass(frozen=True)
 class Wall:
-    """Wall of a mesh as numbers; unknown ones are None.
+    """Wall of a mesh as numbers; None where unknown.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class Wall:
         return None if metre is None or self.thickness is None else self.thickness * metre
 
 
-def wall_from(text: WallText, unit: Unit) -> Wall:
+def parse_wall(text: WallText, unit: Unit) -> Wall:
     """Wall from a text, for a mesh in a unit; raises InputError."""
     known = text.material
     thickness = _optional_number(text.thickness, lambda typed: parse_thickness(typed, unit))
@@ -161,7 +161,7 @@ def wall_from(text: WallText, unit: Unit) -> Wall:
 
 
 def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float | None = None) -> float | None:
-    """Mass of a typed wall, grams, as :meth:`Wall.grams`; None if nothing was typed.
+    """Mass of a typed wall, grams, as :meth:`Wall.grams`; None without a typed wall.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float |
         text = text._replace(thickness="")
     elif not text.thickness.strip():
         raise InputError(tr("The mass needs a wall thickness; enter one such as 0.3mm."))
-    grams = wall_from(text, unit).grams(area, material_volume)
+    grams = parse_wall(text, unit).grams(area, material_volume)
     if grams is None:
         raise InputError(tr("The mass needs a density; enter one such as 1.38 g/cm³."))
     return grams

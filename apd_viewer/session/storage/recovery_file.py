@@ -26,7 +26,7 @@ from apd_viewer.session.storage.session_file import JSON_MEMBER, open_session
 _NAME = re.compile(r"\d+-\d+")
 _DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # seconds
 _MOST_TRIES = 5
-_FIRST = 1577836800.0  # start of 2020; an earlier clock was not set
+_FIRST = 1577836800.0  # start of 2020; an earlier time means an unset clock
 
 
 class RecoveryFile:
@@ -80,11 +80,11 @@ def find_recovery_files(folder: Path) -> list[RecoveryFile]:
         stems = {path.stem for path in folder.iterdir() if _NAME.fullmatch(path.stem)}
     except OSError:
         return []
-    found = (_claimed(folder / f"{stem}{SESSION_SUFFIX}") for stem in stems)
+    found = (_claim(folder / f"{stem}{SESSION_SUFFIX}") for stem in stems)
     return sorted(filter(None, found), key=lambda left: -left.time)
 
 
-def _claimed(path: Path) -> RecoveryFile | None:
+def _claim(path: Path) -> RecoveryFile | None:
     """Recovery file at ``path``; None if its owner lives, or it is claimed or gone."""
     try:
         lock = acquire_lock(lock_path(path))
@@ -97,7 +97,7 @@ def _claimed(path: Path) -> RecoveryFile | None:
         if stat.S_ISREG(found.st_mode):
             make_private(path)
             return RecoveryFile(path, lock, found.st_mtime)
-        lock.release()  # not a file of this program
+        lock.release()  # file of another program
     except FileNotFoundError:
         remove_with_lock(path, lock)
     except OSError:

@@ -133,7 +133,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
         archive = Archive(_content(path))
         said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER)
         _check_version(said, path)
-        mesh = _welded(mesh_location.find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
+        mesh = _weld(mesh_location.find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
         state, arrays = initial_state(mesh), _arrays(said, archive, mesh)
         document = with_target(
             session_json.document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
@@ -168,7 +168,7 @@ def _check_version(fields: JsonFields, path: Path) -> None:
         raise ValueError(tr("its “version” is damaged"))
 
 
-def _welded(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
+def _weld(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
     """Mesh with its seams welded as in the session."""
     if _WELD not in fields.texts("arrays", most=100):
         return mesh

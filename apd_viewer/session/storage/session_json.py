@@ -34,7 +34,7 @@ _POINTS = ("position", "focal", "up")
 _WALL = ("thickness", "density")
 _AXES = "xyz"
 _NO_OVERLAY = "none"
-# Settings of sessions saved before these settings existed, where they are not the defaults of today.
+# Settings of sessions older than the settings, if different from today's defaults.
 _OF_OLDER_SESSIONS = {"calm": False}
 
 
@@ -96,7 +96,7 @@ def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndar
         else (),
         mirror_axis=_axis(fields.text("mirror")) if fields.has_value("mirror") else None,
     )
-    return replace(document, staying_components=_staying(fields, document, arrays["shape"]))
+    return replace(document, staying_components=_staying_components(fields, document, arrays["shape"]))
 
 
 def _obstacles(fields: JsonFields) -> tuple[NamedObstacle, ...]:
@@ -113,7 +113,7 @@ def _axis(name: str) -> int:
     return _AXES.index(name)
 
 
-def _staying(fields: JsonFields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
+def _staying_components(fields: JsonFields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
     """Parts staying at rest; all loose parts in older sessions of a deformed shape."""
     n = len(document.mesh.V)
     if fields.has_value("staying"):
@@ -137,11 +137,11 @@ def frame_to_json(frame: Frame) -> dict[str, Any]:
         "saddle_escapes": int(frame.saddle_escapes),
         **({} if frame.share_reached == 1.0 else {"share_reached": float(frame.share_reached)}),
         **({} if frame.contact is None else {"contact": frame.contact._asdict()}),
-        **_of_obstacles(frame),
+        **_obstacles_to_json(frame),
     }
 
 
-def _of_obstacles(frame: Frame) -> dict[str, Any]:
+def _obstacles_to_json(frame: Frame) -> dict[str, Any]:
     """JSON of obstacle displacements, and of loads if known."""
     if not len(frame.shifts):
         return {}
@@ -165,13 +165,13 @@ def frame_from_json(fields: JsonFields, state: State, U: np.ndarray) -> Frame:
         stable=fields.flag("stable") if fields.has_value("stable") else None,
         saddle_escapes=fields.count("saddle_escapes") if fields.has_value("saddle_escapes") else 0,
         share_reached=fields.number("share_reached", 0.0, 1.0) if fields.has_value("share_reached") else 1.0,
-        contact=_touch(fields.nested_fields("contact")) if fields.has_value("contact") else None,
+        contact=_contact_from_json(fields.nested_fields("contact")) if fields.has_value("contact") else None,
         loads=part_json.vectors_from_json(fields, "loads", count),
         shifts=part_json.vectors_from_json(fields, "shifts", count),
     )
 
 
-def _touch(fields: JsonFields) -> FrameContact:
+def _contact_from_json(fields: JsonFields) -> FrameContact:
     least = fields.number("least_gap", 0.0) if fields.has_value("least_gap") else None
     return FrameContact(fields.count("pairs"), least, fields.count("exempt"))
 
@@ -246,7 +246,7 @@ def settings_to_json(settings: Settings) -> dict[str, Any]:
 
 
 def settings_from_json(fields: JsonFields) -> Settings:
-    """Settings from JSON, defaults where missing; raises ValueError on damaged ones."""
+    """Settings from JSON, with defaults if missing; raises ValueError if damaged."""
     found = {
         name: _from_json(fields, name, setting.kind)
         for name, setting in SETTINGS.items()

@@ -1,4 +1,4 @@
-"""Picture stored in a session file, read without loading what opens sessions."""
+"""Picture stored in a session file, read without loading the session modules."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -56,7 +56,7 @@ class Actions:
         self.bake = make("bake", tr("&Bake as rest shape"), "bake", tip, "Ctrl+Shift+R", editing.bake)
         tip = tr("Change units, colours, language, autosave and other settings of the program")
         self.settings = make("settings", tr("Se&ttings…"), "settings", tip, "Ctrl+,", open_settings)
-        self.settings.setMenuRole(QAction.MenuRole.PreferencesRole)  # macOS shows it in the application menu
+        self.settings.setMenuRole(QAction.MenuRole.PreferencesRole)  # in the application menu on macOS
 
     def _fill(
         self, file: QMenu, edit: QMenu, tools: QMenu, select: QMenu, handle: QMenu, view: QMenu, helps: QMenu

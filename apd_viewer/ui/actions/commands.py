@@ -24,7 +24,7 @@ from apd_viewer.ui.tools.tool_modes import SelectionMode
 
 @dataclass(frozen=True, eq=False)
 class Commands:
-    """Controllers called by the actions, and commands of the window itself."""
+    """Controllers and window commands called by the actions."""
 
     canvas: Canvas
     requests: FileRequests

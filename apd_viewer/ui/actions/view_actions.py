@@ -179,7 +179,7 @@ class DisplayActions:
     def __init__(self, maker: ActionMaker, display_options: DisplayOptions) -> None:
         self._looks = display_options
         self._make_measures(maker)
-        self._make_checkablees(maker)
+        self._make_checkable_actions(maker)
         self._follow()
 
     def _make_measures(self, maker: ActionMaker) -> None:
@@ -203,7 +203,7 @@ class DisplayActions:
             maker.make("worst:-1", tr("Pre&vious extreme"), "worst", previous, "Shift+C", back),
         ]
 
-    def _make_checkablees(self, maker: ActionMaker) -> None:
+    def _make_checkable_actions(self, maker: ActionMaker) -> None:
         looks = self._looks
         ghost = tr("Show the rest shape as a transparent ghost")
         compare = tr("Drag a slider to see the path from the rest shape")

@@ -94,7 +94,7 @@ class WindowMenus:
         return bar
 
     def empty_menus(self) -> list[QMenu]:
-        """The menus File, Edit, Tools, Select, Handle, View and Help, to be filled anew."""
+        """The menus File, Edit, Tools, Select, Handle, View and Help, now empty."""
         for menu in self._menus:
             menu.clear()
         return self._menus

@@ -289,7 +289,7 @@ class MethodView(QWidget):
         self.viewport.tools.insert(0, self.probe)
         self.viewport.pre_draw.append(self._refresh)
 
-    # Showing
+    # Display of shapes and readings
 
     def show_rest_shape(self, state: State) -> None:
         """Show the rest shape of a document until the method delivers another."""
@@ -383,7 +383,7 @@ class ProbedPoint(NamedTuple):
 
 
 class SurfaceProbe(MouseTool, QObject):
-    """Reports the material point under the cursor and marks one with a ring.
+    """Tool to report the material point under the cursor and mark a point with a ring.
 
     Attributes
     ----------

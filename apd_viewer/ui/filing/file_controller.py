@@ -1,4 +1,4 @@
-"""Commands on files, and the questions before work is lost."""
+"""Commands on files, with questions before unsaved work is lost."""
 
 from collections.abc import Callable, Mapping
 from enum import Enum
@@ -144,7 +144,7 @@ class FileController:
         for path in (user_file(state.document.mesh), self._session.saved_work.path):
             if path is not None and path.is_file():  # a mesh embedded in a session may have no file
                 self._memory.remember_file(path)
-        release_freed_memory()  # blocks of closed meshes, which the allocator may never be able to reuse
+        release_freed_memory()  # memory of closed meshes, which may be too fragmented for reuse
 
     def load_selection(self) -> None:
         """Ask for a selection file and load it."""

@@ -27,7 +27,7 @@ class Opener(Protocol):
 
 
 class FileRequests:
-    """Forwards requests to an opener; until one is set, only the latest is kept.
+    """Forwards requests to an opener; before it is set, keeps the latest request.
 
     Parameters
     ----------

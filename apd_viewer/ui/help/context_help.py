@@ -210,7 +210,7 @@ def run_manual_command(command: Callable[[], object]) -> None:
         command()
     except InputError as error:
         shown = [window for window in QApplication.topLevelWidgets() if window.isVisible()]
-        owner = QApplication.activeWindow() or shown[0]  # the owner keeps the box from being collected
+        owner = QApplication.activeWindow() or shown[0]  # an owned box is not garbage-collected
         button = QMessageBox.StandardButton.Ok
         box = QMessageBox(QMessageBox.Icon.Information, tr("Manual"), str(error), button, owner)
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)

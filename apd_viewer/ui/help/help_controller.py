@@ -105,7 +105,7 @@ class HelpController(QObject):
         if self._can_begin():
             self._begin()
         else:
-            self._open_bottle()  # it may first ask about unsaved work
+            self._open_bottle()  # opening may first ask about unsaved work
             self._wished = True
 
     def plan_first_tour(self, opens_sample: bool) -> None:

@@ -99,7 +99,7 @@ def _disabled_reason(entry: ShortcutEntry, store: StateStore) -> str:
         return tr("load a target shape first")
     if name.endswith("_obstacle"):
         return tr("click an obstacle first")
-    tip = entry.action.toolTip()  # for instance: the file has no texture
+    tip = entry.action.toolTip()  # for example, the file has no texture
     return tip if tip and tip != entry.full_tip else tr("not with what is open")
 
 
@@ -126,7 +126,7 @@ def is_control(widget: QtWidgets.QWidget) -> bool:
     """True for a named input field or button, and a named reading with a tooltip."""
     owner = widget.parentWidget()
     if isinstance(owner, SliderField) and widget in (owner.slider, owner.reset_button):
-        return False  # its number field is listed instead
+        return False  # only the number field of a slider is listed
     title, tip = title_and_tip(widget)
     return bool(title and (tip if isinstance(widget, QtWidgets.QLabel) else isinstance(widget, _INPUTS)))
 
@@ -178,7 +178,7 @@ def reveal_control(widget: QtWidgets.QWidget) -> None:
             node.show()
             node.raise_()
         elif isinstance(node, QtWidgets.QScrollArea):
-            QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # once it is laid out
+            QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # after the layout
         node = node.parentWidget()
     widget.setFocus(Qt.FocusReason.TabFocusReason)
 
@@ -327,7 +327,7 @@ def _similarity(word: str, other: str) -> float:
     if other.startswith(word):
         return 0.9
     if word in other and (len(word) >= _PART or not word.isascii()):
-        return 0.7  # inside a compound word
+        return 0.7  # match inside a compound word
     if not word.isascii() and len(other) > 1 and other in word:
         return 0.7  # scripts without spaces between words
     shared = len(word) >= _LONG - 1 and word[: max(4, len(word) - 3)] == other[: max(4, len(word) - 3)]

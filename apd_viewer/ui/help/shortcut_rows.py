@@ -128,7 +128,7 @@ class ShortcutGroup(QWidget):
         grid.setContentsMargins(0, 8, 0, 4)
         heading = QLabel(title, objectName="heading")
         heading.setContentsMargins(8, 0, 0, 4)
-        grid.addWidget(heading, 0, 0, Qt.AlignmentFlag.AlignLeft)  # as wide as its text
+        grid.addWidget(heading, 0, 0, Qt.AlignmentFlag.AlignLeft)  # heading as wide as its text
         for row in rows:
             grid.addWidget(row)
 

@@ -4,7 +4,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.posing.motion import MOTION_KINDS
 
 _MOTIONS = [kind.title for kind in MOTION_KINDS.values()]
-# By the name of an action or setting, in addition to the words of its title and tooltip.
+# Keys: names of actions and settings, searchable also by title and tooltip.
 SYNONYMS = {
     "open": tr("load import file read"),
     "export": tr("save mesh file write stl obj ply"),
@@ -69,7 +69,7 @@ SYNONYMS = {
     "copy_diagnostics": tr("bug problem log crash support"),
     "about": tr("version licence"),
 }
-# By the title of a control in the panel, up to its first colon or comma.
+# Keys: titles of panel controls, up to the first colon or comma.
 CONTROL_SYNONYMS = {
     tr("Area target"): tr("shape smaller larger bigger shrink grow surface percent"),
     tr("Unit of length"): tr("millimetre centimetre metre inch scale"),

@@ -1,4 +1,4 @@
-"""Tour of five steps around the sample bottle, advancing by the user's actions."""
+"""Tour of five steps with the sample bottle, advanced by the user's actions."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def tour_steps(targets: TourTargets) -> tuple[TourStep, ...]:
 
 
 class Tour(QObject):
-    """Sequence of the tour's steps; it leaves the window usable.
+    """Non-modal sequence of the tour's steps.
 
     Attributes
     ----------

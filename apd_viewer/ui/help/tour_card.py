@@ -76,7 +76,7 @@ class _Tip(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.translate(QPointF(self.rect().center()) + QPointF(0.5, 0.5))
         painter.rotate({"left": 90, "right": -90, "below": 0, "above": 180}[self._side])
-        low = _GAP / 2  # base of the pointer, drawn pointing up
+        low = _GAP / 2  # base of the pointer, before its rotation
         way = QPolygonF([QPointF(-_HALF, low), QPointF(0, 1.5 - low), QPointF(_HALF, low)])
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(self.theme.raised))

@@ -1,4 +1,4 @@
-"""Actions to add obstacles, and to reset or remove the one in the hand."""
+"""Actions to add obstacles, and to reset or remove the active one."""
 
 from functools import partial
 

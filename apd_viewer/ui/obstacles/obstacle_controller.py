@@ -174,7 +174,7 @@ class ObstacleController(QObject):
             self._take(Tool.MOVE)
             self._parts.choose_obstacle(k)
             self._section.reveal()
-            self._canvas.viewport.setFocus()  # the viewport handles the arrow keys to nudge it
+            self._canvas.viewport.setFocus()  # the viewport handles the arrow keys for nudges
 
     def _show_preview(self, obstacle: NamedObstacle | None) -> None:
         self._preview = obstacle

@@ -1,4 +1,4 @@
-"""Picking of obstacles: name on hover, selection by a press, drag of round ones."""
+"""Picking of obstacles: names on hover, selection and dragging."""
 
 from collections.abc import Sequence
 

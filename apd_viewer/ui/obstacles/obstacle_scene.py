@@ -47,7 +47,7 @@ class ObstacleScene:
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
-        self._figures: list[_Figure] = []
+        self._figures: list[_ObstacleActors] = []
         self.drawn_obstacles: tuple[DrawnObstacle, ...] = ()
         viewport.pre_draw.append(self._match_background)
 
@@ -56,7 +56,7 @@ class ObstacleScene:
         if not obstacles and not self.drawn_obstacles:
             return
         while len(self._figures) < len(obstacles):
-            self._figures.append(_Figure(self._viewport))
+            self._figures.append(_ObstacleActors(self._viewport))
         self.drawn_obstacles = tuple(obstacles)
         for figure, each in zip(self._figures, self.drawn_obstacles, strict=False):
             figure.show(each, extent)
@@ -68,10 +68,10 @@ class ObstacleScene:
         """Adapt the colours to a dark or light background, before each draw."""
         dark, pixel = self._viewport.is_dark, self._viewport.devicePixelRatioF()
         for figure, each in zip(self._figures, self.drawn_obstacles, strict=False):
-            figure.dress(each, dark, pixel)
+            figure.style(each, dark, pixel)
 
 
-class _Figure:
+class _ObstacleActors:
     """Actors of an obstacle: surface, outline, and outline at the requested position."""
 
     def __init__(self, viewport: Viewport) -> None:
@@ -119,7 +119,7 @@ class _Figure:
         ends = np.vstack([shape.V, shape.outline.reshape(-1, 3), shape.marks.reshape(-1, 3)])
         self._ends = np.array([ends.min(axis=0), ends.max(axis=0)])
 
-    def dress(self, shown: DrawnObstacle, dark: bool, pixel: float) -> None:
+    def style(self, shown: DrawnObstacle, dark: bool, pixel: float) -> None:
         """Set the colours, opacities and line widths."""
         accent = QColor((DARK if dark else LIGHT).accent)
         plain = QColor(*(OBSTACLE_COLOR_ON_DARK if dark else OBSTACLE_COLOR))

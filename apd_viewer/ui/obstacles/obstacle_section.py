@@ -201,7 +201,7 @@ class ObstacleFields(QWidget):
             accessibleName=tr("Distance"), placeholderText=editable_number("0.1") + "L", toolTip=_BY
         )
         self.problem = ErrorBubble(self.distance)
-        self.distance.textChanged.connect(self.problem.hide)  # also hides it when Esc restores the text
+        self.distance.textChanged.connect(self.problem.hide)  # also when Esc restores the text
         self.distance.focus_lost.connect(self.problem.hide_later)
         self.distance.returnPressed.connect(self._move)
         self.along = ComboBox(accessibleName=tr("Direction of the distance"), toolTip=_BY)

@@ -139,7 +139,7 @@ class ChartArea:
             painter.setPen(words)
             start = field.left() - _GAP - metrics.horizontalAdvance(text)
             painter.drawText(QPointF(start, y + 0.35 * metrics.ascent()), text)
-        baseline = field.bottom() + _GAP + metrics.ascent()  # below the lowest label of the y axis
+        baseline = field.bottom() + _GAP + metrics.ascent()  # below all labels of the y axis
         painter.setPen(words)
         for place, text in self._x_ticks:
             x, half = self._x_of(place), 0.5 * metrics.horizontalAdvance(text)

@@ -1,4 +1,4 @@
-"""Ghost of handles where a motion would bring them, as one is typed."""
+"""Ghost of the handles at the end of a typed motion."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -36,7 +36,7 @@ class MotionGhost(MouseTool):
         self._viewport = viewport
         self.patches = PatchGhost(viewport)
         self.traces: list[tuple[tuple[int, int, int], MotionTrace]] = []
-        viewport.tools.insert(0, self)  # first in the list, thus drawn over the gizmo
+        viewport.tools.insert(0, self)  # the first tool is drawn last, over the gizmo
 
     def show_motion(self, start: Document, documents: Sequence[Document]) -> None:
         """Show all handles moved by a motion, at its end, with their paths."""
@@ -199,7 +199,7 @@ def _axis(step: np.ndarray, point: np.ndarray, reach: float) -> np.ndarray:
 
 
 class MotionPreview:
-    """Shows the active handle after the typed motion, while it is being typed.
+    """Preview of the active handle after a motion, while it is typed.
 
     It also shows where handles were asked to be that contact has stopped on their way, and where they are
     to be while the first shape waits for its kernels.

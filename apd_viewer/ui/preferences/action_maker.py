@@ -69,7 +69,7 @@ class ActionMaker:
         action.setProperty(NAME_PROPERTY, name)
         action.setShortcuts([QKeySequence(one) for one in keys])
         action.setStatusTip(tip)
-        action.setIconVisibleInMenu(not action.isCheckable())  # a check mark is shown instead of the icon
+        action.setIconVisibleInMenu(not action.isCheckable())  # a check mark replaces the icon
         self.entries.append(
             ShortcutEntry.from_action(action, name, without_mnemonic(action.text()), image, tip)
         )

@@ -1,4 +1,4 @@
-"""Preferences with their allowed values, stored as they are chosen."""
+"""Preferences with their allowed values, stored on every change."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Option(Generic[T]):
 
 
 @dataclass(frozen=True)
-class OneOf(Generic[T]):
+class Choice(Generic[T]):
     """Finite set of allowed values, in display order."""
 
     options: tuple[Option[T], ...]
@@ -112,7 +112,7 @@ class NumberRange:
     def from_text(self, stored: str) -> float:
         """Parse a stored number; raises ValueError if it is out of range."""
         value = float(stored)
-        if not self.least <= value <= self.most:  # also rejects NaN
+        if not self.least <= value <= self.most:  # this form also rejects NaN
             raise ValueError(stored)
         return value
 
@@ -136,7 +136,7 @@ class Preference(Generic[T]):
 
     name: str
     default: T
-    allowed: OneOf[T] | NumberRange
+    allowed: Choice[T] | NumberRange
     title: str
     tip: str
     note: str = ""

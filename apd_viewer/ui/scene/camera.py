@@ -112,7 +112,7 @@ class Camera:
 
     def orbited(self, dx: float, dy: float) -> Camera:
         """Camera orbited by a drag of (dx, dy) pixels; the horizon stays level."""
-        # Even with an upside-down view, a drag to the right must push the front of the object to the right.
+        # Even upside down, a drag to the right must move the front of the object to the right.
         up = self.up_axis.direction
         side = 1.0 if self.up @ up >= 0 else -1.0
         yaw = rotation(up, -side * np.deg2rad(DEGREES_PER_PIXEL * dx))
@@ -148,7 +148,7 @@ class Camera:
         """
         rooms = np.broadcast_to(padding, len(points))
         least = float(rooms.min())
-        # One product for all points: their extent along the axes, and their reach beyond the frustum sides.
+        # Extents of all points along the axes and beyond the frustum sides, in one matrix product.
         reach = np.vstack([np.eye(3), self._sides(least)]) @ points.T
         lowest, most = reach[:3].min(axis=1), reach.max(axis=1)
         centre = (lowest + most[:3]) / 2

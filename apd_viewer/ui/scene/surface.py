@@ -61,7 +61,7 @@ class Surface:
         self._plane = vtkPlane()
         self._origin = np.zeros(3)
         self._box: tuple[float, ...] = ()
-        self._boxes: np.ndarray | None = None  # for picking, computed at the first ray
+        self._boxes: np.ndarray | None = None  # boxes for picking, computed at the first ray
         self.arrays = SurfaceArrays(_NOTHING, np.zeros((1, 4), dtype=np.uint8))
         self._shading = Shading.FILE
         self._texture: Texture | None = None
@@ -189,7 +189,7 @@ class Surface:
         return self.arrays.rgba[:, 3]
 
     def update_shades(self) -> None:
-        """Pass edits of ``shades`` on to the next frame."""
+        """Draw edits of ``shades`` in the next frame."""
         self.arrays.update_colors()
 
     @property

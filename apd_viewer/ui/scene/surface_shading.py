@@ -230,7 +230,7 @@ class SurfaceArrays:
         self.update_colors()
 
     def update_colors(self) -> None:
-        """Pass edits of ``rgba`` on to the next frame."""
+        """Draw edits of ``rgba`` in the next frame."""
         colors = self.data.point_data["rgba"]
         np.asarray(colors)[self._count :] = self.rgba[self._rendered.repeated_vertices]
         colors.VTKObject.Modified()

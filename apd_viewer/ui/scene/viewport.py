@@ -76,7 +76,7 @@ class Viewport(QtInteractor):
         self.mouse = MouseDispatcher(self, self.tools, Navigation(self.camera_controller, self.clicked.emit))
         self.set_theme("#f4f5f7")
 
-    # ---- appearance
+    # Appearance
 
     def set_theme(self, background_top: str, background_bottom: str | None = None) -> None:
         """Set the background colour, or the two ends of a vertical gradient."""
@@ -94,7 +94,7 @@ class Viewport(QtInteractor):
         self._draw()
         return super().screenshot(*args, **kwargs)
 
-    # ---- drawing
+    # Drawing
 
     @contextmanager
     def offscreen_window(self) -> Iterator[Any]:
@@ -186,7 +186,7 @@ class Viewport(QtInteractor):
         self.is_stale = False
         self.antialiasing.end_draw()
 
-    # ---- events
+    # Events
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Offer the press to the tools, then to the camera."""
@@ -318,7 +318,7 @@ class MouseDispatcher:
     def move(self, event: QtGui.QMouseEvent) -> None:
         """Send the move to the holding tool, or to all tools as a preview."""
         if self._holder is not None and not event.buttons() & self._button:
-            self.release(event)  # the release went to another window
+            self.release(event)  # another window received the release
         elif self._holder is not None:
             self._holder.move(event)
         elif event.buttons() == Qt.MouseButton.NoButton:

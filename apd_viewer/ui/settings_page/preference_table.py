@@ -8,7 +8,7 @@ from PySide6.QtCore import QLocale, Qt
 from apd_viewer.language import languages, tr, trc
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
-from apd_viewer.ui.preferences.preference_values import NumberRange, OneOf, Option, Preference
+from apd_viewer.ui.preferences.preference_values import Choice, NumberRange, Option, Preference
 from apd_viewer.ui.tools.brush_tool import DEFAULT_RADIUS, LARGEST_RADIUS, SMALLEST_RADIUS
 from apd_viewer.ui.tools.tool_modes import FIRST_MODE, SelectionMode
 
@@ -20,7 +20,7 @@ _CORES = os.cpu_count() or 1
 
 
 def _language_name(name: str) -> str:
-    if name == "en":  # Qt would name it American English
+    if name == "en":  # Qt names it American English
         return "English"
     return QLocale(name).nativeLanguageName().capitalize() or name
 
@@ -41,7 +41,7 @@ def _memory(mebibytes: int) -> Option[int]:
 LANGUAGE: Preference[str] = Preference(
     "language",
     "",
-    OneOf((Option("", "", _SYSTEM), *(Option(name, name, _language_name(name)) for name in languages()))),
+    Choice((Option("", "", _SYSTEM), *(Option(name, name, _language_name(name)) for name in languages()))),
     tr("Language"),
     tr("Language of the window and of the command line"),
     _RESTART,
@@ -49,7 +49,7 @@ LANGUAGE: Preference[str] = Preference(
 COLOR_SCHEME: Preference[Qt.ColorScheme] = Preference(
     "scheme",
     Qt.ColorScheme.Unknown,
-    OneOf(
+    Choice(
         (
             Option("0", Qt.ColorScheme.Unknown, _SYSTEM),
             Option("1", Qt.ColorScheme.Light, trc("colors", "Light")),
@@ -62,7 +62,7 @@ COLOR_SCHEME: Preference[Qt.ColorScheme] = Preference(
 UNIT: Preference[Unit | None] = Preference(
     "default_unit",
     None,
-    OneOf((Option("", None, tr("Automatic")), *(_unit(unit, name) for unit, name in UNIT_NAMES.items()))),
+    Choice((Option("", None, tr("Automatic")), *(_unit(unit, name) for unit, name in UNIT_NAMES.items()))),
     tr("Unit of length"),
     tr("Unit of files opened for the first time"),
     tr("Automatic follows your last two files"),
@@ -70,7 +70,7 @@ UNIT: Preference[Unit | None] = Preference(
 UP_AXIS: Preference[UpAxis] = Preference(
     "default_up_axis",
     UpAxis.PLUS_Y,
-    OneOf(tuple(Option(axis.value, axis, axis.value) for axis in UpAxis)),
+    Choice(tuple(Option(axis.value, axis, axis.value) for axis in UpAxis)),
     tr("Up axis"),
     tr("Up axis of files opened for the first time"),
     tr("glTF and 3MF files have their own"),
@@ -78,7 +78,7 @@ UP_AXIS: Preference[UpAxis] = Preference(
 SELECTION_MODE: Preference[SelectionMode] = Preference(
     "selection_mode",
     FIRST_MODE,
-    OneOf(tuple(Option(way.name.lower(), way, way.traits.title) for way in SelectionMode)),
+    Choice(tuple(Option(way.name.lower(), way, way.traits.title) for way in SelectionMode)),
     tr("Selection mode"),
     tr("Selection mode when the program starts"),
 )
@@ -93,7 +93,7 @@ BRUSH_RADIUS: Preference[float] = Preference(
 AUTOSAVE: Preference[float | None] = Preference(
     "autosave",
     0.0,
-    OneOf(
+    Choice(
         (
             Option("0", 0.0, tr("After every step")),
             Option("60", _MINUTE, tr("Once a minute")),
@@ -108,7 +108,7 @@ AUTOSAVE: Preference[float | None] = Preference(
 UNDO_MEMORY: Preference[int] = Preference(
     "undo_memory",
     512 * _MIB,
-    OneOf(tuple(map(_memory, (64, 128, 256, 512, 1024, 2048, 4096, 8192)))),
+    Choice(tuple(map(_memory, (64, 128, 256, 512, 1024, 2048, 4096, 8192)))),
     tr("Undo memory"),
     tr("Memory for the steps that can be undone"),
     tr("Beyond it, the oldest steps are dropped"),
@@ -116,7 +116,7 @@ UNDO_MEMORY: Preference[int] = Preference(
 THREADS: Preference[int] = Preference(
     "threads",
     0,
-    OneOf(
+    Choice(
         (
             Option("0", 0, tr("All cores ({n})").format(n=_CORES)),
             *(_count(2**power) for power in range(16) if 2**power < _CORES),

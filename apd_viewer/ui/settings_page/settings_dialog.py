@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QDialog, QGridLayout, QHBoxLayout, QLabel, QPushBu
 
 from apd_viewer.language import choose_language, tr
 from apd_viewer.session.session import Session
-from apd_viewer.ui.preferences.preference_values import NumberRange, OneOf, Preference, PreferenceValues
+from apd_viewer.ui.preferences.preference_values import Choice, NumberRange, Preference, PreferenceValues
 from apd_viewer.ui.settings_page import preference_table
 from apd_viewer.ui.tools.brush_tool import BrushSize
 from apd_viewer.ui.tools.tool_choice import ToolChoice
@@ -148,7 +148,7 @@ def preference_control(preference: Preference[Any], values: PreferenceValues) ->
 class _ChoiceControl(ComboBox):
     """Combo box for the value of a preference."""
 
-    def __init__(self, preference: Preference[Any], allowed: OneOf[Any], values: PreferenceValues) -> None:
+    def __init__(self, preference: Preference[Any], allowed: Choice[Any], values: PreferenceValues) -> None:
         super().__init__()
         self._preference, self._values = preference, values
         self._ordered = [option.value for option in allowed.options]

@@ -219,7 +219,7 @@ class PictureSettings:
 
 
 class Pictures:
-    """Renders pictures of a canvas."""
+    """Renderer of pictures of a canvas."""
 
     def __init__(self, canvas: Canvas, display_options: DisplayOptions, notice: Notice, jobs: Jobs) -> None:
         self._canvas, self._looks, self._notice, self._jobs = canvas, display_options, notice, jobs

@@ -203,7 +203,7 @@ class ReportController:
         chart = replace(reading_charts.local_change(change), title="", readings=())
         font = QFont(self._window.font())
         font.setPixelSize(_LETTERS)
-        words = 2.5 * QFontMetricsF(font).height()  # title and readings, shown by the page instead
+        words = 2.5 * QFontMetricsF(font).height()  # height of the omitted title and readings
         room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
 
         def drawn(theme: Theme) -> str:

@@ -259,7 +259,7 @@ class CaseColors:
         self._given: dict[int, str] = {}
 
     def colors_of(self, rows: Sequence[int]) -> dict[int, str]:
-        """Colours of the first of the given plan rows, by row."""
+        """Colours of plan rows by number, for as many as there are colours."""
         rows = rows[:MOST_CHOSEN]
         kept = {row: color for row, color in self._given.items() if row in rows}
         free = [color for color in _CHOSEN if color not in kept.values()]

@@ -308,7 +308,7 @@ class RangeEndPreview:
         elif (
             gestures.state_before is not None and gestures.state_before.document.mesh is before.document.mesh
         ):
-            gestures.state_before = before  # undo of a drag begun on the preview goes back to before it
+            gestures.state_before = before  # undo of a drag begun during the preview also reverts the preview
 
 
 class MethodFields(QObject):

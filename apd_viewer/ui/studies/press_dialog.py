@@ -1,4 +1,4 @@
-"""Dialog to press the mesh between two plates: its wall, and curves of the result."""
+"""Dialog to press the mesh between two plates, with wall properties and curves."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -25,7 +25,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import Wall, WallText, wall_from
+from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON, WALL_MATERIALS
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
@@ -297,7 +297,7 @@ class WallFields(QObject):
             unambiguous_text(field.text().strip()) for field in fields
         )
         text = WallText(thickness, density, young, poisson if young else "", radius)
-        wall = wall_from(text, self._unit)
+        wall = parse_wall(text, self._unit)
         if young and wall.thickness is None:
             raise InputError(tr("Newtons need the thickness of the wall as well; enter one such as 0.3mm."))
         if young and self._unit is Unit.NONE:

@@ -153,7 +153,7 @@ class ResultColumn:
 
 
 class ReadResults(NamedTuple):
-    """Results and their columns, as read together."""
+    """Results of a study, with the columns of their table."""
 
     table: ResultTable
     columns: list[ResultColumn]

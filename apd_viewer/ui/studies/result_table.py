@@ -102,7 +102,7 @@ class ResultModel(QAbstractTableModel):
         if column is None:
             return
         keys = column.sort_keys if way is Qt.SortOrder.AscendingOrder else -column.sort_keys
-        self.order = np.argsort(keys, kind="stable")  # NaN keys come last
+        self.order = np.argsort(keys, kind="stable")  # NaN sorts last
 
     # Overrides of Qt methods
 

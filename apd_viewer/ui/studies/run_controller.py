@@ -114,7 +114,7 @@ class RunController(QObject):
         self._show("paper", lambda: PaperDialog(self._window, self._memory))
 
     def open_verification(self) -> None:
-        """Open the dialog to run the cases with exact answers."""
+        """Open the dialog to run the verification cases."""
         self._show("verify", lambda: VerificationDialog(self._window, self._memory))
 
     def close_all(self) -> None:

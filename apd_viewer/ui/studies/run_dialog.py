@@ -165,7 +165,7 @@ class RunBar(QWidget):
         self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         application = QCoreApplication.instance()
         assert application is not None
-        application.aboutToQuit.connect(self.discard_run)  # a quit by a signal closes no dialog
+        application.aboutToQuit.connect(self.discard_run)  # quitting by a signal closes no dialog
         self._lay_out(start)
         self._show_busy(False)
 
@@ -250,7 +250,7 @@ class RunBar(QWidget):
         self._show_busy(False)
 
     def _receive(self, outcome: JobOutcome) -> None:
-        if outcome.job is not self._job:  # cancelled meanwhile
+        if outcome.job is not self._job:  # the run has been cancelled
             return
         self._job = None
         if outcome.failure is not None:

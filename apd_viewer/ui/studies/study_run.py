@@ -33,7 +33,7 @@ PlanRows = tuple[list[str], list[list[str]]]
 RUN_FILE = "run.json"
 _SCHEDULERS = "--scheduler", "--scheduler-file"
 _PROCESSES = "--processes"
-# Options with one value each. The folder may come from a stranger, so no others reach the command.
+# Options accepted from a study folder, which may be untrusted, each with one value.
 _KEPT = (*_SCHEDULERS, _PROCESSES, "--limit")
 
 
@@ -262,7 +262,7 @@ def stored_options(folder: Path) -> list[str]:
     if not set(words[::2]) <= set(_KEPT) or len(words) % 2:
         return []
     said = dict(zip(words[::2], words[1::2], strict=True))
-    if said.get(_PROCESSES, "").isdecimal():  # may stem from a machine with more cores
+    if said.get(_PROCESSES, "").isdecimal():  # the options may stem from a machine with more cores
         said[_PROCESSES] = str(min(int(said[_PROCESSES][:4]), core_count()))
     return [word for pair in said.items() for word in pair]
 

@@ -86,7 +86,7 @@ def varied_quantities(state: State) -> list[VariedQuantity]:
     document = state.document
     found = []
     if document.relative_to_rest.is_posed:
-        found.append(_as_it_stands())
+        found.append(_current_motion())
     if document.paint_problem is None:
         found += _typed_motions()
     stiffness = max(document.settings.stiffness, 0.001)
@@ -111,7 +111,7 @@ def varied_quantities(state: State) -> list[VariedQuantity]:
     return found
 
 
-def _as_it_stands() -> VariedQuantity:
+def _current_motion() -> VariedQuantity:
     tip = tr("How far the handles go of the way that they have gone; more than 100 % is farther")
     return VariedQuantity(
         SHARE_COLUMN,

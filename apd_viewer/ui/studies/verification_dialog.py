@@ -1,4 +1,4 @@
-"""Dialog for running the cases with exact answers, a row after the other."""
+"""Dialog to run the verification cases, row by row."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,7 +26,7 @@ _Parent = QTreeWidget | QTreeWidgetItem
 
 
 class VerificationDialog(RunDialog):
-    """Dialog to run the cases, with their table and the figure of the chosen one."""
+    """Dialog to run the verification cases, with a table and the chosen case's figure."""
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:
         super().__init__(window, tr("Verify"), RunBar(tr("Run"), "verification", preferences))
@@ -97,7 +97,7 @@ class VerificationDialog(RunDialog):
 
 
 class VerificationTable(QTreeWidget):
-    """Table of the cases: a title, then a row for each quantity, and reasons below."""
+    """Table of the cases, each with a title, a row per quantity, and reasons."""
 
     def __init__(self) -> None:
         super().__init__(objectName="verification", accessibleName=tr("Cases with exact answers"))
@@ -155,7 +155,7 @@ class VerificationTable(QTreeWidget):
         return item
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Give the quantities what room the numbers leave."""
+        """Give the quantities the width left by the numbers."""
         super().resizeEvent(event)
         self._fill()
 
@@ -166,5 +166,5 @@ class VerificationTable(QTreeWidget):
 
     @property
     def text(self) -> str:
-        """All rows, cells separated by tabs, as spreadsheets take them."""
+        """All rows, with cells separated by tabs for spreadsheets."""
         return "\n".join(self._lines)

@@ -1,4 +1,4 @@
-"""Active handle, region and obstacle, kept outside the document."""
+"""Active handle, region and obstacle, which are not part of the document."""
 
 from PySide6.QtCore import QObject, Signal
 

@@ -90,7 +90,7 @@ class BrushTool(SelectionTool):
     def paint(self, painter: QPainter) -> None:
         """Draw the ring of the brush on the surface."""
         if self._cursor is not None and self._seen != self._view_key:
-            self._pick()  # the mesh or the camera has moved under a resting cursor
+            self._pick()  # the mesh or camera has moved under a resting cursor
         if self._hit is None:
             return
         ring = QPolygonF(

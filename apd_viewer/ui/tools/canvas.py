@@ -128,12 +128,12 @@ class Canvas(QObject):
     def choose_tool(self, tool: Tool) -> None:
         """Make ``tool`` the active tool."""
         self.tool = tool
-        self._put_into_hand()
+        self._apply_tool()
 
     def choose_mode(self, mode: SelectionMode) -> None:
         """Set the selection mode of the painting tools."""
         self.selection_mode = mode
-        self._put_into_hand()
+        self._apply_tool()
 
     def set_selects_hidden(self, on: bool) -> None:
         """Set whether outlines also select hidden vertices."""
@@ -141,7 +141,7 @@ class Canvas(QObject):
             if isinstance(selector, OutlineTool):
                 selector.selects_hidden = on
 
-    def _put_into_hand(self) -> None:
+    def _apply_tool(self) -> None:
         self._prepare_strokes()
         for way, selector in self.selectors.items():
             selector.enabled = self.tool.traits.is_brush and way is self.selection_mode

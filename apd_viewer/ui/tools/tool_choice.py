@@ -7,7 +7,7 @@ from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 
 
 class ToolChoice(QObject):
-    """Sets the tool and the selection mode of a canvas, and announces changes.
+    """Active tool and selection mode of a canvas, with signals for their changes.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ _CAMERA = tr("drag orbits, middle button or Shift+drag pans, wheel zooms to the 
 
 
 class Tool(Enum):
-    """Mouse tool; its value holds its texts."""
+    """Mouse tool; the value holds the tool's texts."""
 
     ORBIT = _ToolTraits(tr("Orbit"), "O", "orbit", tr("Look around"), _CAMERA)
     BASE = _ToolTraits(
@@ -79,7 +79,7 @@ class Tool(Enum):
 
 
 class SelectionMode(Enum):
-    """Selection mode of the painting tools; its value holds its texts."""
+    """Selection mode of the painting tools; the value holds the mode's texts."""
 
     BRUSH = _ToolTraits(
         tr("Brush"),

@@ -5,7 +5,7 @@ from typing import TypeVar
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLayout, QVBoxLayout, QWidget
 
-STRETCH = None  # takes the room that is left
+STRETCH = None  # stretch taking the remaining room
 Part = QWidget | QLayout | int | None | tuple[QWidget | QLayout, int] | tuple[QWidget, int, Qt.AlignmentFlag]
 Margins = tuple[int, int, int, int]
 _Box = TypeVar("_Box", bound=QBoxLayout)
@@ -14,14 +14,14 @@ _Box = TypeVar("_Box", bound=QBoxLayout)
 def row_layout(
     *parts: Part, spacing: int = 8, margins: Margins | None = (0, 0, 0, 0), parent: QWidget | None = None
 ) -> QHBoxLayout:
-    """Parts from left to right; see :func:`column_layout`."""
-    return _filled(QHBoxLayout(parent, spacing=spacing), margins, parts)
+    """Row of parts, from left to right; see :func:`column_layout`."""
+    return _fill(QHBoxLayout(parent, spacing=spacing), margins, parts)
 
 
 def column_layout(
     *parts: Part, spacing: int = 4, margins: Margins | None = (0, 0, 0, 0), parent: QWidget | None = None
 ) -> QVBoxLayout:
-    """Parts from top to bottom.
+    """Column of parts, from top to bottom.
 
     Parameters
     ----------
@@ -32,10 +32,10 @@ def column_layout(
     margins : tuple of int or None
         Left, top, right and bottom, px; None for those of the style.
     """
-    return _filled(QVBoxLayout(parent, spacing=spacing), margins, parts)
+    return _fill(QVBoxLayout(parent, spacing=spacing), margins, parts)
 
 
-def _filled(box: _Box, margins: Margins | None, parts: tuple[Part, ...]) -> _Box:
+def _fill(box: _Box, margins: Margins | None, parts: tuple[Part, ...]) -> _Box:
     if margins is not None:
         box.setContentsMargins(*margins)
     add_parts(box, *parts)

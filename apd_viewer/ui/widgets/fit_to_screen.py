@@ -28,7 +28,7 @@ def arrange_row(row: QBoxLayout, available_width: float) -> bool:
     Returns whether it stands side by side.
     """
     row.setDirection(QBoxLayout.Direction.LeftToRight)
-    row.activate()  # without it, changes inside nested rows are ignored
+    row.activate()  # includes changes inside nested rows
     fits = row.sizeHint().width() <= available_width
     if not fits:
         row.setDirection(QBoxLayout.Direction.TopToBottom)

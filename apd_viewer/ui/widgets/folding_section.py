@@ -98,7 +98,7 @@ class Section(QWidget):
     def reveal(self) -> None:
         """Unfold the section and scroll the panel to it."""
         self.is_folded = False
-        QTimer.singleShot(0, self, self._scroll_into_view)  # once new rows are laid out
+        QTimer.singleShot(0, self, self._scroll_into_view)  # after the layout of new rows
 
     def _scroll_into_view(self) -> None:
         area = self.parentWidget()
@@ -113,5 +113,5 @@ class Section(QWidget):
 
 
 def quiet_label(name: str, text: str = "", style: str = "quiet", indent: int = -1) -> QLabel:
-    """Wrapping label in a muted colour, or another style; its indent in px."""
+    """Wrapping label in a muted or given style, with an indent in px."""
     return QLabel(text, objectName=style, accessibleName=name, wordWrap=True, indent=indent)

@@ -170,7 +170,7 @@ class NamedList(QWidget, Generic[Row]):
         while len(self.rows) > len(names):
             row = self.rows.pop()
             row.hide()
-            row.deleteLater()  # deleted later, as the handler of its own button may be running
+            row.deleteLater()  # deleted later, as the row's own button may be calling
         for k, name in enumerate(names):
             if k == len(self.rows):
                 self._add(k, self._make(k, name))

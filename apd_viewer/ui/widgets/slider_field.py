@@ -143,7 +143,7 @@ _KNOB = 14
 _MAGNET = 3  # pixels around the neutral value within which the knob snaps to it
 
 
-# Scales: half a percent per step from 0, the same around 100 %, and three decades with 0 below.
+# Scales in steps of half a percent, from 0 to 50 or from 50 to 150, and in three decades above 0.
 SHARE = SliderScale(100, lambda step: step / 2.0, lambda percent: 2.0 * percent, 0)
 
 
@@ -186,7 +186,7 @@ class Slider(QSlider):
         return QSize(120, _KNOB + 6)
 
     def minimumSizeHint(self) -> QSize:
-        """The same."""
+        """Preferred size, so that the knob is not cut off."""
         return self.sizeHint()
 
     def paintEvent(self, _: QPaintEvent) -> None:

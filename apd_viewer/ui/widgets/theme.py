@@ -166,7 +166,7 @@ class _LineIcon(QIconEngine):
 
     def _rendered_pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
         pixmap = QPixmap(size)
-        if pixmap.isNull():  # null before the button is laid out
+        if pixmap.isNull():  # null before the layout of the button
             return pixmap
         pixmap.fill(Qt.GlobalColor.transparent)
         painter = QPainter(pixmap)

@@ -1,4 +1,4 @@
-"""Mouse events that a widget passes on to its parent, or keeps from it."""
+"""Filters for the mouse events that a widget passes to its parent."""
 
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QWidget

@@ -278,7 +278,7 @@ def test_content_beside_does_not_read_files_without_end(folder, kind, monkeypatc
     assert said.endswith("; reduce the mesh first.")
 
 
-def test_embedded_content_is_bounded(tmp_path, monkeypatch):
+def test_data_uri_content_is_bounded(tmp_path, monkeypatch):
     path = gltf(tmp_path)
     monkeypatch.setattr("apd_viewer.files.gltf.scene.LARGEST_FILE", 100)
     with pytest.raises(InputError, match="names or holds more than"):
