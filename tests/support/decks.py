@@ -39,7 +39,7 @@ class ReadDeck:
             if keyword == "NODE":
                 self.nodes = {int(row[0]): tuple(map(float, row[1:])) for row in rows}
             elif keyword == "ELEMENT":
-                assert given == {"TYPE": "S3", "ELSET": "SURFACE"}
+                assert given == {"TYPE": f"S{len(rows[0]) - 1}", "ELSET": "SURFACE"}
                 self.elements = {int(row[0]): tuple(map(int, row[1:])) for row in rows}
             elif keyword in ("NSET", "ELSET"):
                 self.sets[given[keyword]] = [int(word) for row in rows for word in row]
