@@ -79,6 +79,12 @@ def computed(path):
     return nodes, {node: nodes[node] + shift for node, shift in moved.items() if node in nodes}
 
 
+def reactions(path, nodes):
+    """Sums (s, 3) of the forces on some nodes of a computed deck, of each step."""
+    blocks = path.with_suffix(".frd").read_text().split(" -4  FORC")[1:]
+    return np.array([sum(forces[node] for node in nodes) for forces in map(_rows, blocks)])
+
+
 def _rows(text):
     """Three numbers a node, of the first block of rows in a text."""
     found = {}
