@@ -6,7 +6,7 @@ from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import naming_unit_option
-from apd_viewer.files.fe_deck import check_deck, write_deck
+from apd_viewer.files.fe_deck import SIX_NODES, THREE_NODES, check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.session.deck_setup import deck_of, deck_wall
@@ -27,6 +27,8 @@ def deck_parser() -> Parser:
     add_input_options(parser)
     about = tr("of the way of the handles; default: one for each 30 degrees of a turn")
     add_option(parser, "--steps N", about, type=int)
+    about = tr("S6 has nodes on its edges; S3 is smaller, and bends too little in CalculiX")
+    add_option(parser, "--elements", about, choices=(SIX_NODES, THREE_NODES), default=SIX_NODES)
     _add_wall_options(parser)
     add_option(parser, "-o, --output OUT.inp", tr("deck to write"), required=True)
     parser.set_defaults(run=_deck)
@@ -58,6 +60,6 @@ def _deck(options: argparse.Namespace) -> None:
         material=wall_material(options.material),
     )
     wall = deck_wall(text, unit, diagonal(document.mesh.V))
-    deck = deck_of(document, wall, options.steps, motion)
+    deck = deck_of(document, wall, options.steps, motion)._replace(element=options.elements)
     write_deck(output, deck)
     print("\n".join([deck_sentence(str(output), deck), *mesh_remarks(document.mesh)]))

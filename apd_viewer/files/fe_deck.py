@@ -13,6 +13,10 @@ from apd_viewer.geometry.mesh.arrays import diagonal, significant_digits
 from apd_viewer.language import tr
 
 DECK_SUFFIX = ".inp"
+# Triangles with nodes in the middle of their edges, and without. CalculiX makes solid wedges of them; those
+# without are too stiff in bending by far.
+SIX_NODES, THREE_NODES = "S6", "S3"
+_STRI65 = "Abaqus calls the elements S6 STRI65; rename them there."
 _ABAQUS = "Abaqus does not know OUTPUT=2D, by which CalculiX keeps the numbers of the nodes; remove it there."
 _DIGITS = 12  # significant digits: 18 characters with sign, point and exponent; more only for large numbers
 _A_LINE = 16  # maximum number of ids per line of a set
@@ -75,6 +79,8 @@ class Deck(NamedTuple):
         Displacements of each of the sets ``held_sets`` at the end of each step, mesh units.
     notes : tuple of str
         Comments on the surface.
+    element : str
+        SIX_NODES or THREE_NODES.
     """
 
     source: str
@@ -86,6 +92,7 @@ class Deck(NamedTuple):
     steps: Sequence[Sequence[np.ndarray]]
     wall: DeckWall
     notes: tuple[str, ...] = ()
+    element: str = SIX_NODES
 
 
 def check_deck(path: str | Path) -> Path:
@@ -107,15 +114,44 @@ def write_deck(path: str | Path, deck: Deck) -> None:
 
 
 def _lines(deck: Deck) -> Iterator[str]:
-    """Lines of the deck, with nodes and elements numbered from 1 as in the mesh."""
+    """Lines of the deck; nodes, those on edges last, and elements count from 1."""
     yield "*HEADING"
     yield _ascii_name(f"Written by apd-viewer from {deck.source}")  # a name may begin with * like a keyword
-    yield from (f"** {note}" for note in (*deck.wall.notes, *deck.notes, _ABAQUS))
-    yield from _mesh_lines(deck)
-    yield from _set_lines(deck)
+    renamed = (_STRI65,) if deck.element == SIX_NODES else ()
+    yield from (f"** {note}" for note in (*deck.wall.notes, *deck.notes, *renamed, _ABAQUS))
+    whole, ends = _with_midsides(deck)
+    yield from _mesh_lines(whole)
+    yield from _set_lines(whole)
     yield from _wall_lines(deck.wall)
     for shifts in deck.steps:
-        yield from _step_lines(deck.held_sets, shifts)
+        pairs = zip(shifts, ends, strict=True)
+        moved = [np.concatenate([shift, shift[rows].mean(axis=1)]) for shift, rows in pairs]
+        yield from _step_lines(whole.held_sets, moved)
+
+
+def _with_midsides(deck: Deck) -> tuple[Deck, list[np.ndarray]]:
+    """Add the nodes on edges, held with both ends of their edge.
+
+    Returns the deck, and for each set the rows (k, 2) of the ends of its edges.
+    """
+    if deck.element == THREE_NODES:
+        return deck, [np.empty((0, 2), dtype=np.int64)] * len(deck.held_sets)
+    F = deck.F[deck.used_faces]
+    sides = np.sort(np.stack([F, np.roll(F, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    edges, at = np.unique(sides, axis=0, return_inverse=True)
+    count = len(deck.V)
+    elements = np.zeros((len(deck.F), 6), dtype=np.int64)
+    elements[deck.used_faces] = np.hstack([F, count + at.reshape(-1, 3)])
+    held, ends = [], []
+    for part in deck.held_sets:
+        row = np.full(count, -1)
+        row[part.vertices] = np.arange(len(part.vertices))
+        inside = (row[edges] >= 0).all(axis=1)
+        nodes = np.concatenate([part.vertices, count + np.flatnonzero(inside)])
+        held.append(part._replace(vertices=nodes))
+        ends.append(row[edges[inside]])
+    V = np.concatenate([deck.V, deck.V[edges].mean(axis=1)])
+    return deck._replace(V=V, F=elements, held_sets=held), ends
 
 
 def _mesh_lines(deck: Deck) -> Iterator[str]:
@@ -125,7 +161,7 @@ def _mesh_lines(deck: Deck) -> Iterator[str]:
     yield "*NODE, NSET=ALL"
     for node, point in zip((nodes + 1).tolist(), deck.V[nodes].tolist(), strict=True):
         yield f"{node}, " + ", ".join(_number(x, significant_digits(x, size, _DIGITS)) for x in point)
-    yield "*ELEMENT, TYPE=S3, ELSET=SURFACE"
+    yield f"*ELEMENT, TYPE={deck.element}, ELSET=SURFACE"
     for element, corners in zip(
         deck.used_faces.tolist(), (deck.F[deck.used_faces] + 1).tolist(), strict=True
     ):
@@ -167,7 +203,7 @@ def _step_lines(held: Sequence[NodeSet], shifts: Sequence[np.ndarray]) -> Iterat
             yield from (f"{node}, {axis}, {axis}, {_number(x)}" for axis, x in enumerate(along, start=1))
     yield from (
         f"*NODE FILE, OUTPUT=2D, FREQUENCY={_MOST_INCREMENTS}",
-        "U",
+        "U, RF",
         f"*EL FILE, FREQUENCY={_MOST_INCREMENTS}",
         "S",
         "*END STEP",

@@ -52,14 +52,17 @@ def where_ours_are(path):
 
 
 @needs_ccx
-def test_deck_of_a_tube_twisted_in_two_steps_is_computed_by_calculix(deck, tmp_path):
-    V, F = tube(24, 26)
+@pytest.mark.parametrize(("element", "size"), [("S3", (24, 26)), ("S6", (10, 4))])
+def test_deck_of_a_tube_twisted_in_two_steps_is_computed_by_calculix(deck, tmp_path, element, size):
+    V, F = tube(*size)
     mesh = bar(tmp_path, V, F)
-    status, said, out = deck(*mesh, "--twist", "40deg", "--unit", "mm", "--thickness", "0.1")
+    words = "--twist", "40deg", "--unit", "mm", "--thickness", "0.1", "--elements", element
+    status, said, out = deck(*mesh, *words)
     assert status == 0, said
     assert len(ReadDeck(out.read_text()).steps) == 2
     moved, ends = where_ours_are(out)
-    assert set(moved) == {k + 1 for k in range(len(V))}
+    assert set(moved) == set(ReadDeck(out.read_text()).nodes)
+    moved = {node: moved[node] for node in range(1, len(V) + 1)}
     free = [node for node in moved if node not in ends]
     assert np.abs([moved[node] - V[node - 1] for node in free]).max() > 0.5, "the free ones follow"
 
@@ -76,6 +79,8 @@ def test_deck_of_the_bottle_is_computed_by_calculix(deck):
         "cm",
         "--material",
         "pet-bottle",
+        "--elements",
+        "S3",
     )
     status, said, out = deck(resource_path("bottle.obj"), "--selection", resource_path("bottle.sel"), *words)
     assert status == 0, said

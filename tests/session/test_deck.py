@@ -9,7 +9,7 @@ from decks import ReadDeck
 from meshes import box, ends, rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.fe_deck import write_deck
+from apd_viewer.files.fe_deck import SIX_NODES, THREE_NODES, write_deck
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import transform
@@ -40,9 +40,9 @@ def painted(V=V, F=F, second=None, name="a\n*STEP.obj"):
 
 @pytest.fixture
 def written(tmp_path):
-    def write(document, wall=BARE, steps=None, motion=()):
+    def write(document, wall=BARE, steps=None, motion=(), element=THREE_NODES):
         path = tmp_path / "out.inp"
-        write_deck(path, deck_of(document, wall, steps, motion))
+        write_deck(path, deck_of(document, wall, steps, motion)._replace(element=element))
         return ReadDeck(path.read_text(encoding="ascii"))
 
     return write
@@ -81,6 +81,30 @@ def test_deck_of_ends_held_nodes_where_the_pose_has_them(written):
     assert np.abs([ends[k + 1] for k in TOP] - transform(M, V[TOP])).max() < 1e-10
     assert np.abs([ends[k + 1] - V[k] for k in second]).max() == 0, "the handle that stays is held"
     assert set(ends) == {k + 1 for k in (*BASE, *TOP, *second)}
+
+
+def test_deck_of_has_a_node_on_every_edge_that_is_held_with_both_its_ends(written):
+    """Base and handle meet at one side: an edge from one to the other is free."""
+    second = np.flatnonzero(V[:, 2] == 1)
+    document = posed(painted(second=second).document)[0].with_pose(1, np.diag([1.0, 1.0, 2.0, 1.0]))
+    coarse, fine = (written(document, element=element) for element in (THREE_NODES, SIX_NODES))
+    middles = {}
+    for number, (*corners, ab, bc, ca) in fine.elements.items():
+        assert tuple(corners) == coarse.elements[number]
+        for node, edge in zip((ab, bc, ca), zip(corners, np.roll(corners, -1), strict=True), strict=True):
+            assert middles.setdefault(node, set(edge)) == set(edge)
+    assert len(middles) == len(V) + len(F) - 2, "of each edge one node [Euler]"
+    assert min(middles) > max(coarse.nodes)
+    assert set(fine.nodes) == set(middles) | set(coarse.nodes)
+    ends = {node: coarse.nodes[node] for node in coarse.nodes} | coarse.ends()
+    for name in ("BASE", "HANDLE", "HANDLE_2"):
+        own = set(coarse.sets[name])
+        assert set(fine.sets[name]) == own | {node for node, edge in middles.items() if edge <= own}
+    for node, where in fine.ends().items():
+        edge = middles.get(node, {node})
+        np.testing.assert_allclose(where, np.mean([ends[end] for end in edge], axis=0), atol=1e-10)
+        np.testing.assert_allclose(fine.nodes[node], np.mean([fine.nodes[end] for end in edge], axis=0))
+    assert set(fine.ends()) == {node for name in ("BASE", "HANDLE", "HANDLE_2") for node in fine.sets[name]}
 
 
 def test_deck_of_walks_a_turn_in_steps_on_its_arc(written):

@@ -39,7 +39,7 @@ class ReadDeck:
             if keyword == "NODE":
                 self.nodes = {int(row[0]): tuple(map(float, row[1:])) for row in rows}
             elif keyword == "ELEMENT":
-                assert given == {"TYPE": "S3", "ELSET": "SURFACE"}
+                assert given == {"TYPE": f"S{len(rows[0]) - 1}", "ELSET": "SURFACE"}
                 self.elements = {int(row[0]): tuple(map(int, row[1:])) for row in rows}
             elif keyword in ("NSET", "ELSET"):
                 self.sets[given[keyword]] = [int(word) for row in rows for word in row]
@@ -77,6 +77,12 @@ def computed(path):
     nodes = _rows(text[text.index("    2C") :])
     moved = _rows(text[text.rindex(" -4  DISP") :])
     return nodes, {node: nodes[node] + shift for node, shift in moved.items() if node in nodes}
+
+
+def reactions(path, nodes):
+    """Sums (s, 3) of the forces on some nodes of a computed deck, of each step."""
+    blocks = path.with_suffix(".frd").read_text().split(" -4  FORC")[1:]
+    return np.array([sum(forces[node] for node in nodes) for forces in map(_rows, blocks)])
 
 
 def _rows(text):

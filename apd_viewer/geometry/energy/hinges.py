@@ -9,7 +9,8 @@ less that of the triangle's plane. Morley's element makes it an unknown; here it
 five hinges, that of the edge and the other four of its two triangles, by the weights nearest to half of the
 edge's own that are exact for every quadratic function of the unfolded rest shape. The other triangle has the
 rest of the angle, so that slopes agree across edges, and every quadratic passes the patch test on every
-triangulation. Along a free edge the slope is the one of least energy.
+triangulation. Along a free edge the slope is the one of least energy. A triangle whose corners are all held
+clamps: it does not bend, so that the whole angle of its edges is that of their other triangles.
 
 The angle of a hinge has the gradient ``-m/h`` at a corner with the height h above the edge, m the unit normal
 [Tamstorf & Grinspun 2013, Discrete bending forces and their Jacobians].
@@ -43,6 +44,8 @@ class Hinges:
     rigidity : float
         Bending rigidity D, energy.
     poisson : float
+    clamps : (m,) bool array, optional
+        Triangles that do not bend, since their corners are held.
 
     Attributes
     ----------
@@ -53,12 +56,22 @@ class Hinges:
         Edges with more than two triangles, which have no hinge.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray, rigidity: float, poisson: float) -> None:
+    def __init__(
+        self,
+        V: np.ndarray,
+        F: np.ndarray,
+        rigidity: float,
+        poisson: float,
+        clamps: np.ndarray | None = None,
+    ) -> None:
         self._n = len(V)
+        clamps = np.zeros(len(F), dtype=bool) if clamps is None else clamps
         topology = _HingeTopology(F, len(V))
         self.corners, self.others = topology.corners, topology.others
-        self._slopes = slopes = _slope_matrix(V, F, topology)
-        self._stiffness = _triangle_stiffness(V, F, topology.hinge < 0, rigidity, poisson)
+        self._slopes = slopes = _slope_matrix(V, F, topology, clamps)
+        self._stiffness = _triangle_stiffness(
+            V, F, topology.hinge < 0, np.where(clamps, 0.0, rigidity), poisson
+        )
         Q = (slopes.T @ self._stiffness @ slopes).tocsr()
         Q.sum_duplicates()
         Q.data[np.abs(Q.data) < _ROUNDING * rigidity] = 0.0
@@ -158,12 +171,21 @@ def _gradients(P: np.ndarray, Q: np.ndarray, R: np.ndarray) -> np.ndarray:
     )
 
 
-def _hinge_angles(P: np.ndarray, Q: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Angles (k, 3) of the quadratics over the edges from ``P`` to ``Q`` (k, 2)."""
+def _hinge_angles(
+    P: np.ndarray, Q: np.ndarray, left: np.ndarray, right: np.ndarray, clamped: np.ndarray | None = None
+) -> np.ndarray:
+    """Angles (k, 3) of the quadratics over the edges from ``P`` to ``Q`` (k, 2).
+
+    Where the edge is ``clamped`` (k,), the right triangle has the slope in its middle.
+    """
     t = Q - P
     outwards = np.stack([t[:, 1], -t[:, 0]], axis=-1) / np.linalg.norm(t, axis=1, keepdims=True)
-    jump = _gradients(Q, P, right) - _gradients(P, Q, left)
-    return np.einsum("kfi,ki->kf", jump, outwards)
+    beyond = _gradients(Q, P, right)
+    if clamped is not None:
+        x, y = (0.5 * (P + Q)).T
+        slope = np.stack([x, 0.0 * x, 0.0 * x, y, y, x], axis=-1).reshape(-1, 3, 2)
+        beyond = np.where(clamped[:, None, None], slope, beyond)
+    return np.einsum("kfi,ki->kf", beyond - _gradients(P, Q, left), outwards)
 
 
 def _third_corner(P: np.ndarray, Q: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -176,7 +198,7 @@ def _third_corner(P: np.ndarray, Q: np.ndarray, p: np.ndarray, q: np.ndarray) ->
     return P + x[:, None] * t + y[:, None] * np.stack([-t[:, 1], t[:, 0]], axis=-1)
 
 
-def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology) -> sp.csr_array:
+def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology, clamps: np.ndarray) -> sp.csr_array:
     """Matrix (3 m, h) from the hinge angles to the slopes across the triangles' edges."""
     first, second, corners = topology.first, topology.second, topology.corners
     a, b, c, d = corners.T
@@ -208,9 +230,13 @@ def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology) -> sp.
         is_first = first[other] == 3 * t + k
         x = np.where(is_first, corners[other, 3], corners[other, 2])
         X = _third_corner(Q, P, apart(q, x), apart(p, x))
+        clamped = clamps[np.where(is_first, second[other], first[other]) // 3]
         with np.errstate(divide="ignore", invalid="ignore"):  # in needles, and without a hinge
-            angles[:, slot] = np.where(other[:, None] >= 0, _hinge_angles(P, Q, R, X), 0.0)
+            angles[:, slot] = np.where(other[:, None] >= 0, _hinge_angles(P, Q, R, X, clamped), 0.0)
     weights = _slope_weights(angles, _gradients(A, B, C)[..., 1], hinges >= 0) * signs
+    at_clamps = clamps[first // 3] | clamps[second // 3]
+    weights[at_clamps] = 0.0
+    weights[at_clamps, 0] = ~clamps[first // 3][at_clamps]
     rest = -weights
     rest[:, 0] += 1.0
     known = hinges >= 0
@@ -250,14 +276,15 @@ def _slope_weights(angles: np.ndarray, slopes: np.ndarray, known: np.ndarray) ->
 
 
 def _triangle_stiffness(
-    V: np.ndarray, F: np.ndarray, free: np.ndarray, rigidity: float, poisson: float
+    V: np.ndarray, F: np.ndarray, free: np.ndarray, rigidity: np.ndarray, poisson: float
 ) -> sp.csr_array:
     """Second derivatives (3 m, 3 m) of the triangle energies in the slopes.
 
     Parameters
     ----------
-    V, F, rigidity, poisson
+    V, F, poisson
         See :class:`Hinges`.
+    rigidity : (m,) float array
     free : (m, 3) bool array
         Edges without a hinge, whose slope is that of least energy.
     """

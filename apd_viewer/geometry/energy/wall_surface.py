@@ -69,7 +69,8 @@ class WallSurface(HeldSurface):
         self._found: tuple[float, np.ndarray] | None = None
         self.stretching = Stretching(rest.V, rest.all_triangles, material.young, material.poisson)
         unit = replace(material, thickness=1.0).plate_rigidity
-        self.hinges = Hinges(rest.V, rest.F, unit, material.poisson)
+        clamps = np.asarray(np.isin(rest.F, fixed).all(axis=1))
+        self.hinges = Hinges(rest.V, rest.F, unit, material.poisson, clamps)
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]])
         self.rows = np.where(self.place < len(self.free), np.maximum(self.place, -1), -1)
         size = float(np.linalg.norm(np.ptp(rest.V, axis=0)))
@@ -161,7 +162,8 @@ class WallSurface(HeldSurface):
         count = np.arange(len(hinges.corners))
         at = np.repeat(count, 4), hinges.corners.ravel()
         of_vertices = sp.coo_array((np.ones(len(at[0]), np.float32), at), shape=(len(count), n)).tocsr()
-        coupled = sp.csr_array((np.ones(len(hinges.Q.data), np.float32), hinges.Q.indices, hinges.Q.indptr))
+        bent = np.ones(len(hinges.Q.data), np.float32), hinges.Q.indices, hinges.Q.indptr
+        coupled = sp.csr_array(bent, shape=hinges.Q.shape)
         F = self.rest.F
         corners = np.repeat(F, 3, axis=1).ravel(), np.tile(F, 3).ravel()
         flat = sp.coo_array((np.ones(len(corners[0]), np.float32), corners), shape=(n, n)).tocsr()

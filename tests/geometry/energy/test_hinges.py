@@ -11,10 +11,10 @@ CURVATURES = {"along x": (1, 0, 0), "along y": (0, 1, 0), "twist": (0, 0, 1), "d
 POISSON, RIGIDITY = 0.3, 2.5
 
 
-def irregular(n, jitter, seed=0):
-    """Unit square, triangulated by Delaunay from displaced points of a grid."""
+def irregular(n, jitter, seed=0, line=0.0):
+    """Unit square, triangulated by Delaunay from displaced points of a grid, but for those on a ``line``."""
     V, _ = grid(n, n, 1 / n, 1 / n)
-    inside = ((V[:, :2] > 1e-9) & (V[:, :2] < 1 - 1e-9)).all(axis=1)
+    inside = ((V[:, :2] > 1e-9) & (V[:, :2] < 1 - 1e-9)).all(axis=1) & (np.abs(V[:, 0] - line) > 1e-9)
     V[inside, :2] += np.random.default_rng(seed).uniform(-jitter / n, jitter / n, (inside.sum(), 2))
     F = Delaunay(V[:, :2]).simplices
     X = V[F]
@@ -65,6 +65,23 @@ def test_hinges_bend_like_a_plate_on_every_triangulation(mesh, curvatures):
     found = hinges.triangle_energies(angles_and_gradients(bent(V, curvatures), hinges.corners)[0])
     assert found[inner].sum() == pytest.approx(areas[inner].sum() * plate_energy(curvatures), rel=2e-3)
     assert energy(hinges, bent(V, curvatures)) == pytest.approx(found.sum(), rel=1e-9)
+
+
+@pytest.mark.parametrize("mixed", [False, True], ids=["wound alike", "wound differently"])
+def test_hinges_bend_from_the_edge_of_a_clamp(mixed):
+    """Its curvature ends at once where a wall is held flat."""
+    V, F = irregular(12, 0.4, line=1 / 3)
+    clamps = (V[F][:, :, 0] < 1 / 3 + 1e-9).all(axis=1)
+    middle = V[F].mean(axis=1)
+    inner = ~clamps & (middle[:, 0] < 0.83) & (np.abs(middle[:, 1] - 0.5) < 0.33)
+    U = V + 0.5e-4 * np.outer(np.maximum(V[:, 0] - 1 / 3, 0.0) ** 2, [0, 0, 1])
+    if mixed:
+        F[::3] = F[::3, ::-1]
+    hinges = Hinges(V, F, RIGIDITY, POISSON, clamps)
+    areas = np.linalg.norm(np.cross(V[F][:, 1] - V[F][:, 0], V[F][:, 2] - V[F][:, 0]), axis=1) / 2
+    found = hinges.triangle_energies(angles_and_gradients(U, hinges.corners)[0])
+    assert found[inner] == pytest.approx(areas[inner] * plate_energy((1, 0, 0)), rel=1e-3)
+    assert not found[clamps].any()
 
 
 def test_hinges_need_no_energy_to_turn_and_have_the_gradient_of_their_energy():
