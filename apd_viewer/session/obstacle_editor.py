@@ -64,17 +64,28 @@ class ObstacleEditor(DocumentEditor):
         plate = obstacle_placement.touching_plate(name, up, state, self._contact_distance(thickness))
         return self._add(tr("Add floor"), (plate,), thickness)
 
-    def add_plates(self, axis: np.ndarray, thickness: float | None = None) -> int | None:
-        """Add two plates touching the shape on both sides along ``axis`` (3,)."""
+    def add_plates(
+        self, axis: np.ndarray, thickness: float | None = None, stiffness: float = 0.0
+    ) -> int | None:
+        """Add two plates touching the shape on both sides along ``axis`` (3,).
+
+        A wall without stiffness gets the one given.
+        """
         state, apart = self._gestures.state_without_gesture(), self._contact_distance(thickness)
         taken, plates = [each.name for each in state.document.obstacles], []
         for side in (1.0, -1.0):
             name = obstacle_placement.obstacle_name(ObstacleKind.PLATE, taken)
             taken.append(name)
             plates.append(obstacle_placement.touching_plate(name, side * np.asarray(axis), state, apart))
-        return self._add(tr("Put plates on both sides"), tuple(plates), thickness)
+        return self._add(tr("Put plates on both sides"), tuple(plates), thickness, stiffness)
 
-    def _add(self, gesture: str, new: tuple[NamedObstacle, ...], thickness: float | None) -> int | None:
+    def _add(
+        self,
+        gesture: str,
+        new: tuple[NamedObstacle, ...],
+        thickness: float | None,
+        stiffness: float = 0.0,
+    ) -> int | None:
         state = self._gestures.state_without_gesture()
         document = state.document
         if not document.settings.traits.may_use_contact:
@@ -91,6 +102,8 @@ class ObstacleEditor(DocumentEditor):
             return None
         if not document.settings.contact:
             document = document.with_settings(contact=True, thickness=thickness)
+        if stiffness and not document.settings.stiffness:
+            document = document.with_settings(stiffness=stiffness)
         self._gestures.record(gesture, state)
         self._store.solve(replace(document, obstacles=(*document.obstacles, *new)))
         return len(document.obstacles)
