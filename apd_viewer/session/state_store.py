@@ -113,7 +113,7 @@ class StateStore:
         self._ask_and_show(state, not state.frame.settled, from_grip)
 
     def show(self, state: State) -> None:
-        """Replace the state for a look at it; the solver stands still and its frames are discarded."""
+        """Display a state while the solver stands still; discard its frames."""
         if self.activity is Activity.REFINING:
             self.pause_or_resume()
         self.activity = Activity.IDLE

@@ -117,7 +117,7 @@ class TimelinePlayer:
         self._store.show(state)
 
     def end_show(self) -> None:
-        """Make the step shown current; undo returns to a shape that is not on the timeline."""
+        """Make the step shown current; undo returns to a shape not on the timeline."""
         before = self._gestures.state_before
         if before is not None:
             known = self.timeline.index_of(before) is not None

@@ -19,7 +19,7 @@ STIFFNESS, STEPS, TO = 0.001, 3, 1.4
 def plates(empty):
     """A tube that nothing holds between two plates that touch it."""
     empty.show_now(Mesh(*tube(12, 12)))
-    empty.obstacles.add_plates(X, stiffness=STIFFNESS)
+    empty.obstacles.put_press(X)
     empty.player.begin()
     empty.settle()
     return empty
@@ -169,8 +169,9 @@ def test_timeline_player_forgets_steps_of_another_mesh(plates):
 def test_plate_pair_refuses_distances_that_plates_cannot_come_to(plates):
     state = plates.store.state
     pair = plate_pair(state.document)
-    with pytest.raises(InputError, match="greater than 0"):
-        pair.documents_to(state, 0.0, 3)
+    for distance in (0.0, 1.01 * pair.first_distance(state.document)):
+        with pytest.raises(InputError, match="enter a smaller distance"):
+            pair.documents_to(state, distance, 3)
     with pytest.raises(InputError, match="already"):
         pair.documents_to(state, pair.distance(state), 3)
     plates.obstacles.remove(0)

@@ -12,10 +12,13 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import State
 
+# Stiffness proposed where walls have none and would crumple.
+PROPOSED_STIFFNESS = 0.001
 # Tolerance of directions that are opposite, and of places that are the same, relative to the mesh.
 _OPPOSITE, _SAME = 1e-9, 1e-9
 
@@ -43,6 +46,10 @@ class PlatePair(NamedTuple):
         """Distance of the plates where they were put, mesh units."""
         return self._distance(document.obstacles, np.zeros((len(document.obstacles), 3)))
 
+    def extent(self, document: Document) -> float:
+        """Extent of the mesh at rest along the axis, mesh units."""
+        return _extent(document.mesh.V, document.mesh.F, *self.axis.tolist())
+
     def _distance(self, obstacles: Sequence[NamedObstacle], shifts: np.ndarray) -> float:
         low, high = (obstacles[k].place + shifts[k] for k in (self.low, self.high))
         return float((high - low) @ self.axis)
@@ -53,11 +60,15 @@ class PlatePair(NamedTuple):
         Raises
         ------
         InputError
-            If the plates would meet or are at that distance already.
+            If the plates would meet, are at that distance already, or began nearer.
         """
         now, size = self.distance(state), diagonal(state.document.mesh.V)
-        if not distance > 0.0:
-            raise InputError(tr("Enter a distance of the plates greater than 0."))
+        first = self.first_distance(state.document)
+        if not 0.0 < distance <= first + _SAME * size:
+            sentence = tr(
+                "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
+            )
+            raise InputError(sentence.format(first=first))
         if abs(now - distance) <= _SAME * size:
             raise InputError(tr("The plates are at this distance already; enter another one."))
         shares = np.arange(1, steps + 1) / steps
@@ -77,6 +88,11 @@ class PlatePair(NamedTuple):
         low, high = (loads[[self.low, self.high]] @ self.axis).tolist() if known else (0.0, 0.0)
         distance = self.distance(state)
         return PlateReading(distance, self.first_distance(state.document) - distance, -low, high)
+
+
+@memo.memoised
+def _extent(V: np.ndarray, F: np.ndarray, *axis: float) -> float:
+    return float(np.ptp(V[np.unique(F)] @ np.array(axis)))
 
 
 class PlateReading(NamedTuple):

@@ -21,6 +21,7 @@ from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.presentation.number_format import format_editable, format_short
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text
@@ -35,7 +36,6 @@ from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, TextField
 
 _AXES = "xyz"
-_PROPOSED_STIFFNESS = 0.001
 
 
 class PressDialog(RunDialog):
@@ -114,7 +114,7 @@ class PressDialog(RunDialog):
 
     def _make_stiffness(self) -> QHBoxLayout:
         own = self._document.settings.stiffness
-        value = own or _PROPOSED_STIFFNESS
+        value = own or PROPOSED_STIFFNESS
         self.stiffness = NumberField(
             brief=True, accessibleName=tr("Stiffness"), minimum=0.0, maximum=1.0, decimals=5, value=value
         )
