@@ -1,6 +1,7 @@
 """Player of motions in steps, with each shape on a timeline."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import Gestures
@@ -9,6 +10,9 @@ from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.state_store import Activity, Listener, StateStore
+
+# Attempts to move on once contact has stopped the obstacles.
+_RETRIES = 5
 
 
 class TimelinePlayer:
@@ -30,6 +34,8 @@ class TimelinePlayer:
         self.timeline = Timeline()
         self.done = self.count = 0
         self._ahead: tuple[Document, ...] = ()
+        self._detour: Document | None = None
+        self._retries = _RETRIES
 
     @property
     def is_playing(self) -> bool:
@@ -54,12 +60,13 @@ class TimelinePlayer:
         self.timeline = self.timeline.begun_at(state)
         self._gestures.record(title, state)
         self._ahead, self.done, self.count = tuple(documents), 0, len(documents)
+        self._retries = _RETRIES
         self._store.solve(self._ahead[0])
 
     def stop(self) -> None:
         """End the motion under way; its present step comes to rest and is the last one."""
         if self._ahead:
-            self._ahead = self._ahead[:1]
+            self._ahead = self._ahead[: 2 if self._ahead[0] is self._detour else 1]
             self.count = self.done + 1
             if self.is_paused:
                 self._store.pause_or_resume()
@@ -90,11 +97,33 @@ class TimelinePlayer:
             self._listener.status_changed()
 
     def _record_step(self, state: State) -> None:
-        self.timeline, self.done = self.timeline.followed_by(state), self.done + 1
+        is_stopped = state.frame.settled and state.frame.share_reached < 1.0
+        if state.document is self._detour:
+            self._go_on()
+        elif is_stopped and self._retries:
+            self._retry(state)
+        else:
+            self.timeline, self.done = self.timeline.followed_by(state), self.done + 1
+            self._retries = _RETRIES
+            if is_stopped and len(self._ahead) > 1:
+                self._ahead = self._ahead[:1]
+                self._listener.message_sent(tr("Contact lets nothing come any farther."))
+            self._go_on()
+
+    def _retry(self, state: State) -> None:
+        """Come to rest where contact stopped the obstacles, and go on from there.
+
+        Walls in the way of the obstacles may give way once they have come to rest.
+        """
+        self._retries -= 1
+        reached = zip(state.document.obstacles, state.obstacle_shifts, strict=True)
+        obstacles = tuple(each.with_shift(shift) for each, shift in reached)
+        self._detour = replace(state.document, obstacles=obstacles)
+        self._ahead = (self._detour, *self._ahead)
+        self._store.solve(self._detour)
+
+    def _go_on(self) -> None:
         self._ahead = self._ahead[1:]
-        if self._ahead and state.frame.settled and state.frame.share_reached < 1.0:
-            self._ahead = ()
-            self._listener.message_sent(tr("Contact lets nothing come any farther."))
         if self._ahead:
             self._store.solve(self._ahead[0])
         else:

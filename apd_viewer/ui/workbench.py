@@ -124,7 +124,7 @@ class Workbench(QObject):
         self.edits.nudge_obstacle = self.obstacles.nudge
         self.press = PressController(
             self.docks["timeline"],
-            canvas.frame_mesh,
+            canvas.viewport,
             session,
             self.parts,
             self.tools.choose_tool,

@@ -119,6 +119,18 @@ def test_timeline_player_measures_later_regions_on_earlier_steps(plates):
     assert plates.gestures.history.undo_names == undo
 
 
+def test_timeline_player_goes_on_where_a_wall_gives_way_once_it_has_come_to_rest(empty):
+    tall = Mesh(*tube(16, 12))
+    empty.show_now(tall)
+    empty.obstacles.put_press(np.eye(3)[2])
+    to = 0.3 * np.ptp(tall.V[:, 2])
+    last = play(empty, to, 1)[-1]
+    assert last.distance == pytest.approx(to)
+    asked = {id(new.document) for _, new in empty.changes if new.document.is_posed}
+    assert len(asked) > 1, "contact stopped the plates on the way, or this tests nothing"
+    assert empty.told[1:] == []
+
+
 def test_timeline_player_stops_after_its_present_step(plates):
     state = plates.store.state
     plates.player.play("Press", plate_pair(state.document).documents_to(state, TO, 50))

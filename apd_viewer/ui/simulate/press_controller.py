@@ -1,5 +1,6 @@
 """Controller of a press in the view and of the timeline of its steps."""
 
+import itertools
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -24,6 +25,7 @@ from apd_viewer.session.storage.timeline_file import TIMELINE_FORMATS
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.simulate.press_charts import PressCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
 from apd_viewer.ui.tools.active_parts import ActiveParts
@@ -31,6 +33,8 @@ from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.theme import Theme
 
 _REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: of all steps, and limits of one
+
+_CORNERS = tuple(itertools.product((0, 1), repeat=3))
 
 
 class PressController(QObject):
@@ -40,8 +44,6 @@ class PressController(QObject):
     ----------
     dock : QDockWidget
         For the panel.
-    frame : callable
-        Zooms to the mesh.
     parts : ActiveParts
         Take a plate into the hand.
     choose_tool : callable
@@ -55,7 +57,7 @@ class PressController(QObject):
     def __init__(
         self,
         dock: QDockWidget,
-        frame: Callable[[], object],
+        viewport: Viewport,
         session: Session,
         parts: ActiveParts,
         choose_tool: Callable[[Tool], object],
@@ -67,7 +69,7 @@ class PressController(QObject):
         super().__init__(dock)
         self._dock, self._session, self._parts = dock, session, parts
         self._choose_tool, self._give_up, self._wall = choose_tool, cancel_drag, wall
-        self._memory, self._notice, self._frame = preferences, notice, frame
+        self._memory, self._notice, self._viewport = preferences, notice, viewport
         self._axis, self._began = 0, 0.0
         self.charts = PressCharts(session, wall)
         self.panel = panel = TimelinePanel()
@@ -108,6 +110,14 @@ class PressController(QObject):
         self.refresh()
         self.panel.end.setFocus()
         self.panel.end.selectAll()
+
+    def _frame(self) -> None:
+        """Frame mesh and plates."""
+        state = self._session.store.state
+        boxes = [box for find in self._viewport.more_boxes if (box := find())]
+        if state is not None:
+            corners = [np.array(box).reshape(3, 2).T[list(k), range(3)] for box in boxes for k in _CORNERS]
+            self._viewport.camera_controller.frame(np.vstack([state.frame.U, *corners]))
 
     def _put_plates(self, axis: int) -> bool:
         """Put the plates on both sides along an axis, instead of those there."""
@@ -153,8 +163,8 @@ class PressController(QObject):
         documents = self._required_pair().documents_to(state, distance, steps)
         self._end_replay()
         self._began = time.monotonic()
-        self.charts.reach = self._required_pair().first_distance(state.document) - distance
         self._session.player.play(title, documents)
+        self.charts.reach = self._required_pair().first_distance(state.document) - distance
         self._dock.window().setFocus()
 
     def _required_pair(self) -> PlatePair:
