@@ -70,6 +70,8 @@ def press_parser() -> Parser:
     add_criteria(parser, DISTURBANCE)
     _add_wall_options(parser)
     add_option(parser, "--release", tr("open the plates again in the end, and write what remains"))
+    about = tr("mesh file to write as well: the shape before the plates open again")
+    add_option(parser, "--crushed C", about)
     about = tr("at most so many a step; default: %(default)s")
     add_option(parser, "--iterations N", about, type=int, default=DEFAULT_ITERATIONS)
     add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
@@ -121,10 +123,12 @@ def parse_distance(text: str, extent: float) -> float:
 
 def _press(options: argparse.Namespace) -> None:
     output = check_mesh_path(options.output)
-    check_files([output, options.curve, options.figure, options.report])
+    crushed = check_mesh_path(options.crushed) if options.crushed else None
+    check_files([output, crushed, options.curve, options.figure, options.report])
     axis = parse_axis(options.axis)
     mesh, start, unit = _press_input(options.mesh, options.weld)
-    check_shapes(mesh, output, np.ones(len(mesh.V), dtype=bool))
+    for path in filter(None, (output, crushed)):
+        check_shapes(mesh, path, np.ones(len(mesh.V), dtype=bool))
     wall = _wall(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
@@ -168,6 +172,8 @@ def _press(options: argparse.Namespace) -> None:
         if options.report:
             said = json.dumps(press_report(mesh, rest, found, settings, wall, newtons), indent=2)
             beside.enter_context(replacing_file(options.report)).write_text(said + "\n", encoding="utf-8")
+        if crushed:
+            save_mesh(mesh, found.steps[-1].U, crushed, wall.unit.symbol)
         save_mesh(mesh, found.U, output, wall.unit.symbol)
     print("\n".join([press_summary(found, rest, output, wall, newtons, extent), *mesh_remarks(mesh)]))
 

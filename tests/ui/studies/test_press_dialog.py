@@ -7,6 +7,7 @@ import re
 import shutil
 from contextlib import redirect_stdout
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -349,11 +350,14 @@ def test_wall_fields_hand_creases_and_release_to_the_command(asked):
     plain = options(dialog)
     assert plain.yield_radius is None
     assert not plain.release
+    assert plain.crushed is None
+    assert dialog.run.mesh == "pressed.obj"
     dialog.wall.radius.setText("6")
     dialog.wall.release.click()
     creased = options(dialog)
     assert float(creased.yield_radius) == pytest.approx(6.0)
     assert creased.release
+    assert Path(creased.crushed).name == dialog.run.mesh == "crushed.obj"
 
 
 @pytest.mark.parametrize(
