@@ -187,7 +187,7 @@ def test_architecture_rules_are_kept_by_the_program():
 CORE = {"widgets", "preferences", "scene", "tools", "filing", "overlays", "plots"}
 FEATURES = {
     *("measuring", "posing", "target", "obstacles", "compare", "sharing"),
-    *("studies", "settings_page"),
+    *("simulate", "studies", "settings_page"),
 }
 # Features that another one knows: the ends of a range are shown as ghosts.
 NEIGHBOURS = {"studies": {"posing"}}

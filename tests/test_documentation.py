@@ -22,7 +22,7 @@ PAGES = sorted(
 )
 TEXTS = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in PAGES}
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
-MENUS = r"File|Edit|Tools|Select|Handle|View|Help"
+MENUS = r"File|Edit|Tools|Select|Handle|Simulate|View|Help"
 
 
 def found(pattern, flags=re.DOTALL):

@@ -70,6 +70,8 @@ def press_parser() -> Parser:
     add_criteria(parser, DISTURBANCE)
     _add_wall_options(parser)
     add_option(parser, "--release", tr("open the plates again in the end, and write what remains"))
+    about = tr("mesh file to write as well: the shape before the plates open again")
+    add_option(parser, "--crushed C", about, type=Path)
     about = tr("at most so many a step; default: %(default)s")
     add_option(parser, "--iterations N", about, type=int, default=DEFAULT_ITERATIONS)
     add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
@@ -120,16 +122,17 @@ def parse_distance(text: str, extent: float) -> float:
 
 
 def _press(options: argparse.Namespace) -> None:
-    written = [options.output, options.curve, options.figure, options.report]
+    meshes = [path for path in (options.output, options.crushed) if path]
+    written = [*meshes, options.curve, options.figure, options.report]
     if not any(written):
         raise InputError(tr("Nothing would be written; add -o, --curve, --figure or --report."))
-    if options.output:
-        check_mesh_path(options.output)
+    for path in meshes:
+        check_mesh_path(path)
     check_files(written)
     axis = parse_axis(options.axis)
     mesh, start, unit = _press_input(options.mesh, options.weld)
-    if options.output:
-        check_shapes(mesh, options.output, np.ones(len(mesh.V), dtype=bool))
+    for path in meshes:
+        check_shapes(mesh, path, np.ones(len(mesh.V), dtype=bool))
     wall = _wall(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
@@ -173,6 +176,8 @@ def _press(options: argparse.Namespace) -> None:
         if options.report:
             said = json.dumps(press_report(mesh, rest, found, settings, wall, newtons), indent=2)
             beside.enter_context(replacing_file(options.report)).write_text(said + "\n", encoding="utf-8")
+        if options.crushed:
+            save_mesh(mesh, found.steps[-1].U, options.crushed, wall.unit.symbol)
         if options.output:
             save_mesh(mesh, found.U, options.output, wall.unit.symbol)
     first = next(path for path in written if path)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 # Tolerance for a reached obstacle position, relative to the longest side of the mesh.
 _THERE = 1e-4
 # Negligible load relative to the longest side, for a stiffness of 1: the tail of the barrier.
-_NO_LOAD = 1e-9
+NO_LOAD = 1e-9
 _DIGITS = 8  # digits of numbers for repeating the deformation
 _ESTIMATED = 2  # digits of estimates
 _ALWAYS = 0.95  # factors between this and its inverse are not reported
@@ -47,7 +47,7 @@ def load_text(state: State, k: int) -> str:
     if not state.is_contact_active or len(loads) != len(state.document.obstacles):
         return ""
     force = float(np.linalg.norm(loads[k]))
-    if force <= _NO_LOAD * float(max(state.inspection.size)):
+    if force <= NO_LOAD * float(max(state.inspection.size)):
         return ""
     if not state.frame.settled:  # before convergence the force may be hundreds of times larger
         return tr("touched")

@@ -25,6 +25,7 @@ from apd_viewer.session.model import status_text
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import selection_of, with_selection
 from apd_viewer.session.model.state import State, initial_state
+from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
@@ -134,6 +135,19 @@ class FileJobs:
 
         title = tr("Writing {name}").format(name=path.name)
         self._jobs.run(title, write, self._listener.message_sent, can_be_cancelled=False)
+
+    def export_timeline(self, path: str | Path, timeline: Timeline) -> None:
+        """Export the steps of a timeline as a table or an animation, in the background."""
+        path = Path(path)
+
+        def write() -> str:
+            # Imported here so that the first picture does not wait for numba.
+            from apd_viewer.session.storage.timeline_file import write_timeline
+
+            write_timeline(timeline, path)
+            return tr("Saved {name}.").format(name=path.name)
+
+        self._write(tr("Writing {name}").format(name=path.name), write)
 
     def export_deck(self, path: str | Path, view: View) -> None:
         """Write an FE deck from the rest shape to the poses in the background."""

@@ -34,12 +34,13 @@ class Gestures:
         self.state_before = self._store.required_state()
         self._store.begin_trace()
 
-    def end(self, name: str) -> None:
-        """End the gesture, and record it if the document changed."""
+    def end(self, name: str | None) -> None:
+        """End the gesture, and record it if the document changed and it has a name."""
         before, self.state_before = self.state_before, None
         if before is not None:
             self._store.trace.mark_release()
-        if before is not None and before.document is not self._store.required_state().document:
+        changed = before is not None and before.document is not self._store.required_state().document
+        if before is not None and changed and name is not None:
             self._remember(name, before)
 
     def cancel(self) -> None:

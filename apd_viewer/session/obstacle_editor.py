@@ -10,8 +10,9 @@ from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import next_name, unique_name
+from apd_viewer.session.model.document_parts import next_name, unique_name, without_holds
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
+from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS, plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.posing import obstacle_placement
 from apd_viewer.session.quantities.units import Unit
@@ -66,17 +67,45 @@ class ObstacleEditor(DocumentEditor):
 
     def add_plates(self, axis: np.ndarray, thickness: float | None = None) -> int | None:
         """Add two plates touching the shape on both sides along ``axis`` (3,)."""
-        state, apart = self._gestures.state_without_gesture(), self._contact_distance(thickness)
-        taken, plates = [each.name for each in state.document.obstacles], []
+        document = self._gestures.state_without_gesture().document
+        return self._add(
+            tr("Put plates on both sides"), self._side_plates(document, axis, thickness), thickness
+        )
+
+    def put_press(self, axis: np.ndarray, thickness: float | None = None) -> int | None:
+        """Put two plates on both sides that press a mesh without base and handles.
+
+        A pair of plates that is there goes; walls without stiffness, which would crumple, get one.
+        """
+        document = without_holds(self._gestures.state_without_gesture().document)
+        pair = plate_pair(document)
+        kept = tuple(each for k, each in enumerate(document.obstacles) if pair is None or k not in pair[:2])
+        stiffness = document.settings.stiffness or PROPOSED_STIFFNESS
+        document = replace(document.with_settings(stiffness=stiffness), obstacles=kept)
+        plates = self._side_plates(document, axis, thickness)
+        return self._add(tr("Put plates on both sides"), plates, thickness, document)
+
+    def _side_plates(
+        self, document: Document, axis: np.ndarray, thickness: float | None
+    ) -> tuple[NamedObstacle, ...]:
+        state, apart = self._store.required_state(), self._contact_distance(thickness)
+        taken, plates = [each.name for each in document.obstacles], []
         for side in (1.0, -1.0):
             name = obstacle_placement.obstacle_name(ObstacleKind.PLATE, taken)
             taken.append(name)
             plates.append(obstacle_placement.touching_plate(name, side * np.asarray(axis), state, apart))
-        return self._add(tr("Put plates on both sides"), tuple(plates), thickness)
+        return tuple(plates)
 
-    def _add(self, gesture: str, new: tuple[NamedObstacle, ...], thickness: float | None) -> int | None:
+    def _add(
+        self,
+        gesture: str,
+        new: tuple[NamedObstacle, ...],
+        thickness: float | None,
+        document: Document | None = None,
+    ) -> int | None:
+        """Add obstacles to the current document, or to one made of it."""
         state = self._gestures.state_without_gesture()
-        document = state.document
+        document = document or state.document
         if not document.settings.traits.may_use_contact:
             self._listener.failed(
                 tr("The method {method} knows no contact; choose another one first.").format(

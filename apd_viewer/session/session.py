@@ -21,6 +21,7 @@ from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.shape_checks import ShapeChecks
 from apd_viewer.session.shape_editor import ShapeEditor
 from apd_viewer.session.state_store import Activity, Listener, StateStore, with_followers
+from apd_viewer.session.timeline_player import TimelinePlayer
 from apd_viewer.session.typed_values import TypedValues
 
 
@@ -51,6 +52,7 @@ class Session:
         self.measurement_readings = MeasurementReadings(store, gestures, listener)
         self.jobs = Jobs(listener.wake, listener.failed, listener.message_sent, listener.status_changed)
         self.typed_values = TypedValues(store)
+        self.player = TimelinePlayer(store, gestures, listener)
         self.shapes = ShapeEditor(store, gestures, self.jobs, listener)
         self.saved_work = SavedWork(store, gestures, listener)
         self.files = FileJobs(store, gestures, self.saved_work, self.jobs, listener)
@@ -60,6 +62,7 @@ class Session:
             self.measurement_readings.follow_state,
             self.shape_checks.follow_state,
             self.autosave.follow_state,
+            self.player.follow_state,
         ]
         gestures.history.entries_dropped = self._make_room
 
@@ -67,6 +70,7 @@ class Session:
         """Receive results of the worker and of background jobs; call it when woken."""
         self.jobs.receive()
         self.store.receive()
+        self.player.receive()
         self.autosave.receive()
         if self.jobs.current is None:  # writes by this program are no external changes
             self.saved_work.receive()

@@ -112,6 +112,14 @@ class StateStore:
             self.trace.begin(state)
         self._ask_and_show(state, not state.frame.settled, from_grip)
 
+    def show(self, state: State) -> None:
+        """Display a state while the solver stands still; discard its frames."""
+        if self.activity is Activity.REFINING:
+            self.pause_or_resume()
+        self.activity = Activity.IDLE
+        self._generation += 1
+        self.set_state(state)
+
     def set_document(self, document: Document) -> None:
         """Replace the document; the shape is unchanged."""
         self.set_state(self.required_state().updated(document))

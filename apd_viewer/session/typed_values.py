@@ -1,6 +1,7 @@
 """Vertices, lengths and points typed by the user, evaluated on the open mesh."""
 
 import re
+from contextlib import suppress
 
 import numpy as np
 
@@ -26,6 +27,13 @@ class TypedValues:
         """Parse a length, mesh units."""
         names = self._store.required_state().document.mesh.named_lengths
         return parse_length(unambiguous_text(text), self._store.unit, names)
+
+    def parse_share_or_length(self, text: str, extent: float) -> float:
+        """Parse a length, or a number for a percentage of an extent; mesh units."""
+        text = unambiguous_text(text).strip()
+        with suppress(InputError):
+            return parse_number(text.removesuffix("%"), {}) / 100.0 * extent
+        return self.parse_length(text)
 
     def parse_point(self, text: str) -> np.ndarray:
         """Parse a point (3,) from its coordinates."""

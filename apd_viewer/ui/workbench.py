@@ -38,6 +38,7 @@ from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
 from apd_viewer.ui.settings_page.settings_dialog import SettingsPage
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.simulate.press_controller import PressController
 from apd_viewer.ui.studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.studies.run_controller import RunController
 from apd_viewer.ui.target.target_controller import TargetController
@@ -121,6 +122,17 @@ class Workbench(QObject):
             self.volume.wall_thickness,
         )
         self.edits.nudge_obstacle = self.obstacles.nudge
+        self.press = PressController(
+            self.docks["timeline"],
+            canvas.viewport,
+            session,
+            self.parts,
+            self.tools.choose_tool,
+            self.edits.cancel_drag,
+            lambda: self.panel.measures.wall,
+            memory,
+            notice,
+        )
         self.motion_preview = MotionPreview(canvas, self.panel.handles.motion, session, self.parts)
         self.symmetry = SymmetryController(
             self.panel.handles.symmetry, session, self.parts, self.edits.cancel_drag
@@ -176,6 +188,7 @@ class Workbench(QObject):
             measurements=self.measurements,
             obstacles=self.obstacles,
             findings=self.findings,
+            press=self.press,
             runs=self.runs,
             case_studies=self.case_studies,
             comparison=self.comparison,
@@ -207,6 +220,7 @@ class Workbench(QObject):
         for change in (signals.changed, signals.measured):
             change.connect(self.measurements.refresh)
         signals.changed.connect(self.obstacles.refresh)
+        signals.status_changed.connect(self.press.refresh)
         self.display_options.cutting_plane.measure_requested.connect(self.measurements.add_section)
         self.parts.changed.connect(self._show_parts)
         session_signals.connect_settings(self.panel, self.session)
@@ -259,6 +273,7 @@ class Workbench(QObject):
             self.comparison.set_unit(unit)
             self.measurements.refresh()
             self.obstacles.refresh()
+            self.press.refresh()
             self.panel.show_in_unit(unit, state, self.parts.handle, self.parts.region)
             self.volume.update_wall_distance()
             self.status.show_session(self.session)
@@ -366,7 +381,7 @@ class Workbench(QObject):
     def _set_theme(self, theme: Theme) -> None:
         over = self.notice, self.recovery, self.findings.list, self.help, self.display_options
         bars = self.mode_bar, self.kind_bar
-        for part in (self.plots, self.comparison, self.case_studies, *over, *bars):
+        for part in (self.plots, self.press, self.comparison, self.case_studies, *over, *bars):
             part.set_theme(theme)
 
     # Closing the window
@@ -385,6 +400,7 @@ class Workbench(QObject):
         self.findings.close()
         self.recovery.postpone_all()
         self.plots.join_thread()
+        self.press.close()
         self.display_options.close()
         self.target.close()
         self.runs.close_all()

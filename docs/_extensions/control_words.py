@@ -179,6 +179,13 @@ GROUPS = (
         "Curves that follow the shape (`Ctrl+P`). See [See what has changed](../howto/look.md#plots).",
     ),
     Group(
+        "TimelinePanel",
+        _BELOW,
+        "Press and timeline",
+        "Two plates that close on the mesh before your eyes, and every step that was solved (`Shift+K`). "
+        "See [Press between plates](../howto/press.md).",
+    ),
+    Group(
         "ResultsPanel",
         _BELOW,
         "Study results",

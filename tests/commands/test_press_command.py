@@ -410,11 +410,15 @@ def test_press_command_writes_what_remains_of_creases(press, tmp_path, radius):
     words = "--axis", "z", "--to", "60%", "--steps", 2, "--stiffness", 0.002, "--release"
     curve, report = tmp_path / "c.csv", tmp_path / "r.json"
     words += () if radius is None else ("--yield-radius", radius)
-    status, said, _, out = press(ball, *words, "--curve", curve, "--report", report)
+    crushed = tmp_path / "crushed.off"
+    status, said, _, out = press(ball, *words, "--curve", curve, "--report", report, "--crushed", crushed)
     assert status == 0
     lines, found = rows(curve), json.loads(report.read_text(encoding="utf-8"))
     assert [line["opening"] for line in lines][:4] == [0, 0, 0, 1]
     assert max(lines[-1]["load_low"], lines[-1]["load_high"]) <= 1e-9 * lines[2]["load_low"]
+    between = trimesh.load(crushed, process=False)
+    assert between.volume == pytest.approx(lines[2]["volume"], rel=1e-9)
+    assert np.ptp(between.vertices[:, 2]) == pytest.approx(1.2, abs=0.01)
     volume = trimesh.load(out, process=False).volume
     assert found["volume"] == pytest.approx(volume, rel=1e-9)
     assert "remain" in said

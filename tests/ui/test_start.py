@@ -118,12 +118,12 @@ def test_window_menus_have_no_entry_without_effect(early):
 
 def test_window_menus_keep_a_menu_open_that_is_open_at_the_start(qtbot, early):
     bar = early.menuBar()
-    bar.setActiveAction(bar.actions()[5])
-    assert menus(early)[5].isVisible()
+    bar.setActiveAction(bar.actions()[6])
+    assert menus(early)[6].isVisible()
     window = Workbench(early)
-    qtbot.waitUntil(lambda: bar.actions()[5].menu().isVisible())
-    assert window.actions_.view.findings in bar.actions()[5].menu().actions()
-    bar.actions()[5].menu().close()
+    qtbot.waitUntil(lambda: bar.actions()[6].menu().isVisible())
+    assert window.actions_.view.findings in bar.actions()[6].menu().actions()
+    bar.actions()[6].menu().close()
 
 
 def test_build_workbench_starts_nothing_in_a_window_closed_before_the_start(early):
@@ -276,7 +276,7 @@ def built(*given, build=application.build_workbench):
     def look():
         if not stage and session.store.state is not None and session.jobs.current is None:
             session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
-            workbench.actions_.pose.press.trigger()
+            workbench.actions_.simulate.press.trigger()
             workbench.runs.dialogs["press"].run.start.click()
             stage.append("presses")
         kept = list(given[1].glob("*.apd")) and list(own.glob("apd-viewer-*/results"))

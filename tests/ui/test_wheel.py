@@ -162,7 +162,7 @@ def paper(window):
 
 def comparison(window):
     window.session.handles.move_by(MOTIONS["TWIST"], "20deg", 0)
-    window.actions_.pose.compare.trigger()
+    window.actions_.simulate.compare.trigger()
     return window.comparison.window
 
 

@@ -63,6 +63,16 @@ def without_paint(document: Document) -> Document:
     return document.with_label(every, FREE).with_region_number(every, 0)
 
 
+def without_holds(document: Document) -> Document:
+    """Document in which nothing is base or handle; regions stay."""
+    handles = tuple(
+        replace(handle.relative_to_rest.with_pose(IDENTITY), former_twist_axis=None)
+        for handle in document.handles
+    )
+    labels = frozen(np.full_like(document.labels, FREE))
+    return replace(document, labels=labels, grip=document.mesh.V, handles=handles)
+
+
 def without_handle(document: Document, k: int) -> Document:
     """Document without handle ``k``; its vertices become free."""
     left = document.handles[:k] + document.handles[k + 1 :]

@@ -12,10 +12,10 @@ from apd_viewer.ui.actions.edit_controller import EditController
 from apd_viewer.ui.actions.file_actions import FileActions
 from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
+from apd_viewer.ui.actions.simulate_actions import SimulateActions
 from apd_viewer.ui.actions.view_actions import DisplayActions, ViewActions
 from apd_viewer.ui.actions.window_menus import WindowMenus
 from apd_viewer.ui.measuring.measure_controller import MeasureActions
-from apd_viewer.ui.obstacles.obstacle_actions import ObstacleActions
 from apd_viewer.ui.preferences.action_maker import ActionMaker, connect_action, without_mnemonic
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.widgets.display_names import menu_text
@@ -41,7 +41,7 @@ class Actions:
         self.measurements = MeasureActions(self._maker, commands.measurements)
         self.select = SelectActions(self._maker, commands)
         self.pose = PoseActions(self._maker, commands)
-        self.obstacles = ObstacleActions(self._maker, commands.obstacles)
+        self.simulate = SimulateActions(menus, commands)
         self.view = ViewActions(menus, commands)
         self.display = DisplayActions(self._maker, commands.display_options)
         self.help = help_actions(self._maker, commands)
@@ -59,7 +59,15 @@ class Actions:
         self.settings.setMenuRole(QAction.MenuRole.PreferencesRole)  # in the application menu on macOS
 
     def _fill(
-        self, file: QMenu, edit: QMenu, tools: QMenu, select: QMenu, handle: QMenu, view: QMenu, helps: QMenu
+        self,
+        file: QMenu,
+        edit: QMenu,
+        tools: QMenu,
+        select: QMenu,
+        handle: QMenu,
+        simulate: QMenu,
+        view: QMenu,
+        helps: QMenu,
     ) -> None:
         self.file.fill(file)
         edit.addActions([self.undo, self.redo])
@@ -70,14 +78,14 @@ class Actions:
         tools.addActions(list(self.tools.values()))
         self.measurements.fill(tools)
         self.select.fill(select)
-        self.pose.fill(handle, self.obstacles)
+        self.pose.fill(handle)
+        self.simulate.fill(simulate)
         self.view.fill(view, self.display)
         helps.addActions(list(self.help.values()))
 
     def set_available(self, is_open: bool, is_at_rest: bool) -> None:
         """Enable the actions possible with an open mesh, at rest or deformed."""
-        studies = [self.pose.compare, self.pose.sweep, self.pose.study, self.pose.press]
-        own = [*self.file.mesh_actions, *studies, self.pose.symmetric, *self.obstacles.mesh_actions]
+        own = [*self.file.mesh_actions, *self.simulate.mesh_actions, self.pose.symmetric]
         for action in (*own, *self.select.files, *self.select.changes):
             action.setEnabled(is_open)
         for action in (self.reset, self.bake):

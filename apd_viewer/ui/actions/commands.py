@@ -15,6 +15,7 @@ from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
 from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.sharing.report_controller import ReportController
+from apd_viewer.ui.simulate.press_controller import PressController
 from apd_viewer.ui.studies.case_study_controller import CaseStudyController
 from apd_viewer.ui.studies.run_controller import RunController
 from apd_viewer.ui.target.target_controller import TargetController
@@ -37,6 +38,7 @@ class Commands:
     measurements: MeasureController
     obstacles: ObstacleController
     findings: FindingsController
+    press: PressController
     runs: RunController
     case_studies: CaseStudyController
     comparison: CompareController

@@ -7,7 +7,6 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.commands import Commands
-from apd_viewer.ui.obstacles.obstacle_actions import ObstacleActions
 from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.tools.gizmo_drag import GizmoOrientation
 
@@ -62,14 +61,6 @@ class PoseActions:
             make("next_pose", tr("&Next pose"), "redo", onwards, ".", partial(poses.step_pose, 1)),
             make("previous_pose", tr("&Previous pose"), "undo", back, ",", partial(poses.step_pose, -1)),
         ]
-        self.compare = make(
-            "compare_methods",
-            tr("&Compare methods…"),
-            "methods",
-            tr("Compare the methods side by side in this pose, with a table of measurements"),
-            "Ctrl+Shift+M",
-            commands.comparison.open,
-        )
         pick = tr("Click the point of the mesh to rotate the handle about")
         enter = tr("Enter the coordinates of the point to rotate the handle about")
         title, centre = tr("Set pivot b&y coordinates…"), tr("Rotate about the centre of the handle")
@@ -78,18 +69,6 @@ class PoseActions:
             make("type_pivot", title, "pivot", enter, "Ctrl+Shift+V", editing.open_pivot_entry),
             make("centre_pivot", tr("&Pivot at centre"), "pivot", centre, "Shift+P", editing.centre_pivot),
         ]
-        tip = tr("Plot area, volume and energy along the motion")
-        self.sweep = make("sweep", tr("&Sweep…"), "sweep", tip, None, commands.runs.open_sweep)
-        tip = tr("Compute many variants of this deformation, and compare what comes of them")
-        self.study = make("study", tr("Study…"), "study", tip, None, commands.case_studies.design_study)
-        tip = tr("Press the mesh at rest between two plates, and plot load and volume")
-        self.press = make("press", tr("Press &between plates…"), "press", tip, None, commands.runs.open_press)
-        tip = tr("Pause the solver, or let it continue")
-        self.pause = make(
-            "pause", tr("Pause or c&ontinue solving"), "pause", tip, "Space", commands.pause_or_resume
-        )
-        self.pause.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # Space also presses buttons
-        commands.canvas.viewport.addAction(self.pause)
         self.nudges = []
         for title, tip, way, key, step in _NUDGES:
             name, command = f"nudge:({step[0]},{step[1]},{step[2]})", partial(editing.nudge, step)
@@ -113,8 +92,8 @@ class PoseActions:
         self.symmetric.setChecked(on)
         self.symmetric.blockSignals(False)
 
-    def fill(self, menu: QMenu, obstacles: ObstacleActions) -> None:
-        """Add the pose and obstacle actions to a menu."""
+    def fill(self, menu: QMenu) -> None:
+        """Add the actions to a menu."""
         menu.addActions(self.part_actions)
         menu.addSeparator()
         menu.addActions([self.enter_motion, self.reset_handle, self.symmetric, *self.pivots])
@@ -122,8 +101,5 @@ class PoseActions:
         self.nudge.addActions(self.nudges)
         self.poses = menu.addMenu(tr("Name&d poses"))
         self.poses.addActions(self.named_poses)
-        obstacles.fill(menu)
         menu.addSeparator()
         menu.addActions(list(self.orientations.values()))
-        menu.addSeparator()
-        menu.addActions([self.pause, self.compare, self.sweep, self.study, self.press])

@@ -52,6 +52,8 @@ class WindowMenus:
         self.reset = make("reset", tr("Re&set all handles"), "reset", tip, "Ctrl+R")
         self.frame = make("frame", tr("&Frame mesh"), "frame", tr("Zoom to the whole mesh"), "F", frame)
         self.quit = make("quit", tr("&Quit"), "quit", tr("Close the window"), _KEYS.Quit, window.close)
+        tip = tr("Press the mesh between two plates before your eyes, and go back to any step")
+        self.press_live = make("press_live", tr("&Press"), "press-live", tip, "Shift+K")
         self.tools = {tool: self._make_tool(tool) for tool in Tool}
         self.maker.make_exclusive(self.tools.values())
         self.tools[FIRST_TOOL].setChecked(True)
@@ -74,6 +76,7 @@ class WindowMenus:
             tr("&Tools"): self.tools.values(),
             tr("&Select"): [more],
             tr("H&andle"): [more],
+            tr("Si&mulate"): [more],
             tr("&View"): [self.frame, more, *panels],
             tr("&Help"): [more],
         }
@@ -86,7 +89,8 @@ class WindowMenus:
         bar = QToolBar(tr("Tools"), window, objectName="tools", movable=False, iconSize=ICON_SIZE)
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         steps = self.undo, self.redo, self.reset
-        for group in ((self.open, self.export), self.tools.values(), steps, (self.frame,)):
+        tools = *self.tools.values(), self.press_live
+        for group in ((self.open, self.export), tools, steps, (self.frame,)):
             if bar.actions():
                 bar.addSeparator()
             bar.addActions(list(group))
@@ -94,7 +98,7 @@ class WindowMenus:
         return bar
 
     def empty_menus(self) -> list[QMenu]:
-        """The menus File, Edit, Tools, Select, Handle, View and Help, now empty."""
+        """The menus File, Edit, Tools, Select, Handle, Simulate, View and Help, now empty."""
         for menu in self._menus:
             menu.clear()
         return self._menus

@@ -1,5 +1,6 @@
 """Dialogs to choose files, and the About box."""
 
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
@@ -57,11 +58,15 @@ def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
 
 def ask_where_to_save_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Ask where to save a selection; None if cancelled."""
-    filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
-    path, chosen = QFileDialog.getSaveFileName(
-        parent, tr("Save selection"), str(folder / f"{mesh.stem}-selection.json"), ";;".join(filters.values())
-    )
-    if not path or Path(path).suffix.lower() in SELECTION_FORMATS:
+    proposed = folder / f"{mesh.stem}-selection.json"
+    return ask_for_format(parent, tr("Save selection"), proposed, SELECTION_FORMATS)
+
+
+def ask_for_format(parent: QWidget, title: str, proposed: Path, kinds: Sequence[str]) -> Path | None:
+    """Ask for a path with the suffix of one of several formats; None if cancelled."""
+    filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in kinds}
+    path, chosen = QFileDialog.getSaveFileName(parent, title, str(proposed), ";;".join(filters.values()))
+    if not path or Path(path).suffix.lower() in kinds:
         return Path(path) if path else None
     return _confirmed_path(parent, path, next(kind for kind, name in filters.items() if name == chosen))
 

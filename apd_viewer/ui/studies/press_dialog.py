@@ -21,6 +21,7 @@ from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.presentation.number_format import format_editable, format_short
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text
@@ -35,7 +36,6 @@ from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, TextField
 
 _AXES = "xyz"
-_PROPOSED_STIFFNESS = 0.001
 
 
 class PressDialog(RunDialog):
@@ -50,7 +50,7 @@ class PressDialog(RunDialog):
     def __init__(self, window: QWidget, state: State, view: View, preferences: Preferences) -> None:
         document, unit = state.document, Unit(view.unit)
         mesh = document.mesh
-        self._pressed = f"pressed{suffix_for(mesh)}"
+        self._pressed, self._crushed = (f"{name}{suffix_for(mesh)}" for name in ("pressed", "crushed"))
         run = RunBar(tr("Press"), f"{mesh.stem}-press", preferences, self._pressed)
         title = tr("Press between plates – {name}").format(name=window_title_text(mesh.name))
         super().__init__(window, title, run, "press.png", tr("Curves of load and volume"))
@@ -114,7 +114,7 @@ class PressDialog(RunDialog):
 
     def _make_stiffness(self) -> QHBoxLayout:
         own = self._document.settings.stiffness
-        value = own or _PROPOSED_STIFFNESS
+        value = own or PROPOSED_STIFFNESS
         self.stiffness = NumberField(
             brief=True, accessibleName=tr("Stiffness"), minimum=0.0, maximum=1.0, decimals=5, value=value
         )
@@ -179,7 +179,9 @@ class PressDialog(RunDialog):
         except InputError as error:
             self.run.show_failure(str(error))
             return
-        flags = ["--release"] if self.wall.release.isChecked() else []
+        opens = self.wall.release.isChecked()
+        flags = ["--release"] if opens else []
+        self.run.mesh = self._crushed if opens else self._pressed
         from_current = self.from_current.isChecked()
         mesh = self._document.mesh
 
@@ -196,6 +198,8 @@ class PressDialog(RunDialog):
                 "--figure": "press.png",
                 "--report": "report.json",
             }
+            if opens:
+                files["--crushed"] = self._crushed
             asked = options | {option: str(results / name) for option, name in files.items()}
             return ["press", str(source), *flags, *(word for pair in asked.items() for word in pair)]
 

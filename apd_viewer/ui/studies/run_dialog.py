@@ -152,7 +152,7 @@ class RunBar(QWidget):
 
     def __init__(self, start: str, name: str, preferences: Preferences, mesh: str = "") -> None:
         super().__init__()
-        self._name, self._mesh = name, mesh
+        self._name, self.mesh = name, mesh
         self._memory = preferences
         self.scratch_folder: Path | None = None
         self._beside: Path | None = None
@@ -275,7 +275,7 @@ class RunBar(QWidget):
         self.save.setVisible(there and self._saved is None)
         saved = not on and self._saved is not None
         self.open.setVisible(saved)
-        self.open_mesh.setVisible(saved and bool(self._mesh))
+        self.open_mesh.setVisible(saved and bool(self.mesh))
         self.busy_changed.emit(on)
 
     # Saving
@@ -307,7 +307,7 @@ class RunBar(QWidget):
 
     def _ask_for_mesh(self) -> None:
         if self._saved is not None:
-            self.mesh_requested.emit(self._saved / self._mesh)
+            self.mesh_requested.emit(self._saved / self.mesh)
 
     def _open(self) -> None:
         if self._saved is not None:

@@ -12,7 +12,7 @@ def draw(stage: Stage) -> QImage:
     """Press a can to 60 percent of its width, and wait for the curves."""
     stage.open_mesh(Mesh(*can(*((24, 14) if stage.quick else (48, 32)))))
     stage.window.choose_unit(Unit.CENTIMETRE)
-    stage.window.actions_.pose.press.trigger()
+    stage.window.actions_.simulate.press.trigger()
     dialog = stage.window.runs.dialogs["press"]
     dialog.to.setValue(60)
     dialog.steps.setValue(2 if stage.quick else 16)

@@ -69,7 +69,7 @@ def bent(qtbot, window):
 
 
 def opened(qtbot, window):
-    window.actions_.pose.compare.trigger()
+    window.actions_.simulate.compare.trigger()
     side = window.comparison.window
     qtbot.waitExposed(side)
     return side
@@ -388,7 +388,7 @@ def test_comparison_window_measures_lengths_in_the_unit_that_is_chosen_for_the_m
 
 
 def test_comparing_says_what_is_missing(qtbot, window):
-    action = window.actions_.pose.compare
+    action = window.actions_.simulate.compare
     assert not action.isEnabled()
     window.files.show_mesh(Mesh(*box(2, 2, 6)))
     idle(qtbot, window)

@@ -79,7 +79,7 @@ def held(qtbot, bottle):
 @pytest.fixture
 def floored(held):
     """With a floor, in the hand."""
-    held.actions_.obstacles.floor.trigger()
+    held.actions_.simulate.obstacles.floor.trigger()
     return held
 
 
@@ -141,14 +141,14 @@ def test_obstacle_section_places_the_obstacle_of_another_button_instead(qtbot, h
 
 def test_obstacle_placer_gives_up_by_esc_and_with_another_tool(qtbot, held):
     window, view = held, held.canvas.viewport
-    window.actions_.obstacles.kinds[CYLINDER].trigger()
+    window.actions_.simulate.obstacles.kinds[CYLINDER].trigger()
     Mouse(view).move(middle(window))
     assert len(window.obstacles.scene.drawn_obstacles) == 1
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert window.obstacles.placer.kind is None
     assert window.obstacles.scene.drawn_obstacles == ()
     assert window.canvas.tool is Tool.MOVE
-    window.actions_.obstacles.kinds[PLATE].trigger()
+    window.actions_.simulate.obstacles.kinds[PLATE].trigger()
     qtbot.keyClick(window.shell, Qt.Key.Key_B)
     assert window.obstacles.placer.kind is None
     click(window, middle(window))
@@ -157,7 +157,7 @@ def test_obstacle_placer_gives_up_by_esc_and_with_another_tool(qtbot, held):
 
 def test_obstacle_placer_snaps_a_plate_to_an_axis_with_ctrl(held):
     window = held
-    window.actions_.obstacles.kinds[PLATE].trigger()
+    window.actions_.simulate.obstacles.kinds[PLATE].trigger()
     click(window, middle(window) + [20, 0], Qt.KeyboardModifier.ControlModifier)
     (plate,) = there(window)
     np.testing.assert_array_equal(np.sort(np.abs(plate.axis)), [0, 0, 1])
@@ -166,7 +166,7 @@ def test_obstacle_placer_snaps_a_plate_to_an_axis_with_ctrl(held):
 
 
 def test_obstacle_actions_put_and_remove_floor_and_plates(held):
-    window, actions = held, held.actions_.obstacles
+    window, actions = held, held.actions_.simulate.obstacles
     assert not actions.remove.isEnabled()
     actions.floor.trigger()
     actions.side_plates[0].trigger()
@@ -238,7 +238,7 @@ def test_obstacle_picker_takes_a_plate_by_a_click_and_a_drag_on_it_turns_the_cam
 
 def test_obstacle_picker_takes_and_moves_a_sphere_by_one_drag(held):
     window = held
-    window.actions_.obstacles.kinds[SPHERE].trigger()
+    window.actions_.simulate.obstacles.kinds[SPHERE].trigger()
     at = middle(window)
     click(window, at)
     window.parts.choose_obstacle(None)
@@ -287,7 +287,7 @@ def test_obstacle_fields_place_an_obstacle_anew_by_typed_numbers(qtbot, floored)
 
 def test_typed_field_tells_when_it_is_left_too_and_takes_a_wrong_text_back(qtbot, held):
     window, fields = held, held.panel.obstacles.fields
-    window.actions_.obstacles.kinds[CYLINDER].trigger()
+    window.actions_.simulate.obstacles.kinds[CYLINDER].trigger()
     click(window, middle(window))
     before = there(window)[0]
     fields.radius.setFocus()
@@ -355,7 +355,7 @@ def test_obstacle_section_says_that_obstacles_push_nothing_without_contact(qtbot
     assert "Paper" in section.note.text()
     assert section.contact.isHidden()
     assert window.obstacles.scene.drawn_obstacles[0].is_idle
-    window.actions_.obstacles.floor.trigger()
+    window.actions_.simulate.obstacles.floor.trigger()
     assert len(there(window)) == 1
     assert "contact" in window.notice.text
     qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
@@ -376,7 +376,7 @@ def test_obstacle_controller_shows_none_with_another_mesh(qtbot, floored):
 
 def test_obstacle_section_takes_and_renames_an_obstacle_by_its_row_and_the_brush_rests(qtbot, floored):
     window, section = floored, floored.panel.obstacles
-    window.actions_.obstacles.side_plates[2].trigger()
+    window.actions_.simulate.obstacles.side_plates[2].trigger()
     qtbot.keyClick(window.shell, Qt.Key.Key_H)
     assert window.canvas.tool is Tool.HANDLE
     assert not window.obstacles.gizmo.visible
@@ -429,7 +429,7 @@ def test_next_step_hint_knows_that_obstacles_suffice(qtbot, kept_window):
     idle(qtbot, kept_window)
     kept_window.tools.choose_tool(Tool.BASE)
     assert "base" in kept_window.invitation.text()
-    kept_window.actions_.obstacles.floor.trigger()
+    kept_window.actions_.simulate.obstacles.floor.trigger()
     assert "obstacle" in kept_window.invitation.text()
     kept_window.parts.choose_obstacle(None)
     assert kept_window.invitation.text() == "Click an obstacle to move it"
@@ -439,7 +439,7 @@ def test_next_step_hint_knows_that_obstacles_suffice(qtbot, kept_window):
 
 def test_obstacle_controller_dents_the_bottle_with_a_pushed_sphere_that_feels_a_load(qtbot, held):
     window, section = held, held.panel.obstacles
-    window.actions_.obstacles.kinds[SPHERE].trigger()
+    window.actions_.simulate.obstacles.kinds[SPHERE].trigger()
     click(window, middle(window))
     sphere = there(window)[0]
     rest = window.session.store.state.frame.U
@@ -465,7 +465,7 @@ def test_put_plates_presses_a_mesh_that_nothing_holds(qtbot, held):
     window.files.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
     window.tools.choose_tool(Tool.MOVE)
-    window.actions_.obstacles.side_plates[0].trigger()
+    window.actions_.simulate.obstacles.side_plates[0].trigger()
     assert document(window).paint_problem is None
     before = np.ptp(window.session.store.state.frame.U[:, 0])
     tip, way = arrow(window)

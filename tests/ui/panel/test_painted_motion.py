@@ -71,7 +71,7 @@ def test_handle_section_keeps_the_motion_of_the_first_handle_beside_a_new_one(qt
     window.session.files.save(tmp_path / "bottle.apd", window.view())
     idle(qtbot, window)
     assert readings.motion(open_session(tmp_path / "bottle.apd")[0], 0, Unit.NONE) == "twisted +20.0°"
-    window.actions_.pose.sweep.trigger()
+    window.actions_.simulate.sweep.trigger()
     assert window.runs.dialogs["sweep"].motion.currentText() == "current motion of the handles"
     window.runs.close_all()
 

@@ -189,7 +189,7 @@ def test_pictures_have_the_gizmo_where_it_stands_on_the_screen(still):
 
 
 def test_pictures_can_have_the_gizmo_of_an_obstacle(qtbot, still):
-    still.actions_.obstacles.floor.trigger()
+    still.actions_.simulate.obstacles.floor.trigger()
     idle(qtbot, still)
     assert still.obstacles.gizmo.visible
     assert not still.canvas.gizmo.visible

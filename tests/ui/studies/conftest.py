@@ -64,7 +64,7 @@ def bar(qtbot, twisted, solved):
 
 @pytest.fixture
 def dialog(qtbot, bar):
-    bar.actions_.pose.study.trigger()
+    bar.actions_.simulate.study.trigger()
     dialog = bar.case_studies.dialog
     qtbot.waitExposed(dialog)
     dialog.activateWindow()

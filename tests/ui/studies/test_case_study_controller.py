@@ -33,7 +33,7 @@ def studied(qtbot, bar, home):
     """Folder of a finished study, which the first test of results runs."""
     folder = home / "mesh-study"
     if not folder.exists():
-        bar.actions_.pose.study.trigger()
+        bar.actions_.simulate.study.trigger()
         qtbot.waitExposed(bar.case_studies.dialog)
         begin(bar.case_studies.dialog, folder)
         qtbot.waitUntil(lambda: finished(bar, CASES), timeout=180_000)

@@ -7,6 +7,7 @@ import re
 import shutil
 from contextlib import redirect_stdout
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -71,7 +72,7 @@ def ball(qtbot, window):
     """The dialog of a small ball with nothing painted, quick."""
     window.session.files.open_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
-    window.actions_.pose.press.trigger()
+    window.actions_.simulate.press.trigger()
     dialog = window.runs.dialogs["press"]
     dialog.steps.setValue(2)
     dialog.to.setValue(80)
@@ -104,7 +105,7 @@ def texts(choice):
 
 
 def test_run_controller_press_takes_any_mesh_even_if_nothing_is_painted(qtbot, window):
-    action = window.actions_.pose.press
+    action = window.actions_.simulate.press
     assert not action.isEnabled()
     window.session.files.open_mesh(Mesh(*box(1, 1, 1)))
     idle(qtbot, window)
@@ -119,7 +120,7 @@ def test_press_dialog_knows_the_mesh_and_its_unit(qtbot, window):
     window.session.files.open_mesh(Mesh(*box(1, 2, 4)))
     idle(qtbot, window)
     window.choose_unit(Unit.CENTIMETRE)
-    window.actions_.pose.press.trigger()
+    window.actions_.simulate.press.trigger()
     dialog = window.runs.dialogs["press"]
     assert texts(dialog.direction) == ["X (1.000\xa0cm)", "Y (2.000\xa0cm)", "Z (4.000\xa0cm)"]
     assert "0.5000\xa0cm apart" in dialog.distance.text()
@@ -222,7 +223,7 @@ def test_press_dialog_draws_a_press_and_saves_it_in_the_format_of_the_mesh(
     window.session.files.open(tmp_path / "ball.off")
     qtbot.waitUntil(lambda: window.session.store.state is not None)
     idle(qtbot, window)
-    window.actions_.pose.press.trigger()
+    window.actions_.simulate.press.trigger()
     dialog = window.runs.dialogs["press"]
     dialog.steps.setValue(2)
     dialog.direction.setCurrentIndex(2)
@@ -254,7 +255,7 @@ def test_press_dialog_opens_the_pressed_mesh_in_the_window_once_saved(
     """It asks about unsaved work, keeps the unit and can be undone."""
     window.choose_unit(Unit.CENTIMETRE)
     ball.close()
-    window.actions_.pose.press.trigger()
+    window.actions_.simulate.press.trigger()
     dialog = window.runs.dialogs["press"]
     assert dialog.run.open_mesh.isHidden()
     end_run(dialog, written, tmp_path / "scratch")
@@ -349,11 +350,14 @@ def test_wall_fields_hand_creases_and_release_to_the_command(asked):
     plain = options(dialog)
     assert plain.yield_radius is None
     assert not plain.release
+    assert plain.crushed is None
+    assert dialog.run.mesh == "pressed.obj"
     dialog.wall.radius.setText("6")
     dialog.wall.release.click()
     creased = options(dialog)
     assert float(creased.yield_radius) == pytest.approx(6.0)
     assert creased.release
+    assert Path(creased.crushed).name == dialog.run.mesh == "crushed.obj"
 
 
 @pytest.mark.parametrize(

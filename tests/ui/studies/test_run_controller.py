@@ -36,7 +36,7 @@ def bar(qtbot, window):
 @pytest.fixture
 def dialog(bar):
     """The sweep of the bar, quick."""
-    bar.actions_.pose.sweep.trigger()
+    bar.actions_.simulate.sweep.trigger()
     dialog = bar.runs.dialogs["sweep"]
     dialog.steps.setValue(2)
     for name, check in dialog.methods.items():
@@ -84,7 +84,7 @@ def test_sweep_dialog_draws_a_sweep_and_saves_it_where_the_user_says(
 def test_sweep_dialog_sweeps_the_motion_of_the_handle_if_it_has_one(qtbot, bar, tmp_path, monkeypatch):
     bar.session.handles.move_by(MOTIONS["MOVE_X"], "0.5", 0)
     idle(qtbot, bar)
-    bar.actions_.pose.sweep.trigger()
+    bar.actions_.simulate.sweep.trigger()
     dialog = bar.runs.dialogs["sweep"]
     assert dialog.twist.isHidden()
     dialog.steps.setValue(3)
@@ -119,7 +119,7 @@ def test_sweep_dialog_sweeps_the_motion_of_obstacles_where_nothing_is_painted(qt
     bar.session.obstacles.add_plates(np.eye(3)[0])
     bar.session.obstacles.move(0, np.array([0.05, 0.0, 0.0]))
     idle(qtbot, bar)
-    bar.actions_.pose.sweep.trigger()
+    bar.actions_.simulate.sweep.trigger()
     dialog = bar.runs.dialogs["sweep"]
     assert dialog.motion.currentText() == "current motion of the handles and obstacles"
     assert dialog.motion.count() == 1
@@ -163,12 +163,12 @@ def test_sweep_dialog_says_at_once_what_cannot_be_swept(change, words, bar, dial
 
 
 def test_run_controller_sweep_opens_no_dialog_for_what_is_not_painted(qtbot, window):
-    window.actions_.pose.sweep.trigger()
+    window.actions_.simulate.sweep.trigger()
     assert window.runs.dialogs == {}
     V, F = box(1, 1, 1)
     window.session.files.open_mesh(Mesh(V, F))
     idle(qtbot, window)
-    window.actions_.pose.sweep.trigger()
+    window.actions_.simulate.sweep.trigger()
     assert window.runs.dialogs == {}
     assert "There is no base" in window.notice.text
 
@@ -181,14 +181,14 @@ def test_sweep_dialog_is_closed_by_esc_and_by_the_window_and_its_work_ends(qtbot
     assert bar.runs.dialogs == {}
     assert not scratch.exists()
     assert number not in tree_of(os.getpid())
-    bar.actions_.pose.sweep.trigger()
+    bar.actions_.simulate.sweep.trigger()
     assert bar.runs.dialogs["sweep"].isVisible()
     bar.shell.close()
     assert bar.runs.dialogs == {}
 
 
 def test_run_controller_have_each_dialog_once(bar, dialog):
-    bar.actions_.pose.sweep.trigger()
+    bar.actions_.simulate.sweep.trigger()
     assert bar.runs.dialogs["sweep"] is dialog
 
 

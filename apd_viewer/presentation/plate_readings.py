@@ -1,0 +1,131 @@
+"""Readings of a shape between two plates as texts and curves."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.language import tr
+from apd_viewer.presentation import obstacle_readings, readings
+from apd_viewer.presentation.number_format import format_grouped, format_length, format_significant
+from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion
+from apd_viewer.session.quantities.units import Unit
+
+_LOAD_TIP = tr("Mean force on the plates, of a material of stiffness 1; in newtons where the wall is known")
+_EXCESS_TIP = tr("By how much the load is too high, as the cells of the mesh bend, too")
+
+
+class ReadingText(NamedTuple):
+    """A reading: its title, value, a note beside it, and a tip."""
+
+    title: str
+    value: str
+    note: str = ""
+    tip: str = ""
+
+
+def plate_reading_texts(
+    state: State, unit: Unit, newtons: NewtonConversion | None
+) -> tuple[ReadingText, ...]:
+    """Distance, load, volume and area of a shape between plates."""
+    return (
+        _distance(state, unit),
+        _load(state, newtons),
+        _volume(state, unit),
+        ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest")),
+    )
+
+
+def _distance(state: State, unit: Unit) -> ReadingText:
+    pair, tip = plate_pair(state.document), tr("Distance of the plates, and its share of the extent at rest")
+    if pair is None:
+        return ReadingText(tr("Distance"), readings.NO_VALUE, "", tip)
+    distance = pair.distance(state)
+    length = unit.format_length(format_length(distance, float(max(state.inspection.size))))
+    share = format_grouped(100.0 * distance / pair.extent(state.document), 1)
+    return ReadingText(tr("Distance"), length, f"{share} %", tip)
+
+
+def _load(state: State, newtons: NewtonConversion | None) -> ReadingText:
+    pair = plate_pair(state.document)
+    if pair is None or not state.frame.settled:
+        return ReadingText(tr("Load"), readings.NO_VALUE if pair is None else readings.PENDING, "", _LOAD_TIP)
+    load, excess = pair.reading(state).load, state.load_excess
+    if load <= obstacle_readings.NO_LOAD * float(max(state.inspection.size)):
+        return ReadingText(tr("Load"), "0", "", _LOAD_TIP)
+    if excess is None:
+        return ReadingText(tr("Load"), format_significant(load, 4), tr("without stiffness"), _LOAD_TIP)
+    note = tr("excess {percent} %").format(percent=format_significant(100.0 * excess, 2))
+    if newtons is None:
+        return ReadingText(tr("Load"), format_significant(load, 4), note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
+    text = tr("{force} N").format(force=format_significant(newtons.newtons_per_load * load, 3))
+    off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(0.0))
+    return ReadingText(tr("Load"), text, off or note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
+
+
+def _volume(state: State, unit: Unit) -> ReadingText:
+    tip = tr("Enclosed volume, and its change from rest")
+    now, rest = readings.volumes(state.frame, state.inspection)
+    if not rest or now is None:
+        return ReadingText(tr("Volume"), readings.NO_VALUE, "", tip)
+    note = readings.change_percent(now, rest)
+    litres = unit.to_litres(now)
+    if litres is None:
+        return ReadingText(tr("Volume"), unit.format_volume(format_significant(now, 4)), note, tip)
+    symbol, factor = unit.capacity_unit(unit.to_litres(rest) or litres)
+    return ReadingText(tr("Volume"), f"{format_significant(factor * litres, 4)}\u00a0{symbol}", note, tip)
+
+
+def rest_verdict(state: State) -> tuple[str, bool]:
+    """Sentence on whether a shape is at rest, and whether it is."""
+    if not state.frame.settled:
+        return tr("Not at rest: the load is not known yet."), False
+    if state.frame.share_reached < 1.0:
+        return tr("Contact stops the plates here."), False
+    if state.frame.stable is False:
+        return tr("At rest, but on a saddle: a push may make it give way."), False
+    return tr("At rest."), True
+
+
+class PlateCurves(NamedTuple):
+    """Readings along a timeline, NaN where there are none.
+
+    Attributes
+    ----------
+    starts : (s,) int array
+        Numbers of the steps that begin a run.
+    deflection : (s,) float array
+        Way of the plates, mesh units.
+    load : (s,) float array
+        Of a material of stiffness 1, or in newtons.
+    volume : (s,) float array
+        Percent of the volume at rest.
+    settled : (s,) bool array
+    """
+
+    starts: np.ndarray
+    deflection: np.ndarray
+    load: np.ndarray
+    volume: np.ndarray
+    settled: np.ndarray
+
+
+def plate_curves(timeline: Timeline, newtons: Callable[[State], NewtonConversion | None]) -> PlateCurves:
+    """Curves of load and volume along a timeline."""
+    rows = [_curve_row(step.state, newtons(step.state)) for step in timeline.steps]
+    deflection, load, volume, settled = np.array(rows).reshape(-1, 4).T
+    starts = np.flatnonzero([step.begins_run for step in timeline.steps])
+    return PlateCurves(starts, deflection, load, volume, settled > 0.0)
+
+
+def _curve_row(state: State, newtons: NewtonConversion | None) -> tuple[float, float, float, float]:
+    pair = plate_pair(state.document)
+    now, rest = readings.volumes(state.frame, state.inspection)
+    volume = 100.0 * now / rest if rest and now is not None else np.nan
+    if pair is None:
+        return np.nan, np.nan, volume, float(state.frame.settled)
+    found, factor = pair.reading(state), 1.0 if newtons is None else newtons.newtons_per_load
+    return found.deflection, factor * max(0.0, found.load), volume, float(state.frame.settled)

@@ -1,0 +1,160 @@
+"""Player of motions in steps, with each shape on a timeline."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from apd_viewer.language import tr
+from apd_viewer.session.gestures import Gestures
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.state_store import Activity, Listener, StateStore
+
+# Attempts to move on once contact has stopped the obstacles.
+_RETRIES = 5
+
+
+class TimelinePlayer:
+    """Player of documents one after another, each until its shape is at rest.
+
+    The solver that follows a drag follows them too, and whatever else changes the document ends the motion.
+    Once there is a timeline, plates moved by hand add to it as well.
+
+    Attributes
+    ----------
+    timeline : Timeline
+        What was come to.
+    done, count : int
+        Steps that are done, and all steps, of the motion under way or the last one.
+    """
+
+    def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
+        self._store, self._gestures, self._listener = store, gestures, listener
+        self.timeline = Timeline()
+        self.done = self.count = 0
+        self._ahead: tuple[Document, ...] = ()
+        self._detour: Document | None = None
+        self._retries = _RETRIES
+
+    @property
+    def is_playing(self) -> bool:
+        """True while a motion is under way, or paused."""
+        return bool(self._ahead)
+
+    @property
+    def is_paused(self) -> bool:
+        """True while the motion under way is paused."""
+        return self.is_playing and self._store.activity is Activity.PAUSED
+
+    # Motions
+
+    def begin(self) -> None:
+        """Begin a run at the current state, for what comes of it by hand."""
+        self.timeline = self.timeline.begun_at(self._gestures.state_without_gesture())
+        self._listener.status_changed()
+
+    def play(self, title: str, documents: Sequence[Document]) -> None:
+        """Go through documents in one undo step, and record the shape at each."""
+        state = self._gestures.state_without_gesture()
+        self.timeline = self.timeline.begun_at(state)
+        self._gestures.record(title, state)
+        self._ahead, self.done, self.count = tuple(documents), 0, len(documents)
+        self._retries = _RETRIES
+        self._store.solve(self._ahead[0])
+
+    def stop(self) -> None:
+        """End the motion under way; its present step comes to rest and is the last one."""
+        if self._ahead:
+            self._ahead = self._ahead[: 2 if self._ahead[0] is self._detour else 1]
+            self.count = self.done + 1
+            if self.is_paused:
+                self._store.pause_or_resume()
+            self._listener.status_changed()
+
+    def clear(self) -> None:
+        """Forget all steps; the current shape stays."""
+        self._ahead, self.timeline = (), Timeline()
+        self._listener.status_changed()
+
+    def follow_state(self) -> None:
+        """End the motion where something else has changed the document."""
+        if self._ahead and self._store.required_state().document is not self._ahead[0]:
+            self._ahead = ()
+            self._listener.status_changed()
+
+    def receive(self) -> None:
+        """Record a shape that has come to rest, and go on with the next."""
+        if self._store.state is None or self._store.activity not in (Activity.SETTLED, Activity.UNREACHED):
+            return
+        state = self._store.state
+        if self._ahead:
+            self._record_step(state)
+        elif self._gestures.state_before is None and self._is_moved_by_hand(state):
+            before = self._gestures.history.last_entry
+            kept = self.timeline if before is None else self.timeline.begun_at(before.state)
+            self.timeline = kept.followed_by(state)
+            self._listener.status_changed()
+
+    def _record_step(self, state: State) -> None:
+        is_stopped = state.frame.settled and state.frame.share_reached < 1.0
+        if state.document is self._detour:
+            self._go_on()
+        elif is_stopped and self._retries:
+            self._retry(state)
+        else:
+            self.timeline, self.done = self.timeline.followed_by(state), self.done + 1
+            self._retries = _RETRIES
+            if is_stopped and len(self._ahead) > 1:
+                self._ahead = self._ahead[:1]
+                self._listener.message_sent(tr("Contact lets nothing come any farther."))
+            self._go_on()
+
+    def _retry(self, state: State) -> None:
+        """Come to rest where contact stopped the obstacles, and go on from there.
+
+        Walls in the way of the obstacles may give way once they have come to rest.
+        """
+        self._retries -= 1
+        reached = zip(state.document.obstacles, state.obstacle_shifts, strict=True)
+        obstacles = tuple(each.with_shift(shift) for each, shift in reached)
+        self._detour = replace(state.document, obstacles=obstacles)
+        self._ahead = (self._detour, *self._ahead)
+        self._store.solve(self._detour)
+
+    def _go_on(self) -> None:
+        self._ahead = self._ahead[1:]
+        if self._ahead:
+            self._store.solve(self._ahead[0])
+        else:
+            self._listener.status_changed()
+
+    def _is_moved_by_hand(self, state: State) -> bool:
+        """True if plates came to rest at a place that is not on the timeline."""
+        if not self.timeline.is_of(state.document) or plate_pair(state.document) is None:
+            return False
+        moved = state.document.obstacles is not self.timeline.steps[-1].state.document.obstacles
+        return moved and self.timeline.index_of(state) is None
+
+    # Looking at steps
+
+    def show(self, k: int) -> None:
+        """Show step ``k``; :meth:`end_show` makes it the current shape."""
+        state = self.timeline.state_at(k, self._store.required_state().document)
+        if self._gestures.state_before is None:
+            self._gestures.begin()
+        self._store.show(state)
+
+    def end_show(self) -> None:
+        """Make the step shown current; undo returns to a shape not on the timeline."""
+        before = self._gestures.state_before
+        if before is not None:
+            known = self.timeline.index_of(before) is not None
+            self._gestures.end(None if known else tr("Go to another step"))
+            self._store.jump_to(self._store.required_state())
+
+    @property
+    def shown(self) -> int | None:
+        """Number of the step on screen; None if it is another shape."""
+        state = self._store.state
+        return None if state is None else self.timeline.index_of(state)

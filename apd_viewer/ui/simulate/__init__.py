@@ -1,0 +1,1 @@
+"""Simulations in the view: presses, and the timeline of their steps."""

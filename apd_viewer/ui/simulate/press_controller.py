@@ -1,0 +1,281 @@
+"""Controller of a press in the view and of the timeline of its steps."""
+
+import itertools
+import time
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+from PySide6.QtCore import QObject, QTimer
+from PySide6.QtWidgets import QDockWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.pose.constraints import FREE
+from apd_viewer.language import tr
+from apd_viewer.presentation import plate_readings
+from apd_viewer.presentation.number_format import format_length
+from apd_viewer.presentation.time_left import time_left_text
+from apd_viewer.session.model.plate_pair import PlatePair, plate_pair
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.session import Session
+from apd_viewer.session.state_store import Activity
+from apd_viewer.session.storage.timeline_file import TIMELINE_FORMATS
+from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.overlays.notice import Notice
+from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.simulate.press_charts import PressCharts
+from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.tool_modes import Tool
+from apd_viewer.ui.widgets.theme import Theme
+
+_REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: of all steps, and limits of one
+
+_CORNERS = tuple(itertools.product((0, 1), repeat=3))
+
+
+class PressController(QObject):
+    """Puts two plates at the mesh, presses it, and shows what was solved.
+
+    Parameters
+    ----------
+    dock : QDockWidget
+        For the panel.
+    parts : ActiveParts
+        Take a plate into the hand.
+    choose_tool : callable
+        Puts a tool into the hand.
+    cancel_drag : callable
+        Cancels the drag under way.
+    wall : callable
+        The wall as typed.
+    """
+
+    def __init__(
+        self,
+        dock: QDockWidget,
+        viewport: Viewport,
+        session: Session,
+        parts: ActiveParts,
+        choose_tool: Callable[[Tool], object],
+        cancel_drag: Callable[[], bool],
+        wall: Callable[[], WallText],
+        preferences: Preferences,
+        notice: Notice,
+    ) -> None:
+        super().__init__(dock)
+        self._dock, self._session, self._parts = dock, session, parts
+        self._choose_tool, self._give_up, self._wall = choose_tool, cancel_drag, wall
+        self._memory, self._notice, self._viewport = preferences, notice, viewport
+        self._axis, self._began = 0, 0.0
+        self.charts = PressCharts(session, wall)
+        self.panel = panel = TimelinePanel()
+        dock.setWidget(panel)
+        panel.load_view.chart = self.charts.load_chart
+        panel.volume_view.chart = self.charts.volume_chart
+        self._replay = QTimer(self, timeout=self._show_next)
+        self._connect()
+
+    def _connect(self) -> None:
+        panel, player = self.panel, self._session.player
+        panel.press_requested.connect(self._press_or_pause)
+        panel.stop_requested.connect(player.stop)
+        panel.open_requested.connect(self._open)
+        panel.direction_chosen.connect(self._put_plates)
+        panel.step_shown.connect(self._show_step)
+        panel.show_ended.connect(player.end_show)
+        panel.show_cancelled.connect(self._session.gestures.cancel)
+        panel.play_requested.connect(self._play_or_stop)
+        panel.clear_requested.connect(player.clear)
+        panel.export_requested.connect(self._export)
+        self._dock.visibilityChanged.connect(self.refresh)
+
+    # Pressing
+
+    def begin(self) -> None:
+        """Put plates on both sides unless there are, and get ready to press."""
+        state = self._session.store.state
+        if state is None or self._give_up():
+            return
+        is_new = plate_pair(state.document) is None
+        if is_new and not self._put_plates(self._axis):
+            return
+        if is_new or not self._dock.isVisible():
+            QTimer.singleShot(0, self, self._frame)  # once the view has its new size
+        self._dock.show()
+        self._dock.raise_()
+        self.refresh()
+        self.panel.end.setFocus()
+        self.panel.end.selectAll()
+
+    def _frame(self) -> None:
+        """Frame mesh and plates."""
+        state = self._session.store.state
+        boxes = [box for find in self._viewport.more_boxes if (box := find())]
+        if state is not None:
+            corners = [np.array(box).reshape(3, 2).T[list(k), range(3)] for box in boxes for k in _CORNERS]
+            self._viewport.camera_controller.frame(np.vstack([state.frame.U, *corners]))
+
+    def _put_plates(self, axis: int) -> bool:
+        """Put the plates on both sides along an axis, instead of those there."""
+        before = self._session.store.required_state().document
+        thickness = self._wall().usable_thickness(self._session.store.unit)
+        k = self._session.obstacles.put_press(np.eye(3)[axis], thickness)
+        if k is None:
+            return False
+        if before.label_counts[FREE] < len(before.labels):
+            self._notice.show_message(
+                tr("Base and handles are let go, so that the plates press everything; undo holds them again.")
+            )
+        self._axis = axis
+        self._session.player.begin()
+        self._choose_tool(Tool.MOVE)
+        self._parts.choose_obstacle(k)
+        return True
+
+    def _press_or_pause(self) -> None:
+        if self._session.player.is_playing:
+            self._session.store.pause_or_resume()
+            return
+        state = self._session.store.state
+        if state is None or self._give_up():
+            return
+        if plate_pair(state.document) is None and not self._put_plates(self._axis):
+            return
+        text = self.panel.end.text()
+        try:
+            pair = self._required_pair()
+            distance = self._session.typed_values.parse_share_or_length(text, pair.extent(state.document))
+            self._move_plates(tr("Press to {distance}").format(distance=text.strip()), distance)
+        except InputError as error:
+            self.panel.show_problem(str(error))
+
+    def _open(self) -> None:
+        state = self._session.store.required_state()
+        with suppress(InputError):  # they are open
+            self._move_plates(tr("Open plates"), self._required_pair().first_distance(state.document))
+
+    def _move_plates(self, title: str, distance: float) -> None:
+        state, steps = self._session.store.required_state(), round(self.panel.steps.value())
+        documents = self._required_pair().documents_to(state, distance, steps)
+        self._end_replay()
+        self._began = time.monotonic()
+        self._session.player.play(title, documents)
+        self.charts.reach = self._required_pair().first_distance(state.document) - distance
+        self._dock.window().setFocus()
+
+    def _required_pair(self) -> PlatePair:
+        pair = plate_pair(self._session.store.required_state().document)
+        if pair is None:
+            raise InputError(tr("There are no plates that face each other; put them on both sides first."))
+        return pair
+
+    # Timeline
+
+    def _show_step(self, k: int) -> None:
+        if self._timeline.steps:
+            self._session.player.show(min(k, len(self._timeline.steps) - 1))
+
+    @property
+    def _timeline(self) -> Timeline:
+        """Steps of the open mesh; empty if those known are of another one."""
+        state, timeline = self._session.store.state, self._session.player.timeline
+        return timeline if state is not None and timeline.is_of(state.document) else Timeline()
+
+    def _play_or_stop(self) -> None:
+        if self._replay.isActive():
+            self._end_replay()
+            self.refresh()
+            return
+        count = len(self._timeline.steps)
+        if self._session.player.shown in (None, count - 1):
+            self._session.player.show(0)
+        self._replay.start(min(max(_REPLAY // max(1, count), _FASTEST), _SLOWEST))
+        self.refresh()
+
+    def _show_next(self) -> None:
+        player, count = self._session.player, len(self._timeline.steps)
+        after = (player.shown if player.shown is not None else count) + 1
+        if self._session.gestures.state_before is None or player.is_playing:
+            self._replay.stop()  # something else was begun
+        elif after < count or self.panel.loop.isChecked():
+            player.show(after % count)
+        else:
+            self._end_replay()
+        self.refresh()
+
+    def _end_replay(self) -> None:
+        if self._replay.isActive():
+            self._replay.stop()
+            self._session.player.end_show()
+
+    def _export(self) -> None:
+        mesh = self._session.store.required_state().document.mesh
+        proposed = self._memory.last_folder / f"{mesh.stem}-timeline.csv"
+        path = file_dialogs.ask_for_format(self.panel, tr("Export timeline"), proposed, TIMELINE_FORMATS)
+        if path is not None:
+            self._session.files.export_timeline(path, self._timeline)
+
+    # Display
+
+    def refresh(self, *_: object) -> None:
+        """Show the state of the session, if the dock is visible."""
+        state = self._session.store.state
+        if state is None or not self._dock.isVisible():
+            return
+        player, unit, steps = self._session.player, self._session.store.unit, self._timeline.steps
+        pair = plate_pair(state.document)
+        if pair is not None:
+            self._axis = int(np.argmax(np.abs(pair.axis)))
+        self.panel.show_directions(self._direction_titles(state), self._axis)
+        shown = self._shown_number
+        may_open = pair is not None and pair.reading(state).deflection > 1e-9 * pair.extent(state.document)
+        self.panel.show_run(player.is_playing, player.is_paused, self._progress, may_open)
+        last = len(steps) - 1 if player.is_playing else None
+        self.panel.show_steps(len(steps), shown if shown is not None else last, self._replay.isActive())
+        texts = plate_readings.plate_reading_texts(state, unit, self.charts.newtons(state))
+        said, is_calm = plate_readings.rest_verdict(state)
+        if self._session.store.activity is Activity.REFINING:
+            said, is_calm = tr("Coming to rest…"), True
+        self.panel.show_readings(texts, said, is_calm)
+        self.charts.timeline = self._timeline
+        if not player.is_playing:
+            self.charts.reach = 0.0
+        self.panel.load_view.update()
+        self.panel.volume_view.update()
+
+    @property
+    def _shown_number(self) -> int | None:
+        return self._session.player.shown if self._timeline.steps else None
+
+    @property
+    def _progress(self) -> str:
+        player = self._session.player
+        if not player.is_playing:
+            dropped = self._timeline.dropped
+            said = tr("The first {n} steps were dropped to save memory.")
+            return said.format(n=dropped) if dropped else ""
+        said = tr("Step {k} of {count}").format(k=player.done + 1, count=player.count)
+        if player.is_paused:
+            return tr("{progress}, paused").format(progress=said)
+        if not player.done:
+            return said
+        seconds = (time.monotonic() - self._began) * (player.count - player.done) / player.done
+        return f"{said}, {time_left_text(seconds)}"
+
+    def _direction_titles(self, state: State) -> list[str]:
+        size, unit = state.inspection.size, self._session.store.unit
+        lengths = [unit.format_length(format_length(float(side), float(max(size)))) for side in size]
+        return [f"{letter} ({length})" for letter, length in zip("XYZ", lengths, strict=True)]
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw icons and charts."""
+        self.charts.theme = theme
+        self.panel.set_theme(theme)
+
+    def close(self) -> None:
+        """End a replay under way."""
+        self._replay.stop()

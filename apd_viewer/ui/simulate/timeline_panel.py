@@ -1,0 +1,251 @@
+"""Panel of a press in the view: plates, timeline, readings and curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+
+from apd_viewer.language import tr, trc
+from apd_viewer.presentation.plate_readings import ReadingText
+from apd_viewer.ui.plots.chart_drawing import Chart
+from apd_viewer.ui.plots.plots import ChartTexts, ChartView
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
+from apd_viewer.ui.widgets.fields import ComboBox, ErrorBubble, NumberField, TextField, small_button
+from apd_viewer.ui.widgets.folding_section import quiet_label
+from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
+from apd_viewer.ui.widgets.theme import Theme, icon
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel
+
+_AT_FIRST, _STEPS, _MOST_STEPS = "40 %", 16, 1000
+_SIZE, _SMALLEST = QSize(760, 216), QSize(420, 190)
+_WIDE = 860  # px: width with room for both charts
+_ONE_STEP = SliderScale(1, float, float, 0)
+_LOAD = ChartTexts(tr("Load"), tr("Load over the way of the plates; not at rest is a cross"))
+_VOLUME = ChartTexts(tr("Volume"), tr("Volume over the way of the plates, percent of that at rest"))
+
+
+class TimelinePanel(QWidget):
+    """Controls to press, the timeline of what was solved, its readings and curves.
+
+    Attributes
+    ----------
+    direction_chosen : Signal(int)
+        Axis 0, 1 or 2 that the plates are to close along.
+    press_requested, stop_requested, open_requested : Signal()
+        Close or pause, end, and open again.
+    step_shown : Signal(int)
+        Number of a step to look at; ``show_ended`` follows once it is chosen.
+    play_requested : Signal()
+        Go along all steps, or stop doing so.
+    reading_rows : list of (QLabel, QLabel, QLabel)
+        Title, value and note of each reading.
+    """
+
+    direction_chosen = Signal(int)
+    press_requested = Signal()
+    stop_requested = Signal()
+    open_requested = Signal()
+    step_shown = Signal(int)
+    show_ended = Signal()
+    show_cancelled = Signal()
+    play_requested = Signal()
+    export_requested = Signal()
+    clear_requested = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(objectName="timeline")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self._theme: Theme | None = None
+        self.load_view = ChartView(_LOAD, lambda: Chart(""))
+        self.volume_view = ChartView(_VOLUME, lambda: Chart(""))
+        controls, transport = self._make_controls(), self._make_transport()
+        name = tr("Whether the shape is at rest")
+        self.calm, self.warning = quiet_label(name), quiet_label(name, style="unreached")
+        self._grid = QGridLayout(horizontalSpacing=12, verticalSpacing=2)
+        self.reading_rows: list[tuple[QLabel, QLabel, QLabel]] = []
+        left = QWidget()
+        left.setFixedWidth(286)
+        column_layout(self.calm, self.warning, 4, self._grid, STRETCH, parent=left)
+        lower = row_layout(left, (self.load_view, 1), (self.volume_view, 1), spacing=12)
+        column = column_layout(
+            controls, transport, (lower, 1), spacing=6, margins=(12, 6, 12, 8), parent=self
+        )
+        column.setSizeConstraint(QBoxLayout.SizeConstraint.SetNoConstraint)
+
+    # Construction
+
+    def _make_controls(self) -> QHBoxLayout:
+        tip = tr("Axis along which the plates close; they are put anew")
+        self.direction = ComboBox(accessibleName=tr("Direction to press in"), toolTip=tip)
+        self.direction.activated.connect(self.direction_chosen)
+        tip = tr("Where the plates end: a share of the extent such as 40 %, or a length such as 3cm")
+        self.end = TextField(accessibleName=tr("Distance of the plates in the end"), toolTip=tip)
+        self.end.setText(_AT_FIRST)
+        self.end.setFixedWidth(72)
+        self.end.returnPressed.connect(self.press_requested)
+        self.problem = ErrorBubble(self.end)
+        self.end.textChanged.connect(self.problem.hide)
+        self.end.focus_lost.connect(self.problem.hide_later)
+        self.steps = NumberField(
+            accessibleName=tr("Number of steps"),
+            toolTip=tr("In so many steps; the shape comes to rest after each"),
+            minimum=1,
+            maximum=_MOST_STEPS,
+            value=_STEPS,
+            decimals=0,
+        )
+        self.steps.setFixedWidth(52)
+        self.press = QPushButton(tr("Press"), objectName="primary")
+        self.press.clicked.connect(self.press_requested)
+        self.stop = QPushButton(tr("Stop"), toolTip=tr("End with the present step, once it is at rest"))
+        self.stop.clicked.connect(self.stop_requested)
+        self.open = QPushButton(tr("Open again"), toolTip=tr("Open the plates again, to see what remains"))
+        self.open.clicked.connect(self.open_requested)
+        self.progress = ElidedLabel(objectName="quiet", accessibleName=tr("Progress"))
+        words = [
+            QLabel(text)
+            for text in (
+                trc("press", "Along"),
+                trc("press", "to"),
+                trc("press", "in"),
+                trc("press", "steps"),
+            )
+        ]
+        return row_layout(
+            *(words[0], self.direction, words[1], self.end, words[2], self.steps, words[3], 4),
+            *(self.press, self.stop, self.open, (self.progress, 1)),
+            spacing=6,
+        )
+
+    def _make_transport(self) -> QHBoxLayout:
+        self.back = small_button(tr("Previous step"), tr("Show the step before"))
+        self.replay = small_button(tr("Play the timeline"), tr("Go along all steps that were solved"))
+        self.forward = small_button(tr("Next step"), tr("Show the next step"))
+        self.loop = small_button(tr("Repeat"), tr("Begin again at the end"))
+        self.loop.setCheckable(True)
+        self.replay.clicked.connect(self.play_requested)
+        tip = tr("Shapes that were solved: drag to go back to any of them")
+        self.slider = Slider(_ONE_STEP, accessibleName=tr("Timeline"), toolTip=tip)
+        self.slider.setPageStep(5)
+        self.back.clicked.connect(lambda: self.slider.setValue(self.slider.value() - 1))
+        self.forward.clicked.connect(lambda: self.slider.setValue(self.slider.value() + 1))
+        self.slider.valueChanged.connect(self._choose_step)
+        self.slider.sliderReleased.connect(self.show_ended)
+        self.slider.drag_cancelled.connect(self.show_cancelled)
+        self.position = QLabel(accessibleName=tr("Step of the timeline"))
+        self.position.setMinimumWidth(self.fontMetrics().horizontalAdvance("000 / 000"))
+        tip = tr("Export the readings of all steps as a table, or their shapes as an animation")
+        self.export = QPushButton(tr("Export…"), toolTip=tip)
+        self.export.clicked.connect(self.export_requested)
+        self.clear = QPushButton(tr("Clear"), toolTip=tr("Forget the steps; the shape on screen stays"))
+        self.clear.clicked.connect(self.clear_requested)
+        return row_layout(
+            *(self.back, self.replay, self.forward, self.loop, (self.slider, 1), self.position),
+            *(self.export, self.clear),
+            spacing=4,
+        )
+
+    def sizeHint(self) -> QSize:
+        """Height for readable charts below the view."""
+        return _SIZE
+
+    def minimumSizeHint(self) -> QSize:
+        """Height of the controls with small charts."""
+        return _SMALLEST
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show the second chart where it has room."""
+        super().resizeEvent(event)
+        self.volume_view.setVisible(self.width() >= _WIDE)
+
+    # Display
+
+    def show_directions(self, titles: Sequence[str], axis: int) -> None:
+        """Show the axes with their extents, and the current one."""
+        if [self.direction.itemText(k) for k in range(self.direction.count())] != list(titles):
+            self.direction.clear()
+            self.direction.addItems(list(titles))
+        self.direction.setCurrentIndex(axis)
+
+    def show_run(self, is_playing: bool, is_paused: bool, said: str, may_open: bool) -> None:
+        """Show whether a press is under way, and what is said of its progress."""
+        go_on = tr("Continue") if is_paused else tr("Pause")
+        self.press.setText(go_on if is_playing else tr("Press"))
+        self.press.setToolTip(
+            tr("Let the press stand still, or go on") if is_playing else tr("Close the plates in steps")
+        )
+        self.stop.setVisible(is_playing)
+        self.open.setVisible(not is_playing)
+        self.open.setEnabled(may_open)
+        for field in (self.direction, self.end, self.steps):
+            field.setEnabled(not is_playing)
+        self.progress.show_text(said)
+
+    def show_steps(self, count: int, shown: int | None, is_replaying: bool) -> None:
+        """Show the number of steps, and which of them is on screen."""
+        self.slider.blockSignals(True)
+        self.slider.setRange(0, max(1, count - 1))
+        if shown is not None and not self.slider.isSliderDown():
+            self.slider.setValue(shown)
+        self.slider.blockSignals(False)
+        self.slider.update()
+        some = count > 1
+        for part in (self.slider, self.replay, self.loop, self.export):
+            part.setEnabled(some)
+        self.back.setEnabled(some and self.slider.value() > 0)
+        self.forward.setEnabled(some and self.slider.value() < count - 1)
+        self.clear.setEnabled(count > 0)
+        said = tr("{k} of {count}").format(k=0 if shown is None else shown + 1, count=count)
+        self.position.setText(said if shown is not None else "")
+        if self._theme is not None:
+            self.replay.setIcon(icon("pause" if is_replaying else "play", self._theme))
+
+    def show_readings(self, texts: Sequence[ReadingText], verdict: str, is_calm: bool) -> None:
+        """Show the readings of the shape on screen; what is not at rest stands first."""
+        while len(self.reading_rows) < len(texts):
+            labels = QLabel(objectName="quiet"), QLabel(objectName="value"), QLabel(objectName="quiet")
+            for column, label in enumerate(labels):
+                aside = Qt.AlignmentFlag.AlignRight if column else Qt.AlignmentFlag.AlignLeft
+                self._grid.addWidget(label, len(self.reading_rows), column, aside)
+            self._grid.setColumnStretch(1, 1)
+            self._grid.setColumnMinimumWidth(2, self.fontMetrics().horizontalAdvance("excess 100 %"))
+            self.reading_rows.append(labels)
+        for (title, value, note), text in zip(self.reading_rows, texts, strict=True):
+            title.setText(text.title)
+            value.setText(text.value)
+            note.setText(text.note)
+            for label in (title, value, note):
+                label.setToolTip(text.tip)
+            value.setAccessibleName(text.title)
+            note.setAccessibleName(tr("{title}, note").format(title=text.title))
+        for label in (self.calm, self.warning):
+            label.setText(verdict)
+            label.setVisible(is_calm is (label is self.calm))
+
+    def show_problem(self, sentence: str) -> None:
+        """Show why the plates cannot end there."""
+        self.problem.show_message(sentence)
+        self.end.setFocus()
+        self.end.selectAll()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw icons and charts."""
+        self._theme = theme
+        for button, image in (
+            (self.back, "step-back"),
+            (self.replay, "play"),
+            (self.forward, "step-forward"),
+            (self.loop, "loop"),
+        ):
+            button.setIcon(icon(image, theme))
+        for view in (self.load_view, self.volume_view):
+            view.theme = theme
+            view.update()
+
+    def _choose_step(self, k: int) -> None:
+        self.step_shown.emit(k)
+        if not self.slider.isSliderDown():
+            self.show_ended.emit()

@@ -1,0 +1,190 @@
+"""Motions played in steps by the solver's process: pressed as by the command, gone back to, and stopped."""
+
+import numpy as np
+import pytest
+from meshes import tube
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.pressed_mesh import press
+from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.state_store import Activity
+
+pytestmark = pytest.mark.usefixtures("processes")
+X = np.eye(3)[0]
+STIFFNESS, STEPS, TO = 0.001, 3, 1.4
+
+
+@pytest.fixture
+def plates(empty):
+    """A tube that nothing holds between two plates that touch it."""
+    empty.show_now(Mesh(*tube(12, 12)))
+    empty.obstacles.put_press(X)
+    empty.player.begin()
+    empty.settle()
+    return empty
+
+
+def play(session, to=TO, steps=STEPS):
+    """Press until it is done; the readings of the plates at each step."""
+    state = session.store.state
+    session.player.play("Press", plate_pair(state.document).documents_to(state, to, steps))
+    session.until(lambda: not session.player.is_playing)
+    return readings(session)
+
+
+def readings(session):
+    states = [step.state for step in session.player.timeline.steps]
+    return [plate_pair(state.document).reading(state) for state in states]
+
+
+def test_timeline_player_presses_as_the_command_does(plates):
+    state = plates.store.state
+    told = press(state.document.mesh.V, state.document.mesh.F, X, TO, STEPS, stiffness=STIFFNESS)
+    found = play(plates)
+    assert [one.distance for one in found] == pytest.approx([step.distance for step in told.steps])
+    assert [one.load for one in found][1:] == pytest.approx([step.load_low for step in told.steps[1:]], 5e-3)
+    assert all(step.state.frame.settled for step in plates.player.timeline.steps)
+    assert plates.store.activity is Activity.SETTLED
+    assert [step.begins_run for step in plates.player.timeline.steps] == [True, False, False, False]
+    assert plates.gestures.history.undo_names[-2:] == ["Put plates on both sides", "Press"]
+
+
+def test_timeline_player_keeps_the_crushed_shape_as_the_plates_open_again(plates):
+    play(plates)
+    crushed, player = plates.store.state, plates.player
+    pair = plate_pair(crushed.document)
+    found = play(plates, pair.first_distance(crushed.document))
+    assert player.timeline.steps[STEPS].state is crushed
+    assert [step.begins_run for step in player.timeline.steps].count(True) == 1, "one run, there and back"
+    assert abs(found[-1].load) < 1e-6 * found[STEPS].load, "it has sprung back"
+
+
+def test_timeline_player_shows_any_step_and_makes_it_current(plates):
+    play(plates)
+    player, last = plates.player, plates.store.state
+    steps = [step.state for step in player.timeline.steps]
+    for k in (2, 0, 1):
+        player.show(k)
+        assert plates.store.state is steps[k]
+        assert player.shown == k
+    player.end_show()
+    plates.settle()
+    assert plates.store.state is steps[1], "it is at rest as it was"
+    assert plates.gestures.history.undo_names[-1] == "Press", "the last shape is still on the timeline"
+    player.show(STEPS)
+    player.end_show()
+    assert plates.store.state is last
+    again = play(plates, 1.2, 1)
+    assert again[-1].load > again[STEPS].load, "and the solver goes on from what is shown"
+
+
+def test_timeline_player_takes_back_a_look_that_is_not_ended(plates):
+    play(plates)
+    last = plates.store.state
+    plates.player.show(1)
+    plates.gestures.cancel()
+    assert plates.store.state is last
+    plates.player.end_show()
+    assert plates.store.state is last
+
+
+def test_timeline_player_lets_undo_return_to_a_shape_that_is_not_on_the_timeline(plates):
+    play(plates)
+    plates.settings.change(stiffness=0.01)
+    plates.settle()
+    other = plates.store.state
+    plates.player.show(1)
+    plates.player.end_show()
+    assert plates.store.state is plates.player.timeline.steps[1].state
+    plates.gestures.undo()
+    assert plates.store.state is other
+
+
+def test_timeline_player_measures_later_regions_on_earlier_steps(plates):
+    play(plates)
+    before = plates.player.timeline.steps[1].state
+    plates.parts.add_region()
+    plates.gestures.begin()
+    plates.painting.paint_region(np.arange(40), 0)
+    plates.painting.end_stroke("Paint")
+    member = plates.store.state.document.member
+    undo = plates.gestures.history.undo_names
+    plates.player.show(1)
+    plates.player.end_show()
+    state = plates.store.state
+    assert state.document.member is member
+    assert state.frame.U is before.frame.U
+    assert state.frame.regions == state.document.region_areas(before.frame.U)
+    assert plates.gestures.history.undo_names == undo
+
+
+def test_timeline_player_goes_on_where_a_wall_gives_way_once_it_has_come_to_rest(empty):
+    tall = Mesh(*tube(16, 12))
+    empty.show_now(tall)
+    empty.obstacles.put_press(np.eye(3)[2])
+    to = 0.3 * np.ptp(tall.V[:, 2])
+    last = play(empty, to, 1)[-1]
+    assert last.distance == pytest.approx(to)
+    asked = {id(new.document) for _, new in empty.changes if new.document.is_posed}
+    assert len(asked) > 1, "contact stopped the plates on the way, or this tests nothing"
+    assert empty.told[1:] == []
+
+
+def test_timeline_player_stops_after_its_present_step(plates):
+    state = plates.store.state
+    plates.player.play("Press", plate_pair(state.document).documents_to(state, TO, 50))
+    plates.until(lambda: plates.player.done == 2)
+    plates.store.pause_or_resume()
+    assert plates.player.is_paused
+    plates.player.stop()
+    plates.until(lambda: not plates.player.is_playing)
+    assert (plates.player.done, plates.player.count) == (3, 3)
+    assert len(plates.player.timeline.steps) == 4
+
+
+def test_timeline_player_ends_where_something_else_changes_the_document(plates):
+    before = plates.store.state
+    plates.player.play("Press", plate_pair(before.document).documents_to(before, TO, 50))
+    plates.until(lambda: plates.player.done == 1)
+    plates.gestures.undo()
+    assert not plates.player.is_playing
+    assert plates.store.state is before
+    assert len(plates.player.timeline.steps) == 2, "what was solved is there"
+
+
+def test_timeline_player_records_plates_moved_by_hand(plates):
+    plates.obstacles.move(1, -0.2 * X)
+    plates.until(lambda: len(plates.player.timeline.steps) == 2)
+    plates.obstacles.move(1, -0.2 * X)
+    plates.until(lambda: len(plates.player.timeline.steps) == 3)
+    first, second, third = readings(plates)
+    assert first.distance - second.distance == pytest.approx(0.2)
+    assert third.load > second.load > first.load
+    plates.player.show(1)
+    plates.player.end_show()
+    plates.obstacles.move(0, 0.1 * X)
+    plates.until(lambda: len(plates.player.timeline.steps) == 5)
+    assert [step.begins_run for step in plates.player.timeline.steps] == [True, False, False, True, False]
+
+
+def test_timeline_player_forgets_steps_of_another_mesh(plates):
+    play(plates, steps=1)
+    assert plates.player.timeline.is_of(plates.store.state.document)
+    plates.show_now(Mesh(*tube(8, 8)))
+    assert not plates.player.timeline.is_of(plates.store.state.document)
+    assert plates.player.shown is None
+    plates.player.begin()
+    assert len(plates.player.timeline.steps) == 1
+
+
+def test_plate_pair_refuses_distances_that_plates_cannot_come_to(plates):
+    state = plates.store.state
+    pair = plate_pair(state.document)
+    for distance in (0.0, 1.01 * pair.first_distance(state.document)):
+        with pytest.raises(InputError, match="enter a smaller distance"):
+            pair.documents_to(state, distance, 3)
+    with pytest.raises(InputError, match="already"):
+        pair.documents_to(state, pair.distance(state), 3)
+    plates.obstacles.remove(0)
+    assert plate_pair(plates.store.state.document) is None

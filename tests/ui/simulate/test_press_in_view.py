@@ -1,0 +1,227 @@
+"""A press in a real window: with counted inputs, paused, gone back in, opened again and exported."""
+
+import csv
+
+import numpy as np
+import pytest
+from driving import Mouse, document, idle, work_off
+from meshes import sphere
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QFileDialog
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE
+from apd_viewer.geometry.solver.pressed_mesh import press
+from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS, plate_pair
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
+from apd_viewer.ui.plots.chart_drawing import Chart
+from apd_viewer.ui.tools.tool_modes import Tool
+
+BALL = Mesh(*sphere(2))
+WAIT = 60_000
+
+
+@pytest.fixture
+def window(qtbot, kept_window):
+    """The window, with a ball that nothing holds, and its dock closed in the end."""
+    kept_window.session.files.open_mesh(BALL)
+    idle(qtbot, kept_window)
+    kept_window.shell.activateWindow()
+    qtbot.waitUntil(kept_window.shell.isActiveWindow)
+    yield kept_window
+    kept_window.session.player.clear()
+    kept_window.docks["timeline"].hide()
+    idle(qtbot, kept_window)
+
+
+def player(window):
+    return window.session.player
+
+
+def steps(window):
+    return window.session.player.timeline.steps
+
+
+def reading(window, title):
+    """Value and note of a reading of the panel."""
+    labels = {row[0].text(): row[1:] for row in window.press.panel.reading_rows}
+    return tuple(label.text() for label in labels[title])
+
+
+def tool_button(window):
+    return window.actions_.bar.widgetForAction(window.actions_.simulate.press_live)
+
+
+def pressed(qtbot, window, end="60", count=3):
+    """Press the ball with the fields of the panel."""
+    window.actions_.simulate.press_live.trigger()
+    panel = window.press.panel
+    panel.steps.setValue(count)
+    panel.end.setText(end)
+    panel.press.click()
+    qtbot.waitUntil(lambda: not player(window).is_playing, timeout=WAIT)
+    work_off()
+    return panel
+
+
+def test_press_in_view_shows_the_load_after_four_inputs(qtbot, window):
+    qtbot.mouseClick(tool_button(window), Qt.MouseButton.LeftButton)  # 1
+    panel = window.press.panel
+    qtbot.waitUntil(panel.end.hasFocus)
+    assert panel.isVisible()
+    QTest.keyClicks(panel.end, "40")  # 2 and 3
+    panel.steps.setValue(4)  # for the pace of the test alone
+    QTest.keyClick(panel.end, Qt.Key.Key_Return)  # 4
+    assert player(window).is_playing
+    qtbot.waitUntil(lambda: not player(window).is_playing, timeout=WAIT)
+    extent = np.ptp(BALL.V[:, 0])
+    told = press(BALL.V, BALL.F, (1, 0, 0), 0.4 * extent, 4, stiffness=PROPOSED_STIFFNESS)
+    value, note = reading(window, "Load")
+    assert float(value) == pytest.approx(told.steps[-1].load_low, 0.01)
+    assert note.startswith("excess")
+    assert reading(window, "Distance")[1] == "40.0 %"
+    assert reading(window, "Volume")[1].startswith("−")
+    assert panel.calm.text() == "At rest."
+    assert len(steps(window)) == 5
+
+
+def test_press_in_view_puts_plates_into_the_hand_and_lets_paint_go(qtbot, window):
+    window.session.gestures.begin()
+    window.session.painting.paint(np.flatnonzero(BALL.V[:, 2] < -0.8), BASE)
+    window.session.painting.end_stroke("Paint")
+    painted = document(window)
+    window.actions_.simulate.press_live.trigger()
+    assert plate_pair(document(window)) is not None
+    assert (document(window).labels == FREE).all()
+    assert document(window).settings.stiffness == PROPOSED_STIFFNESS
+    assert window.notice.text.startswith("Base and handles are let go")
+    assert window.canvas.tool is Tool.MOVE
+    assert window.parts.obstacle is not None
+    window.press.panel.direction.activated.emit(2)
+    assert np.abs(plate_pair(document(window)).axis).tolist() == [0.0, 0.0, 1.0]
+    assert len(document(window).obstacles) == 2, "the plates are put anew"
+    window.session.gestures.undo()
+    window.session.gestures.undo()
+    assert document(window) is painted
+
+
+def test_press_in_view_scrubs_to_a_step_by_mouse_and_makes_it_current(qtbot, window):
+    panel = pressed(qtbot, window)
+    slider, mouse = panel.slider, Mouse(panel.slider)
+    last = window.session.store.state
+    middle = slider.height() / 2
+    mouse.press((slider.x_of(3), middle))
+    for k in (2, 1):
+        mouse.move((slider.x_of(k), middle))
+        assert window.session.store.state is steps(window)[k].state
+    assert panel.position.text() == "2 of 4"
+    mouse.release((slider.x_of(1), middle))
+    idle(qtbot, window)
+    assert window.session.store.state is steps(window)[1].state
+    assert window.session.gestures.history.undo_names[-1] == "Press to 60"
+    mouse.press((slider.x_of(2), middle))
+    QTest.keyClick(slider, Qt.Key.Key_Escape)
+    assert window.session.store.state is steps(window)[1].state
+    panel.forward.click()
+    panel.forward.click()
+    assert window.session.store.state is last
+    assert not panel.forward.isEnabled()
+
+
+def test_press_in_view_plays_the_timeline_and_stays_at_its_end(qtbot, window):
+    panel = pressed(qtbot, window)
+    seen = set()
+    window.signals.changed.connect(lambda _, new: seen.add(id(new)))
+    panel.replay.click()
+    qtbot.waitUntil(lambda: player(window).shown == 3 and not panel.loop.isChecked(), timeout=WAIT)
+    qtbot.waitUntil(lambda: window.session.gestures.state_before is None, timeout=WAIT)
+    assert {id(step.state) for step in steps(window)} <= seen
+
+
+def test_press_in_view_pauses_goes_on_and_stops(qtbot, window):
+    window.actions_.simulate.press_live.trigger()
+    panel = window.press.panel
+    panel.steps.setValue(50)
+    panel.press.click()
+    qtbot.waitUntil(lambda: player(window).done > 0, timeout=WAIT)
+    assert "of 50" in panel.progress.text()
+    panel.press.click()
+    assert player(window).is_paused
+    assert panel.press.text() == "Continue"
+    done = player(window).done
+    panel.press.click()
+    qtbot.waitUntil(lambda: player(window).done > done, timeout=WAIT)
+    panel.stop.click()
+    qtbot.waitUntil(lambda: not player(window).is_playing, timeout=WAIT)
+    assert panel.press.text() == "Press"
+    assert len(steps(window)) < 50
+
+
+def test_press_in_view_opens_the_plates_and_keeps_the_crushed_shape(qtbot, window):
+    panel = pressed(qtbot, window)
+    crushed = window.session.store.state
+    assert panel.open.isEnabled()
+    panel.open.click()
+    qtbot.waitUntil(lambda: not player(window).is_playing, timeout=WAIT)
+    assert steps(window)[3].state is crushed
+    assert reading(window, "Load") == ("0", "")
+    assert not panel.open.isEnabled(), "they are open"
+
+
+def test_press_in_view_refuses_what_plates_cannot_do(qtbot, window):
+    window.actions_.simulate.press_live.trigger()
+    panel = window.press.panel
+    for text in ("0", "150 %", "flat"):
+        panel.end.setText(text)
+        panel.press.click()
+        assert panel.problem.isVisible()
+        assert not player(window).is_playing
+
+
+def test_press_in_view_exports_a_table_and_an_animation(qtbot, window, tmp_path, monkeypatch):
+    panel = pressed(qtbot, window)
+    for name in ("steps.csv", "steps.glb"):
+        path = tmp_path / name
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
+        panel.export.click()
+        idle(qtbot, window)
+    rows = list(csv.DictReader((tmp_path / "steps.csv").read_text(encoding="utf-8").splitlines()))
+    readings = [plate_pair(step.state.document).reading(step.state) for step in steps(window)]
+    assert [float(row["load_low"]) for row in rows] == [one.load_low for one in readings]
+    assert [float(row["volume"]) for row in rows] == [step.state.frame.volume for step in steps(window)]
+    assert (tmp_path / "steps.glb").stat().st_size > 10_000
+
+
+def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch):
+    window.session.store.unit = Unit.CENTIMETRE
+    pressed(qtbot, window)
+    bare = float(reading(window, "Load")[0])
+    wall = WallText("0.3mm", material=WALL_MATERIALS[0])
+    monkeypatch.setattr(type(window.panel.measures), "wall", property(lambda _: wall))
+    window.press.refresh()
+    state = window.session.store.state
+    newtons = window.press.charts.newtons(state)
+    assert reading(window, "Load")[0].endswith(" N")
+    assert float(reading(window, "Load")[0][:-2]) == pytest.approx(newtons.newtons_per_load * bare, 0.01)
+    assert drawn(window.press.charts.load_chart())[1][0].endswith(" N")
+
+
+def drawn(chart: Chart):
+    return chart.readings
+
+
+def test_press_charts_break_the_curve_between_runs_and_mark_what_is_not_at_rest(qtbot, window):
+    pressed(qtbot, window, "80", 2)
+    player(window).show(1)
+    player(window).end_show()
+    pressed(qtbot, window, "70", 1)
+    chart = window.press.charts.load_chart()
+    (curve,) = chart.curves
+    assert [step.begins_run for step in steps(window)] == [True, False, False, True, False]
+    assert np.flatnonzero(np.isnan(curve.y)).tolist() == [0, 4]
+    assert len(chart.dots.x) == 1
+    assert len(chart.dots.crosses) == 0
+    assert chart.vertical_lines[0].place == pytest.approx(chart.dots.x[0])
