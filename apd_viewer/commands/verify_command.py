@@ -90,7 +90,7 @@ def _finished_runs(cases: Sequence[VerificationCase], progress: Progress, is_tol
     for run in run_cases(cases, tick):
         progress.end()
         if is_told:
-            told = {"done": share, "doing": run.case.title, "rows": [row._asdict() for row in run.rows]}
+            told = {"done": round(share, 4), "doing": run.case.title, "rows": [row._asdict() for row in run.rows]}
             print(json.dumps(told), flush=True)
         yield run
 

@@ -155,7 +155,7 @@ def test_press_dialog_proposes_the_settings_of_the_document(asked, tmp_path):
     said = options(dialog)
     assert {name: getattr(said, name) for name in settings} == settings
     assert (said.axis, said.thickness) == ("y", "0.0125")
-    assert said.output == str(tmp_path / "out" / "pressed.obj")
+    assert said.output == tmp_path / "out" / "pressed.obj"
     assert said.curve == tmp_path / "out" / "curve.csv"
     assert trimesh.load(said.mesh, process=False).vertices == pytest.approx(tube()[0], abs=1e-12)
 
