@@ -25,12 +25,12 @@ apd-viewer deck SESSION -o OUT.inp   shells with boundary conditions for Calculi
 apd-viewer info MESH                 check a mesh file and describe its contents
 apd-viewer press MESH ... -o OUT     press a mesh between two plates
 apd-viewer replay SESSION -o OUT     re-run a saved session without a window
-apd-viewer study PLAN.csv -o DIR     run many cases, by many processes; "study design" writes plans
+apd-viewer study PLAN.csv -o DIR     run many cases in parallel; "study design" writes plans
 apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
-apd-viewer volumes MESH              volumes by name, beside published figures of crushed bottles
-apd-viewer verify [--case A,H]       cases with exact answers, beside the program's
+apd-viewer volumes MESH              volumes, beside published figures of crushed bottles
+apd-viewer verify [--case A,H]       compare the program with exact answers
 apd-viewer paper [-o DIR]            reproduce the paper's tables on the sample bottle and duck
-apd-viewer desktop --install         let files be opened with it on Linux; --remove takes that back
+apd-viewer desktop --install         open files with it on Linux; --remove undoes that
 apd-viewer thumbnail FILE OUT.png    draw a small picture of a session or a mesh
 """
 )
@@ -103,7 +103,7 @@ def _view_parser() -> Parser:
     )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))
-    add_option(parser, "--clicked", tr("of desktops: the window opens, and says what is wrong with FILE"))
+    add_option(parser, "--clicked", tr("for desktops: open the window, and show errors of FILE in it"))
     parser.set_defaults(run=lambda options: apd_viewer.show_window(options.file, options.clicked))
     return parser
 

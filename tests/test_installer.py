@@ -208,7 +208,7 @@ def test_kernel_cache_does_not_compile_kernels_again_that_the_program_brings(tmp
 def test_installer_program_says_what_it_cannot_do(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "frozen", True, raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match="This program has no Dask"):
+    with pytest.raises(InputError, match="Dask is missing here"):
         cluster.connect_cluster("tcp://127.0.0.1:9", None)
 
     def none():

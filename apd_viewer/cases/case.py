@@ -186,7 +186,7 @@ class Case:
         if frame.unreached:
             return frame.unreached, *passing
         if frame.share_reached < 1.0:
-            said = tr("Contact stopped the handle after {share:.3g} % of its way.")
+            said = tr("Contact stopped the handle after {share:.3g} % of its path.")
             return said.format(share=100.0 * frame.share_reached), *passing
         return passing
 
@@ -258,7 +258,7 @@ def cases_by_method(case: Case, methods: Sequence[str] = COMPARED_METHODS) -> li
             and next_paint_sentence(document.labels)
         ):
             raise InputError(
-                tr("Without contact obstacles move nothing, and {method!r} has none; omit it.").format(
+                tr("Obstacles move nothing without contact, which {method!r} lacks; omit it.").format(
                     method=method
                 )
             )

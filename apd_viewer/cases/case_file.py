@@ -79,7 +79,7 @@ def case_from_bytes(content: bytes, with_shape: bool = True) -> CaseResult:
     """
     start = len(_MAGIC) + _HEAD.size
     if not content.startswith(_MAGIC) or len(content) < start:
-        raise ValueError(tr("it is no result of a case"))
+        raise ValueError(tr("it is not a case result"))
     crc, text, array = _HEAD.unpack_from(content, len(_MAGIC))
     body = memoryview(content)[start:]
     if len(body) != text + array or zlib.crc32(body) != crc:
@@ -136,7 +136,7 @@ def read_case(folder: Path, key: str, with_shape: bool = False) -> CaseResult:
     try:
         return case_from_bytes(read_bytes(case_path(folder, key)), with_shape)
     except OSError as error:
-        raise InputError(tr("This case is not done yet, or its study was moved; open it again.")) from error
+        raise InputError(tr("This case is not done, or its study was moved; reopen the study.")) from error
     except ValueError as error:
         raise damaged_case_error(folder, key) from error
 

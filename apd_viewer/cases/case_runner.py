@@ -161,7 +161,7 @@ class CaseRunner:
         elif not self._engine.can_blame_case and deaths == 1:
             self._suspects.append(key)
         else:
-            self._fail(key, tr("Its process died each time that it was tried."))
+            self._fail(key, tr("Its process died at every attempt."))
 
     def _fail(self, key: str, sentence: str) -> None:
         self._finished(case_to_bytes(failed_result(self._cases[key], sentence)))

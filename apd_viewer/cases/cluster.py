@@ -79,7 +79,7 @@ class Cluster:
         self._gone_since = None if self._alive else self._gone_since or now
         if self._gone_since is not None and now - self._gone_since > _GONE:
             raise InputError(
-                tr("The scheduler is gone. What is done is kept; give the same command to go on.")
+                tr("The scheduler is gone. Finished cases are kept; repeat the command to continue.")
             )
 
     def close(self, at_once: bool) -> None:
@@ -149,7 +149,7 @@ def _import_distributed() -> Any:
         import distributed
     except ImportError as error:
         if is_packaged():
-            said = tr("This program has no Dask; install apd-viewer[cluster] by pip, or omit the scheduler.")
+            said = tr("Dask is missing here; install apd-viewer[cluster] with pip, or omit the scheduler.")
         else:
             said = tr("Dask is not installed; install apd-viewer[cluster], or omit the scheduler.")
         raise InputError(said) from error

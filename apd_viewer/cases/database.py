@@ -154,7 +154,7 @@ def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
     """
     path = folder / DATABASE_NAME
     if not path.is_file():
-        raise InputError(tr("{folder} holds no study; choose the folder of one.").format(folder=folder))
+        raise InputError(tr("{folder} contains no study; choose a study folder.").format(folder=folder))
     _check_beside(path)
     # A URI without a host: SQLite rejects the URI of a file on another computer.
     place = quote(path.absolute().as_posix())

@@ -97,7 +97,8 @@ def parse_variable(text: str) -> DesignVariable:
     if not equals or not name or not said:
         raise InputError(
             tr(
-                "“{text}” varies nothing; give a range as twist=0..180deg, or choices as method=arap,exact."
+                "“{text}” varies nothing; give a range such as twist=0..180deg, or choices such as "
+                "method=arap,exact."
             ).format(text=text)
         )
     found = _RANGE.fullmatch(said)
@@ -106,12 +107,10 @@ def parse_variable(text: str) -> DesignVariable:
         return DesignVariable(name, choices, unit=_unit(choices))
     low, high = float(found["low"]), float(found["high"])
     if not low < high:
-        raise InputError(
-            tr("The range of {name} ends before it begins; exchange its ends.").format(name=name)
-        )
+        raise InputError(tr("The range of {name} ends before it begins; swap its ends.").format(name=name))
     if found["scale"] and not low > 0.0:
         raise InputError(
-            tr("A range by factors needs ends above 0; change that of {name}.").format(name=name)
+            tr("A logarithmic range needs ends above 0; change that of {name}.").format(name=name)
         )
     return DesignVariable(name, (), low, high, found["unit"], bool(found["scale"]))
 
@@ -185,7 +184,7 @@ def _check(constants: dict[str, str], variables: Sequence[DesignVariable]) -> No
             raise InputError(tr("“{name}” is given twice; omit one.").format(name=name))
         if name not in COLUMNS and f"{{{name}}}" not in motion and name not in _ONE_NUMBER:
             raise InputError(
-                tr("“{name}” is no column, no {{{name}}} in the motion and none of {words}.").format(
+                tr("“{name}” is not a column, {{{name}}} in the motion or one of {words}.").format(
                     name=name, words=", ".join(_ONE_NUMBER)
                 )
             )
@@ -203,7 +202,7 @@ def _combinations(
         levels = [each.levels(samples) for each in variables]
         if math.prod(map(len, levels)) > MOST_SAMPLES:
             raise InputError(
-                tr("That makes {count:,} rows, and {most:,} are the most; vary less.").format(
+                tr("That makes {count:,} rows, but the limit is {most:,}; vary less.").format(
                     count=math.prod(map(len, levels)), most=MOST_SAMPLES
                 )
             )

@@ -58,7 +58,7 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
         raise InputError(tr("Give either a mesh or a session."))
     whole = name.lower().endswith(SESSION_SUFFIX)
     if "session" in cells and not whole:
-        raise InputError(tr("“{name}” is no session (.apd); give it as the mesh.").format(name=name))
+        raise InputError(tr("“{name}” is not a session (.apd); give it as the mesh.").format(name=name))
     if whole == ("selection" in cells):
         raise InputError(
             tr("A session has its own paint; leave “selection” empty.")
@@ -92,7 +92,7 @@ def _settings(cells: Mapping[str, str]) -> dict[str, CaseSetting]:
     found = {name: parse_cell(name, cells[name]) for name in plan_columns.SETTING_COLUMNS if name in cells}
     method = str(found.get("method", DEFAULT_METHOD))
     if found.get("contact") is True and not METHODS[method].may_use_contact:
-        raise InputError(tr("“{method}” knows no contact; choose another method.").format(method=method))
+        raise InputError(tr("“{method}” cannot use contact; choose another method.").format(method=method))
     for name in ("thickness", "yield_radius", "gas"):
         if name in found and not found.get("contact", "session" in cells):
             raise InputError(tr("“{name}” is for walls in contact; set “contact” to yes.").format(name=name))
@@ -193,7 +193,7 @@ def read_plan(path: Path, sources: InputFiles) -> Plan:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(
-            tr("{name} is not a text in UTF-8; save it as CSV UTF-8.").format(name=path.name)
+            tr("{name} is not UTF-8 text; save it as CSV UTF-8.").format(name=path.name)
         ) from None
     lines = _lines(text, path)
     columns = _columns(next(lines, (1, ()))[1], path)
@@ -204,7 +204,7 @@ def read_plan(path: Path, sources: InputFiles) -> Plan:
         if row.case is not None:
             first = seen.setdefault(row.case.key, line)
             if first != line:
-                sentence = tr("It asks for the same as line {line}.").format(line=first)
+                sentence = tr("It repeats line {line}.").format(line=first)
                 row = PlanRow(line, row.cells, row.case, sentence, first)
         rows.append(row)
     if not rows:
@@ -225,14 +225,14 @@ def _lines(text: str, path: Path) -> Iterator[tuple[int, tuple[str, ...]]]:
                 count += 1
                 if count > MOST_ROWS:
                     raise InputError(
-                        tr("{name} has more than {most:,} rows; divide it.").format(
+                        tr("{name} has more than {most:,} rows; split it.").format(
                             name=path.name, most=MOST_ROWS
                         )
                     )
                 yield line, tuple(cell_text(cell.strip()) for cell in cells)
     except csv.Error as error:
         raise InputError(
-            tr("{name} is no table: line {line} cannot be read ({reason}).").format(
+            tr("{name} is not a table: line {line} cannot be read ({reason}).").format(
                 name=path.name, line=reader.line_num, reason=error
             )
         ) from error

@@ -70,7 +70,7 @@ def _count(most: int, least: int = 1) -> Callable[[str], int]:
         value = parse_number(text, {})
         if not least <= value <= most or value != int(value):
             raise InputError(
-                tr("“{text}” is no whole number from {least} to {most:,}.").format(
+                tr("“{text}” is not a whole number from {least} to {most:,}.").format(
                     text=text[:_SHOWN], least=least, most=most
                 )
             )
@@ -90,7 +90,7 @@ def _contact(text: str) -> bool | int:
     if text.lower() == AUTO:
         return MOST_VERTICES_IN_CONTACT
     if text.lower() not in (*_YES, *_NO):
-        raise InputError(tr("“{text}” is none of yes, no and auto.").format(text=text[:_SHOWN]))
+        raise InputError(tr("“{text}” is not yes, no or auto.").format(text=text[:_SHOWN]))
     return _switch(text)
 
 
@@ -103,7 +103,7 @@ def parse_unit(text: str) -> str:
     """Validated symbol of a unit of length; raises InputError."""
     if text not in SYMBOLS:
         raise InputError(
-            tr("“{text}” is no unit of length; use {units}.").format(
+            tr("“{text}” is not a unit of length; use {units}.").format(
                 text=text[:_SHOWN], units=", ".join(SYMBOLS)
             )
         )
@@ -140,10 +140,10 @@ def _with_default(name: str, setting: Setting) -> str:
 CASE_COLUMNS = {
     "mesh": tr("mesh file, or a session (.apd)"),
     "session": tr("session (.apd) with its paint, instead of mesh and selection"),
-    "selection": tr("what of the mesh is base and handle"),
-    "motion": tr("of the handles, such as twist 120deg; push 30%; without, that of the session"),
-    "unit": tr("of the mesh: mm, cm, m, in or ft"),
-    "steps": tr("of the motion; default: 10"),
+    "selection": tr("selection of base and handle"),
+    "motion": tr("motion of the handles, such as twist 120deg; push 30%; default: the session's"),
+    "unit": tr("unit of the mesh: mm, cm, m, in or ft"),
+    "steps": tr("steps of the motion; default: 10"),
 }
 SETTING_COLUMNS = {
     **{
@@ -154,14 +154,14 @@ SETTING_COLUMNS = {
     "contact": PlanColumn(
         _contact,
         tr(
-            "keep walls from passing through each other: yes, no, or auto (up to {most:,} vertices, by "
-            "methods that can); empty: no; of a session auto and empty are what it says"
+            "keep walls from passing through each other: yes, no, or auto (up to {most:,} vertices, for "
+            "methods that can); empty: no; auto and empty keep the choice of a session"
         ).format(most=MOST_VERTICES_IN_CONTACT),
     ),
     "to": PlanColumn(_part, tr("percent of the motion at the last step; default: 100")),
     "imperfection": PlanColumn(_number(0.0, LARGEST_TOLERANCE), CRITERIA["imperfection"]),
     "seed": PlanColumn(_count(LARGEST_SEED, least=0), CRITERIA["seed"]),
-    "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("at most so many a step; default: as sweep")),
+    "iterations": PlanColumn(_count(MOST_ITERATIONS), tr("iteration limit per step; default: as for sweep")),
 }
 COLUMNS = (*CASE_COLUMNS, *SETTING_COLUMNS)
 LENGTH_COLUMNS = {name for name, setting in SETTINGS.items() if setting.kind is SettingKind.LENGTH}

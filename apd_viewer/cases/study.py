@@ -178,7 +178,7 @@ def check_links(folder: Path) -> None:
     inside = os.path.realpath(folder)
     for path in (path for pattern in _WRITTEN for path in folder.glob(pattern)):
         if path.is_symlink() and not Path(os.path.realpath(path)).is_relative_to(inside):
-            raise InputError(tr("{path} is a link that leads out of the study; remove it.").format(path=path))
+            raise InputError(tr("{path} is a link to outside the study; remove it.").format(path=path))
 
 
 class StudyStore:

@@ -25,7 +25,7 @@ def deck_parser() -> Parser:
         ),
     )
     add_input_options(parser)
-    about = tr("of the way of the handles; default: one for each 30 degrees of a turn")
+    about = tr("steps of the motion; default: one per 30 degrees of rotation")
     add_option(parser, "--steps N", about, type=int)
     about = tr("S6 has nodes on its edges; S3 is smaller, and bends too little in CalculiX")
     add_option(parser, "--elements", about, choices=(SIX_NODES, THREE_NODES), default=SIX_NODES)
@@ -39,8 +39,8 @@ def _add_wall_options(parser: Parser) -> None:
     materials = ", ".join(material.name for material in WALL_MATERIALS)
     for option, metavar, what in (
         ("--material", "NAME", tr("material of the wall: {names}").format(names=materials)),
-        ("--thickness", "LENGTH", tr("of the wall, such as 0.3mm; default: 1/1000 of the diagonal")),
-        ("--density", "D", tr("of the material, such as 1.38 (g/cm³)")),
+        ("--thickness", "LENGTH", tr("wall thickness, such as 0.3mm; default: 1/1000 of the diagonal")),
+        ("--density", "D", tr("density, such as 1.38 (g/cm³)")),
         ("--young", "E", tr("Young's modulus, such as 2.8GPa; default: 1 in the units of the deck")),
         ("--poisson", "NU", tr("Poisson's ratio; default: 0.4, or that of the material")),
     ):

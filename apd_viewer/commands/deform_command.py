@@ -65,7 +65,7 @@ def deform_parser() -> Parser:
         "default: %(default)s"
     )
     add_option(parser, "--loose", about, choices=(GO, STAY), default=GO)
-    about = tr("plates, spheres and cylinders that push, as a session lists them; turns contact on")
+    about = tr("plates, spheres and cylinders that push, in the format of a session; turns contact on")
     add_option(parser, "--obstacles FILE.json", about, type=Path)
     add_weld_option(parser)
     parser.add_argument(
@@ -80,7 +80,7 @@ def deform_parser() -> Parser:
         ),
     )
     add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
-    about = tr("target shape: put the distance from the surface of another mesh into report and scalars")
+    about = tr("target shape: add the distance from the surface of another mesh to report and scalars")
     add_option(parser, "--compare OTHER", about)
     result_output.add_scalar_options(parser)
     add_option(parser, "--picture P.png", tr("draw the mesh before and after"), type=Path)
@@ -156,7 +156,7 @@ def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection)
     ended = document_along(document, paths)
     ways = [[handle.pose for handle in each.handles] for each in (*intermediate_documents(ended), ended)]
     if options.iterations is not None and len(ways) > 1:
-        raise InputError(tr("With --iterations handles turn by half a turn at most; enter less, or omit it."))
+        raise InputError(tr("With --iterations handles turn at most half a turn; enter less, or omit it."))
     return ways
 
 

@@ -75,7 +75,7 @@ def _info(options: argparse.Namespace) -> None:
     packed = tr("box     {reading}, the volume of the smallest bounding box found")
     print(packed.format(reading=unit.format_volume(f"{check.packed:.6g}")))
     if mesh.origin is not None and mesh.origin.extras:
-        also = tr("also    {things}; exporting in another format than {kind} loses them")
+        also = tr("also    {things}; exporting to any format but {kind} loses them")
         print(also.format(things=comma_separated(mesh.origin.extras), kind=mesh.origin.suffix[1:].upper()))
     if apart:
         print(_distance_text(apart))
@@ -85,12 +85,12 @@ def _info(options: argparse.Namespace) -> None:
 
 def _distance_text(distances: dict[str, float]) -> str:
     line = tr(
-        "apart   {largest_distance:.6g} at most, {rms_distance:.6g} RMS, {mean_distance:.6g} in the mean; "
+        "apart   {largest_distance:.6g} at most, {rms_distance:.6g} RMS, {mean_distance:.6g} on average; "
         "from the other mesh {largest_distance_back:.6g}, {rms_distance_back:.6g}, {mean_distance_back:.6g}"
     )
     by_vertex = tr(
         "        same vertices {largest_distance_by_vertex:.6g} at most, {rms_distance_by_vertex:.6g} RMS, "
-        "{mean_distance_by_vertex:.6g} in the mean"
+        "{mean_distance_by_vertex:.6g} on average"
     )
     lines = [line, by_vertex] if "rms_distance_by_vertex" in distances else [line]
     return "\n".join(each.format(**distances) for each in lines)

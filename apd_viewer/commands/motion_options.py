@@ -24,10 +24,10 @@ from apd_viewer.session.storage.session_file import open_session
 def add_input_options(parser: argparse.ArgumentParser) -> None:
     """Add options for a session, or a mesh with its paint, and for the motion."""
     parser.add_argument(
-        "file", metavar="SESSION", help=tr("session (.apd); or a mesh, painted and moved by:")
+        "file", metavar="SESSION", help=tr("session (.apd), or a mesh with --selection and a motion")
     )
-    add_option(parser, "--selection SEL", tr("of a mesh: base, handles and regions"))
-    about = tr("of a mesh: 4x4 matrix that moves the handle; repeat for each handle")
+    add_option(parser, "--selection SEL", tr("for a mesh: base, handles and regions"))
+    about = tr("for a mesh: 4x4 matrix that moves the handle; repeat for each handle")
     add_option(parser, "--transform DEF", about, action="append", default=[])
     add_motion_options(parser)
 
@@ -36,7 +36,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
     """Add the motion options; their order is the order of the steps."""
     group = parser.add_argument_group(
         tr("motion of the handles"),
-        tr("All amounts grow together; a step follows the one before it. Negative amounts need “=”."),
+        tr("All amounts grow together; motions apply in the order given. Negative amounts need “=”."),
     )
 
     def add(option: str, words: str, metavar: str, what: str) -> None:
@@ -46,9 +46,9 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
     for word, kind in MOTION_KINDS.items():
         metavar = kind.amount.value if kind.is_one_amount else "WORDS"
         add(f"--{word}", f"{word} {{}}", metavar, kind.help)
-    add("--handle", "handle {}:", "N", tr("that the next ones move; at first the first one"))
-    add("--motion", "{}", "WORDS", tr("all in words, as in a plan: “twist 120deg; push 30%%”"))
-    add_option(group, "--unit", tr("of the mesh, for lengths such as 2cm"), choices=SYMBOLS, default="")
+    add("--handle", "handle {}:", "N", tr("handle moved by the following options; default: 1"))
+    add("--motion", "{}", "WORDS", tr("motion in words, as in a plan: “twist 120deg; push 30%%”"))
+    add_option(group, "--unit", tr("unit of the mesh, for lengths such as 2cm"), choices=SYMBOLS, default="")
 
 
 def read_input(

@@ -47,7 +47,7 @@ def paper_parser() -> Parser:
     """Parser of the command paper."""
     parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
     add_option(parser, "-o, --output DIR", tr("folder for tables, curves and figures"), type=Path)
-    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
+    add_option(parser, "--progress-lines", tr("report progress as lines of JSON"))
     parser.set_defaults(run=_paper)
     return parser
 

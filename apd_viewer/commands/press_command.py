@@ -47,13 +47,13 @@ def press_parser() -> Parser:
     parser = Parser(
         prog="apd-viewer press",
         description=tr(
-            "Press a mesh between two plates that close on it in steps. Nothing needs to be held. Walls do "
-            "not pass through each other, and at each step the mesh comes to rest."
+            "Press a mesh between two plates that close in steps. Nothing needs to be held. Walls do not "
+            "pass through each other, and the mesh comes to rest at each step."
         ),
     )
-    add_option(parser, "MESH", tr("mesh at rest, or a session: its shape springs back, and is pressed"))
+    add_option(parser, "MESH", tr("mesh at rest, or a session whose shape springs back and is pressed"))
     add_option(parser, "--axis AXIS", tr('x, y, z or a direction such as "1 0 1"; default: x'), default="x")
-    about = tr("distance of the plates in the end, in mesh units, or such as 20%% of the extent of the mesh")
+    about = tr("final distance of the plates, in mesh units or as a fraction of the extent such as 20%%")
     add_option(parser, "--to DISTANCE", about, required=True)
     add_option(parser, "--steps N", tr("default: %(default)s"), type=int, default=DEFAULT_STEPS)
     add_option(parser, "-o, --output OUT", tr("mesh file to write"), type=Path)
@@ -69,33 +69,33 @@ def press_parser() -> Parser:
     add_setting_options(parser, _SETTINGS)
     add_criteria(parser, DISTURBANCE)
     _add_wall_options(parser)
-    add_option(parser, "--release", tr("open the plates again in the end, and write what remains"))
+    add_option(parser, "--release", tr("open the plates again at the end, and write the remaining shape"))
     about = tr("mesh file to write as well: the shape before the plates open again")
     add_option(parser, "--crushed C", about, type=Path)
-    about = tr("at most so many a step; default: %(default)s")
+    about = tr("iteration limit per step; default: %(default)s")
     add_option(parser, "--iterations N", about, type=int, default=DEFAULT_ITERATIONS)
-    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
+    add_option(parser, "--progress-lines", tr("report progress as lines of JSON"))
     add_weld_option(parser)
     parser.set_defaults(run=_press)
     return parser
 
 
 def _add_wall_options(parser: Parser) -> None:
-    about = tr("unit of length of the mesh; of a session, its own")
+    about = tr("unit of length of the mesh; default: the session's")
     add_option(parser, "--unit", about, choices=SYMBOLS, default="")
     materials = ", ".join(material.name for material in WALL_MATERIALS)
     add_option(parser, "--material NAME", tr("material of the wall: {names}").format(names=materials))
-    about = tr("of the wall, and distance that walls keep, such as 0.3mm; default: 1/1000 of the diagonal")
+    about = tr("wall thickness, and distance that walls keep, such as 0.3mm; default: 1/1000 of the diagonal")
     add_option(parser, "--thickness LENGTH", about)
     about = tr(
-        "gas that is enclosed, openings capped: 1atm where newtons are known, or pressure times "
-        "volume in areas of the surface; default: it leaves freely"
+        "enclosed gas, openings capped: 1atm where newtons are known, or pressure times volume in surface "
+        "areas; default: none"
     )
     add_option(parser, "--gas PRESSURE", about)
-    add_option(parser, "--density D", tr("of the material, such as 1.38 (g/cm³), for the mass"))
+    add_option(parser, "--density D", tr("density, such as 1.38 (g/cm³), for the mass"))
     add_option(parser, "--young E", tr("Young's modulus, such as 2.8GPa, for loads in newtons"))
     add_option(parser, "--poisson NU", tr("Poisson's ratio; default: 0.4, or that of the material"))
-    about = tr("walls bent to less than this radius keep a crease; default: none do, or as of the material")
+    about = tr("walls bent to less than this radius keep a crease; default: that of the material, or none")
     add_option(parser, "--yield-radius LENGTH", about)
 
 
@@ -109,7 +109,7 @@ def parse_axis(text: str) -> np.ndarray:
         axis = np.zeros(0)
     if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
         raise InputError(
-            tr("{text!r} is no direction; enter x, y, z or three numbers such as 1 0 1.").format(text=text)
+            tr("{text!r} is not a direction; enter x, y, z or three numbers such as 1 0 1.").format(text=text)
         )
     return axis
 
@@ -194,7 +194,7 @@ def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
     thickness, density, young, poisson, radius = (word or "" for word in words)
     wall = parse_wall(WallText(thickness, density, young, poisson, radius, material), unit)
     if options.young and wall.thickness is None:
-        raise InputError(tr("Newtons need the thickness of the wall as well; add --thickness."))
+        raise InputError(tr("Newtons need the wall thickness as well; add --thickness."))
     is_thin = METHODS[_method(options, wall)].is_wall
     if options.young and not options.stiffness and not is_thin:
         raise InputError(tr("Newtons need walls that resist bending; add --method wall."))

@@ -137,9 +137,7 @@ def press_summary(
         lines.append(tr("{n:,} intersecting triangles").format(n=last.crossings))
     if pressed.stopped:
         lines.append(
-            tr("Contact lets the plates come no nearer to each other than {distance:.4g}.").format(
-                distance=last.distance
-            )
+            tr("Contact keeps the plates at least {distance:.4g} apart.").format(distance=last.distance)
         )
     if not all(step.settled for step in pressed.steps + pressed.released):
         lines.append(tr("Not every step came to rest; allow more iterations."))
@@ -149,7 +147,7 @@ def press_summary(
 def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     low, high = step.load_low, step.load_high
     lines = [
-        tr("load    {low:.5g} below, {high:.5g} above (of a material of stiffness 1); {excess}").format(
+        tr("load    {low:.5g} below, {high:.5g} above (for a material of stiffness 1); {excess}").format(
             low=low, high=high, excess=obstacle_readings.excess_phrase(found.load_excess)
         )
     ]
@@ -167,7 +165,7 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
 def _conditions(step: PressStep, newtons: NewtonConversion) -> str:
     """Phrase on the conditions for the newtons of a step."""
     if newtons.matches_wall:
-        return tr("of this thin elastic wall")
+        return tr("for this thin elastic wall")
     off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(step.stretching))
     return off or tr("if walls bend and hardly stretch")
 
@@ -177,7 +175,7 @@ def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     if curve.yield_load is not None:
         force = "" if newtons is None else _in_parentheses(newtons.newtons_per_load * curve.yield_load, "N")
         lines.append(
-            tr("yields at a load of {load:.5g}{newtons}, pressed by {deflection:.4g}").format(
+            tr("yields at a load of {load:.5g}{newtons}, deflection {deflection:.4g}").format(
                 load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
             )
         )
@@ -201,7 +199,7 @@ def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversi
     if wall.material or newtons is not None or grams is not None:
         lines.append(tr("wall    {wall}").format(wall=_wall_text(wall)))
     if wall.material:
-        lines.append(tr("        after {source}").format(source=wall.material.source))
+        lines.append(tr("        source: {source}").format(source=wall.material.source))
     if grams is not None:
         unit, share = wall.unit.mass_unit(grams)
         lines.append(tr("mass    {mass:.4g} {unit}").format(mass=grams * share, unit=unit))
@@ -214,8 +212,8 @@ def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversi
         if phrase := obstacle_readings.error_factor_phrase(newtons.underestimate_factor(found.stretching)):
             lines.append(
                 tr(
-                    "This shape has to stretch, too, by up to {share:.0f} % of the energy: newtons, N/mm and "
-                    "joules of the whole way may be {off}."
+                    "Stretching takes up to {share:.0f} % of the energy: newtons, N/mm and joules over the "
+                    "whole path may be {off}."
                 ).format(share=100.0 * found.stretching, off=phrase)
             )
     return lines

@@ -115,9 +115,9 @@ def _reading(value: float, rest: float) -> str:
 
 def add_scalar_options(parser: argparse.ArgumentParser) -> None:
     """Add the options for scalar files of vertices and triangles."""
-    about = tr("write area change, strain, displacement and labels: .ply, or .csv with a row per vertex")
+    about = tr("write area change, strain, displacement and labels: .ply, or .csv with one row per vertex")
     add_option(parser, "--scalars S.ply", about, type=Path)
-    about = tr("write those of the triangles, with a row per triangle")
+    about = tr("write the scalars of the triangles, one row per triangle")
     add_option(parser, "--triangle-scalars T.csv", about, type=Path)
 
 

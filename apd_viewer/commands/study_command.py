@@ -44,25 +44,25 @@ def study_parser() -> Parser:
     parser = Parser(
         prog="apd-viewer study",
         description=tr(
-            "Run the cases of a plan: each walks its motion in steps, as “sweep” does. What is interrupted "
-            "goes on with the same command. “apd-viewer study design” writes plans."
+            "Run the cases of a plan, each along its motion in steps, as in “sweep”. The same command "
+            "continues an interrupted study. “apd-viewer study design” writes plans."
         ),
         epilog=_columns(),
     )
-    add_option(parser, "PLAN.csv", tr("table with a case a row"), type=Path)
+    add_option(parser, "PLAN.csv", tr("table with one case per row"), type=Path)
     add_option(parser, "-o, --output FOLDER", tr("folder of the results"), type=Path, required=True)
     engine = parser.add_mutually_exclusive_group()
     add_option(
-        engine, "--processes, --workers N", tr("on this machine; default: one for each core"), type=int
+        engine, "--processes, --workers N", tr("processes on this machine; default: one per core"), type=int
     )
+    add_option(engine, "--scheduler ADDRESS", tr("address of a Dask scheduler, such as tcp://host:8786"))
     add_option(
-        engine, "--scheduler ADDRESS", tr("workers behind a scheduler of Dask, such as tcp://host:8786")
+        engine, "--scheduler-file F.json", tr("Dask scheduler, given by its scheduler file"), type=Path
     )
-    add_option(engine, "--scheduler-file F.json", tr("the same, by the file that it has written"), type=Path)
-    add_option(parser, "--limit SECONDS", tr("that a case may take"), type=float)
-    add_option(parser, "--retry-failed", tr("run cases again that failed before"))
-    add_option(parser, "--dry-run", tr("say what there is to do, and how long it takes"))
-    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
+    add_option(parser, "--limit SECONDS", tr("time limit of a case"), type=float)
+    add_option(parser, "--retry-failed", tr("run failed cases again"))
+    add_option(parser, "--dry-run", tr("report the remaining work and time, and run nothing"))
+    add_option(parser, "--progress-lines", tr("report progress as lines of JSON"))
     parser.set_defaults(run=_study)
     return parser
 
@@ -118,7 +118,7 @@ def _run(study: Study, options: argparse.Namespace) -> None:
     print(study_summary(table, options.output))
     print(damaged_results_line(study.damaged_count), end="", file=sys.stderr)
     if study.unfinished_cases:
-        print(tr("interrupted; the same command goes on"), file=sys.stderr)
+        print(tr("interrupted; repeat the command to continue"), file=sys.stderr)
         raise SystemExit(_INTERRUPTED)
 
 
@@ -190,7 +190,7 @@ def work_left_lines(work_left: StudyForecast, processes: int) -> str:
         )
         lines.append(text.format(wrong=work_left.wrong))
     if work_left.seconds is None:
-        lines.append(tr("No case was timed yet, so nobody knows how long they take."))
+        lines.append(tr("No case was timed yet, so the remaining time is unknown."))
     elif work_left.cases > work_left.done:
         lines.append(
             tr("about {time} by {processes} processes, as measured so far").format(
@@ -239,26 +239,26 @@ def design_parser() -> Parser:
     parser = Parser(
         prog="apd-viewer study design",
         description=tr(
-            "Write the plan of a study: a table with a case a row, for a spreadsheet or for “study”."
+            "Write the plan of a study: a table with one case per row, for a spreadsheet or for “study”."
         ),
     )
     add_option(parser, "--mesh MESH", tr("meshes or sessions to try"), nargs="+", default=[])
-    add_option(parser, "--selection SEL", tr("what of a mesh is base and handle"))
+    add_option(parser, "--selection SEL", tr("selection of base and handle"))
     add_option(
-        parser, "--motion WORDS", tr("such as “twist {twist}; move 0 {way} 0”: what is in braces varies")
+        parser, "--motion WORDS", tr("motion such as “twist {twist}; move 0 {way} 0”; names in braces vary")
     )
     about = tr(
         "a column, a name in the motion, or twist, push, bend or scale: “twist=0..180deg”, "
         "“push=0..40%%”, “stiffness=1e-4..0.1:log” (by factors), “method=arap,exact”"
     )
     add_option(parser, "--vary NAME=RANGE", about, action="append", default=[])
-    about = tr("the same in all cases, such as steps=6")
+    about = tr("cell of all cases, such as steps=6")
     add_option(parser, "--set COLUMN=TEXT", about, action="append", default=[], dest="given")
-    about = tr("cases, or of a grid levels of a range; default: %(default)s")
+    about = tr("number of cases, or of levels per range in a grid; default: %(default)s")
     add_option(parser, "--samples N", about, type=int, default=100)
     about = tr("Latin hypercube, Sobol sequence or all combinations; default: %(default)s")
     add_option(parser, "--method", about, choices=DESIGNS, default=LATIN)
-    add_option(parser, "--seed N", tr("of the samples; default: %(default)s"), type=int, default=0)
+    add_option(parser, "--seed N", tr("random seed; default: %(default)s"), type=int, default=0)
     add_option(parser, "-o, --output PLAN.csv", tr("table to write"), type=Path, required=True)
     parser.set_defaults(run=_design)
     return parser

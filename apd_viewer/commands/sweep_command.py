@@ -46,16 +46,16 @@ def sweep_parser() -> Parser:
     parser = Parser(
         prog="apd-viewer sweep",
         description=tr(
-            "Go along the motion of the handles in steps: area, volume and energy by each method."
+            "Compute area, volume and energy by each method in steps along the motion of the handles."
         ),
     )
     add_input_options(parser)
     add_option(parser, "--steps N", tr("default: %(default)s"), type=int, default=20)
     add_option(
-        parser, "--to PART", tr("of the motion, where to end; 1.5 goes past it"), type=float, default=1.0
+        parser, "--to PART", tr("last fraction of the motion; 1.5 goes past it"), type=float, default=1.0
     )
     add_option(parser, "--methods M,M,...", tr("default: %(default)s"), default=",".join(COMPARED_METHODS))
-    about = tr("at most so many a step; default: {usual}, with obstacles {settling}").format(
+    about = tr("iteration limit per step; default: {usual}, with obstacles {settling}").format(
         usual=DEFAULT_ITERATIONS, settling=SETTLING_ITERATIONS
     )
     add_option(parser, "--iterations N", about, type=int)
@@ -64,7 +64,7 @@ def sweep_parser() -> Parser:
     add_criteria(parser, DISTURBANCE, of_session=True)
     add_option(parser, "--meshes", tr("write the mesh of every step, too"))
     add_animation_option(parser)
-    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
+    add_option(parser, "--progress-lines", tr("report progress as lines of JSON"))
     add_weld_option(parser)
     parser.set_defaults(run=_sweep)
     return parser

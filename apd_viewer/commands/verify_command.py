@@ -25,15 +25,15 @@ def verify_parser() -> Parser:
     parser = Parser(
         prog="apd-viewer verify",
         description=tr(
-            "Run cases with exact or published answers: errors, orders of convergence, and bars to be met. "
-            "The status is 1 if a row is worse than in this release."
+            "Run cases with exact or published answers: errors, orders of convergence, and bars to meet. "
+            "The exit status is 1 if a row is worse than in this release."
         ),
     )
     words = tr("letters of the cases, such as A,H; default: all")
     add_option(parser, "--case LETTERS", words)
     add_option(parser, "--json", tr("print JSON, for scripts"))
     add_option(parser, "-o, --output DIR", tr("folder for a figure of each case, and the table"), type=Path)
-    add_option(parser, "--progress-lines", tr("say how far it is as lines of JSON"))
+    add_option(parser, "--progress-lines", tr("report progress as lines of JSON"))
     parser.set_defaults(run=_verify)
     return parser
 
@@ -90,7 +90,8 @@ def _finished_runs(cases: Sequence[VerificationCase], progress: Progress, is_tol
     for run in run_cases(cases, tick):
         progress.end()
         if is_told:
-            told = {"done": round(share, 4), "doing": run.case.title, "rows": [row._asdict() for row in run.rows]}
+            rows = [row._asdict() for row in run.rows]
+            told = {"done": round(share, 4), "doing": run.case.title, "rows": rows}
             print(json.dumps(told), flush=True)
         yield run
 

@@ -30,17 +30,17 @@ def volumes_parser() -> Parser:
     parser = Parser(
         prog="apd-viewer volumes",
         description=tr(
-            "Measure the volumes of a shape, each by its own name: enclosed, convex hull, smallest box, bulk "
-            "and material; beside published figures of the same quantity."
+            "Measure the volumes of a shape: enclosed, convex hull, smallest box, bulk and material, beside "
+            "published figures of the same quantity."
         ),
     )
     add_option(parser, "MESH")
     add_option(parser, "--rest REST", tr("mesh of the shape at rest, for the change"))
     add_option(parser, "--unit", tr("unit of length of both meshes"), choices=SYMBOLS, default="")
     add_option(parser, "--bag LITRES", tr("count the objects in a bag of this size; default: 45"))
-    about = tr("of the wall, such as 0.3mm, for the material volume")
+    about = tr("wall thickness, such as 0.3mm, for the material volume")
     add_option(parser, "--thickness LENGTH", about, default="")
-    about = tr("of the material, such as 1.38 (g/cm³), for the bulk density")
+    about = tr("density, such as 1.38 (g/cm³), for the bulk density")
     add_option(parser, "--density D", about, default="")
     add_option(parser, "--json V.json", tr("write the readings as JSON"), type=Path)
     parser.set_defaults(run=_volumes)
@@ -53,7 +53,7 @@ def _volumes(options: argparse.Namespace) -> None:
     unit = Unit(options.unit or mesh.unit)
     litres = _bag(options.bag, unit)
     if options.density and not options.thickness:
-        raise InputError(tr("A bulk density needs the wall as well; add --thickness."))
+        raise InputError(tr("A bulk density needs the wall thickness as well; add --thickness."))
     wall = parse_wall(WallText(options.thickness, options.density), unit)
     before = None if options.rest is None else open_mesh(options.rest)
     now = mesh_volumes(mesh, wall.thickness)

@@ -141,7 +141,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
     path = check_mesh_path(path)
     if unit and unit not in METRES:
         raise InputError(
-            tr("“{unit}” is no unit of length; use {units}.").format(unit=unit, units=", ".join(METRES))
+            tr("“{unit}” is not a unit of length; use {units}.").format(unit=unit, units=", ".join(METRES))
         )
     U = checked_floats(U, tr("Positions"))
     if U.shape != mesh.V.shape:

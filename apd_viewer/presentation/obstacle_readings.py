@@ -36,7 +36,7 @@ def idle_reason(state: State) -> str:
     """Sentence on inactive obstacles; empty if they are active."""
     method = state.document.settings.traits
     if not method.may_use_contact:
-        sentence = tr("The method {method} knows no contact: obstacles push nothing.")
+        sentence = tr("The method {method} cannot use contact: obstacles push nothing.")
         return sentence.format(method=method.title)
     return "" if state.document.settings.contact else tr("Contact is off: obstacles push nothing.")
 
@@ -86,7 +86,7 @@ def motion_text(state: State, k: int, unit: Unit) -> str:
     obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
     distance = format_length(float(np.linalg.norm(obstacle.shift)), size)
     if distance == "0":
-        return tr("where it was put")
+        return tr("not moved")
     short_of = float(np.linalg.norm(obstacle.shift - state.obstacle_shifts[k]))
     moved = tr("moved {length}").format(length=unit.format_length(distance))
     if not state.is_contact_active or short_of <= _THERE * size:

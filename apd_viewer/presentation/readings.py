@@ -217,7 +217,7 @@ def double_wall(state: State, unit: Unit) -> str:
     wall = state.inspection.double_wall
     if wall is None:
         return ""
-    said = tr("Between two walls: {material} of material (no thickness is used); holds {capacity} at rest")
+    said = tr("Double wall: {material} of material (thickness ignored); holds {capacity} at rest")
     return said.format(material=_capacity(wall.material, unit), capacity=_capacity(wall.capacity, unit))
 
 

@@ -80,7 +80,7 @@ def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[
         (tr("Faces"), format_grouped(found.faces, 0), ""),
         (tr("Connected parts"), format_grouped(found.components, 0), ""),
         (tr("Size at rest"), unit.format_length(" × ".join(format_short(side) for side in found.size)), ""),
-        (tr("Unit of length"), unit.title, tr("a guess that nobody confirmed") if unit.is_guess else ""),
+        (tr("Unit of length"), unit.title, tr("an unconfirmed guess") if unit.is_guess else ""),
     ]
     yield PageTable(tuple(rows))
 
@@ -168,7 +168,7 @@ def _setting_rows(
             if value is not None:
                 yield setting.title, unit.format_length(format_significant(value, 4)), ""
         case SettingKind.CONVERGENCE:
-            yield tr("Most iterations"), format_grouped(value.most_iterations, 0), ""
+            yield tr("Iteration limit"), format_grouped(value.most_iterations, 0), ""
             if settings.traits.is_plain_only:
                 yield tr("Step tolerance"), format_short(value.step_tolerance), ""
             else:

@@ -127,7 +127,7 @@ def _volume(subject: ReportSubject) -> Iterator[tuple[str, str, str]]:
         touch = readings.contact(subject.state, subject.unit)
         yield tr("Pairs in contact"), touch.pairs, ""
         yield tr("Least gap"), touch.least_gap, ""
-        yield tr("Share of the way"), touch.path_fraction, ""
+        yield tr("Fraction of the path"), touch.path_fraction, ""
 
 
 def _crossing_count(found: ShapeCheck) -> str:

@@ -183,7 +183,7 @@ def _measure_traits() -> dict[Measure, MeasureTraits]:
         ),
         Measure.CALMNESS: MeasureTraits(
             tr("Calmness"),
-            tr("Colour by calmness: how little of the gesture reaches each vertex, by what is painted"),
+            tr("Colour by calmness: how little of the gesture reaches each vertex, given the paint"),
             "Alt+8",
             ScaleKind.SHARE,
             lambda deviation, *_: deviation.calmness(),
@@ -191,8 +191,8 @@ def _measure_traits() -> dict[Measure, MeasureTraits]:
         Measure.CONTACT: MeasureTraits(
             tr("Contact pressure"),
             tr(
-                "Colour by where walls touch and how hard: the force per area in percent of the largest; "
-                "grey where contact keeps nothing apart"
+                "Colour by contact pressure: force per area in percent of the largest; grey where contact "
+                "keeps nothing apart"
             ),
             "Alt+9",
             ScaleKind.SHARE,

@@ -53,11 +53,7 @@ def volume_rows(
     yield from _bulk_rows(rest, now, unit, density, bag)
     values = rest.material, now.material
     lacks = now.material is None
-    about = (
-        tr("needs the thickness of the wall")
-        if lacks
-        else tr("area × thickness; nothing can be crushed to less")
-    )
+    about = tr("needs the wall thickness") if lacks else tr("area × thickness; the lower limit of crushing")
     if now.capacity is not None:
         about = tr("between two walls; holds {capacity}").format(capacity=_volume(now.capacity, unit))
     yield _volumes(VolumeName.MATERIAL, tr("Material volume"), about, values, unit)
@@ -86,7 +82,7 @@ def _bulk_rows(
 ) -> Iterator[VolumeRow]:
     pair = rest, now
     bulks = [[found.hull.bulk(packing) for packing in _PACKINGS] for found in pair]
-    about = tr("convex hull over {packing}, the range over {densest} to {loosest}").format(
+    about = tr("convex hull divided by {packing}; range for {densest} to {loosest}").format(
         packing=PACKING, densest=DENSEST, loosest=LOOSEST
     )
     title = tr("Bulk volume")
@@ -104,7 +100,7 @@ def _bulk_rows(
         _first_readings(counts),
     )
     densities = [[bulk_density(density, found, packing) for packing in _PACKINGS] for found in pair]
-    about = tr("needs thickness and density of the wall") if densities[1][0] is None else ""
+    about = tr("needs wall thickness and density") if densities[1][0] is None else ""
     title = tr("Bulk density")
     yield _row(
         VolumeName.DENSITY,

@@ -95,7 +95,7 @@ def _elements(document: Document) -> tuple[np.ndarray, tuple[str, ...]]:
         notes.append(f"Left out: {count} triangles of connected parts without base or handle.")
     used = np.flatnonzero(~flat & ~loose)
     if not len(used):
-        raise InputError(tr("No triangle with an area hangs on base or handle; paint the part to compute."))
+        raise InputError(tr("No triangle with an area touches base or handle; paint the part to compute."))
     return used, tuple(notes)
 
 

@@ -108,7 +108,7 @@ class ObstacleEditor(DocumentEditor):
         document = document or state.document
         if not document.settings.traits.may_use_contact:
             self._listener.failed(
-                tr("The method {method} knows no contact; choose another one first.").format(
+                tr("The method {method} cannot use contact; choose another one first.").format(
                     method=document.settings.traits.title
                 )
             )
@@ -230,7 +230,7 @@ def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Uni
 def _inside_sentence(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
     """Sentence about an obstacle inside the shape, with the nearest free position."""
     free = obstacle_placement.moved_clear(obstacle, state, distance).place
-    return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(
+    return tr("The {kind} would intersect the shape; the nearest place behind it is {place}.").format(
         kind=obstacle.kind.word,
         place=comma_separated(unit.format_length(localized_number(f"{x:.5g}")) for x in free),
     )

@@ -121,7 +121,7 @@ def _side(text: str, other: str, state: State, unit: Unit) -> np.ndarray | float
         return parse_length(text, unit, state.document.mesh.named_lengths)
     if other not in _AXES:
         raise InputError(
-            tr("{text} is a share of the mesh along an axis; compare it with x, y or z.").format(text=text)
+            tr("{text} is a fraction of the mesh along an axis; compare it with x, y or z.").format(text=text)
         )
     along, part = _coordinates(other, state), parse_number(text, {})
     return float((1.0 - part) * along.min() + part * along.max())  # exact for 0 % and 100 %

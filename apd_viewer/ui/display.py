@@ -73,15 +73,15 @@ def _start_problem(x_answers: bool) -> Exception | None:
     if platform not in ("xcb", "wayland"):
         return InputError(
             tr(
-                "QT_QPA_PLATFORM names “{name}”, by which no window can be opened here; unset it, or deform "
-                "without a window: apd-viewer deform --help."
+                "QT_QPA_PLATFORM is “{name}”, which cannot open a window here; unset it, or deform without "
+                "a window: apd-viewer deform --help."
             ).format(name=platform)
         )
     if not (x_answers if platform == "xcb" else _wayland_answers()):
         variable = "DISPLAY" if platform == "xcb" else "WAYLAND_DISPLAY"
         return InputError(
             tr(
-                "{variable} names “{name}”, where no display can be reached; correct it, or deform without a "
+                "{variable} is “{name}”, where no display can be reached; correct it, or deform without a "
                 "window: apd-viewer deform --help."
             ).format(variable=variable, name=os.environ.get(variable, ""))
         )

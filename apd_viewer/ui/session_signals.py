@@ -161,4 +161,4 @@ def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None])
         if flags.locked:
             tell(lock_sentence(name))
         elif flags.hidden:
-            tell(tr("{name} is hidden: what is painted is not shown.").format(name=name))
+            tell(tr("{name} is hidden: its paint is not shown.").format(name=name))

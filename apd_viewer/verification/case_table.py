@@ -47,7 +47,7 @@ CASES: dict[str, VerificationCase] = {
             "L",
             tr("Disc with an inserted wedge"),
             "arXiv:1410.3531, 2014",
-            reason=tr("Not yet: nothing here makes a disc of more than 360 degrees."),
+            reason=tr("Not yet: no mesh here is a disc of more than 360 degrees."),
         ),
         VerificationCase(
             "M",

@@ -324,7 +324,7 @@ MOEBIUS_BAND = VerificationCase(
     "R. E. Schwartz, arXiv:2308.12641, 2023",
     (
         CaseQuantity(tr("the ends of a band 3.0 widths long meet (1: yes)"), 0.0),
-        CaseQuantity(tr("its mean area change"), _STRETCHED),
+        CaseQuantity(tr("mean area change of this band"), _STRETCHED),
         CaseQuantity(tr("1.6 widths are too short: it stretches, or does not meet (1: yes)"), 0.0),
     ),
     (6, 8),

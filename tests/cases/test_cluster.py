@@ -95,7 +95,7 @@ def test_cluster_loses_no_case_by_a_worker_that_dies(run):
 def test_cluster_names_a_case_that_kills_every_worker(run):
     table = run([{"steps": "13"}, {"steps": "3"}, {"steps": "5"}], study_work.deadly)
     assert [row.status for row in table.rows] == ["failed", "done", "done"]
-    assert "died each time" in table.rows[0].sentence
+    assert "died at every attempt" in table.rows[0].sentence
 
 
 def test_connect_cluster_says_that_there_is_no_scheduler(monkeypatch):

@@ -187,7 +187,7 @@ def test_study_writes_nothing_through_a_link_out_of_its_folder(whole, planned, n
     precious = outside if outside.is_file() else outside / "precious"
     precious.write_bytes(b"mine")
     path.symlink_to(outside)
-    with pytest.raises(InputError, match="leads out of the study; remove it"):
+    with pytest.raises(InputError, match="link to outside the study; remove it"):
         Study(plan, folder)
     assert precious.read_bytes() == b"mine"
     path.unlink()

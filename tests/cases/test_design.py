@@ -109,16 +109,16 @@ def test_design_table_notes_are_the_numbers_within_motions_and_before_units():
 WRONG = {
     "nothing": ([], {}, "Nothing varies"),
     "no range": (["twist"], {}, "varies nothing"),
-    "backwards": (["twist=9..2"], {}, "exchange its ends"),
+    "backwards": (["twist=9..2"], {}, "swap its ends"),
     "factors from 0": (["stiffness=0..1:log"], {}, "ends above 0"),
-    "an unknown name": (["colour=1..2"], {}, "“colour” is no column"),
+    "an unknown name": (["colour=1..2"], {}, "“colour” is not a column"),
     "twice": (["push=1..2", "push=3..4"], {}, "given twice"),
     "given already": (["steps=1,2"], {"steps": "4"}, "given twice"),
     "no number of steps": (["push=1..2"], {"steps": "x"}, "Column “steps”: "),
     "an unknown method": (["method=arap,exakt"], {}, "Column “method”: .*exakt"),
     "a range out of range": (["stiffness=-1..1"], {}, "Column “stiffness”: -1 is out of range"),
     "a note twice": (["push=1..2"], {"#push": "4"}, "given twice"),
-    "too many": (["push=1..2", "twist=1..2"], {}, "are the most"),
+    "too many": (["push=1..2", "twist=1..2"], {}, "the limit is"),
 }
 
 

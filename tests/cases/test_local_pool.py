@@ -57,7 +57,7 @@ def test_local_pool_tries_what_dies_again_and_the_rest_goes_on(pool, run, bar, m
     rows = [{"steps": str(steps)} for steps in (3, 13, 7, 5)]
     table = run(rows, pool(2, study_work.deadly))
     assert [row.status for row in table.rows] == ["done", "failed", "done", "done"]
-    assert "died each time" in table.rows[1].sentence
+    assert "died at every attempt" in table.rows[1].sentence
     assert (bar / "once").exists()
 
 

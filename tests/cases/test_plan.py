@@ -22,17 +22,17 @@ MISTAKES = {
         {"motion": "push 2cm"},
         "fill in “unit” for a length in cm",
     ),
-    "an unknown unit": ({"unit": "mile"}, "“unit”: “mile” is no unit"),
+    "an unknown unit": ({"unit": "mile"}, "“unit”: “mile” is not a unit"),
     "no motion": ({"motion": ""}, "Nothing moves"),
-    "0 steps": ({"steps": "0"}, "“steps”: “0” is no whole number"),
-    "half a step": ({"steps": "2.5"}, "“steps”: “2.5” is no whole number"),
+    "0 steps": ({"steps": "0"}, "“steps”: “0” is not a whole number"),
+    "half a step": ({"steps": "2.5"}, "“steps”: “2.5” is not a whole number"),
     "a number for a word": ({"method": "5"}, "“method”: Unknown method '5'"),
     "a word for a number": ({"stiffness": "soft"}, "“stiffness”"),
     "negative": ({"stiffness": "-1"}, "“stiffness”: -1 is out of range"),
     "an impossible target": ({"volume": "-20"}, "“volume”: -20 is out of range"),
-    "contact without it": ({"method": "paper", "contact": "yes"}, "knows no contact"),
+    "contact without it": ({"method": "paper", "contact": "yes"}, "cannot use contact"),
     "a thickness of nothing": ({"thickness": "1"}, "set “contact” to yes"),
-    "perhaps": ({"contact": "perhaps"}, "none of yes, no and auto"),
+    "perhaps": ({"contact": "perhaps"}, "not yes, no or auto"),
     "maybe": ({"calm": "maybe"}, "neither yes nor no"),
 }
 
@@ -43,7 +43,7 @@ def test_read_plan_says_each_mistake_with_its_line_and_stops_no_other_row(planne
     assert [row.line for row in plan.rows] == list(range(2, len(rows) + 5))
     good, *wrong, again, other = plan.rows
     assert (good.mistake, other.mistake) == ("", "")
-    assert (again.same_as, again.mistake) == (2, "It asks for the same as line 2.")
+    assert (again.same_as, again.mistake) == (2, "It repeats line 2.")
     for row, (_, words) in zip(wrong, MISTAKES.values(), strict=True):
         assert row.case is None
         with pytest.raises(InputError, match=words):
@@ -57,7 +57,7 @@ UNREADABLE = {
     "no mesh": (b"selection,motion\na,b\n", "neither a column “mesh”"),
     "no rows": (b"mesh,selection\n\n", "no rows"),
     "nothing": (b"", "neither a column “mesh”"),
-    "no text": (b"mesh\n\xff\xfe\n", "not a text"),
+    "no text": (b"mesh\n\xff\xfe\n", "not UTF-8 text"),
     "an open quote": (b'mesh,selection\n"a,b\n', "line 2 cannot be read"),
 }
 
@@ -134,4 +134,4 @@ def test_read_plan_lets_sessions_bring_their_own_motion_paint_and_unit(bar, plan
     assert (first.mistake, second.mistake) == ("", "")
     assert first.case.motion == ()
     assert ["own paint" in wrong[0].mistake, "own unit" in wrong[1].mistake] == [True, True]
-    assert "no session" in wrong[2].mistake
+    assert "not a session" in wrong[2].mistake

@@ -123,7 +123,7 @@ def test_study_is_written_by_one_program_and_read_by_others(written, bar):
     assert read_results(bar / "out").rows[0].key == key
     study.close()
     Study(written(*ROWS), bar / "out").close()
-    with pytest.raises(InputError, match="holds no study"):
+    with pytest.raises(InputError, match="contains no study"):
         read_results(bar)
 
 
@@ -148,7 +148,7 @@ def test_write_results_gives_the_table_what_it_promises(run, bar, monkeypatch):
         "2",
     )
     assert (second["status"], second["seconds"], second["line"]) == ("wrong", "", "3")
-    assert "“none” is no motion" in second["sentence"]
+    assert "“none” is not a motion" in second["sentence"]
     assert not (bar / "out" / "results.parquet").exists()
 
 

@@ -69,7 +69,7 @@ def test_deform_takes_words_and_options_for_the_same_motion(deformed):
 
 WRONG = {
     "both": (["--twist", "9", "--transform", "gone.def"], "Give either --transform or a motion"),
-    "more than half a turn at once": (["--twist", "400deg", "--iterations", "5"], "half a turn at most"),
+    "more than half a turn at once": (["--twist", "400deg", "--iterations", "5"], "at most half a turn"),
     "a length for an angle": (["--twist", "9mm"], "unit of length"),
     "a length without the mesh's unit": (
         ["--push", "9mm"],

@@ -68,7 +68,7 @@ def test_deform_with_obstacles_has_the_contact_that_a_thickness_needs(mesh, tmp_
         ([{**PLATES[0], "kind": "cone"}], "kind"),
         ([{"kind": "sphere", "place": [0, 0, 0]}], "radius"),
         ({"kind": "plate"}, "obstacles"),
-        ([{**PLATES[0], "place": [0, 0, 0]}], "intersects the shape to begin from"),
+        ([{**PLATES[0], "place": [0, 0, 0]}], "intersects the initial shape"),
     ],
 )
 def test_deform_refuses_obstacles_that_cannot_be_used(obstacles, words, mesh, tmp_path, capsys):

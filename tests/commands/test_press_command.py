@@ -207,7 +207,7 @@ def test_press_command_takes_the_wall_itself_where_its_thickness_and_modulus_are
         tmp_path / "ring.obj", "--axis", "x", "--to", "50%", "--steps", 2, *known, "--curve", curve
     )
     assert (status, err) == (0, "")
-    assert "of this thin elastic wall" in said
+    assert "for this thin elastic wall" in said
     last, width = rows(curve)[-1], 0.03 * np.ptp(V[:, 2])
     rigidity = 3.4e9 * 0.3e-3**3 / 12.0
     gap = 1e-3 * (last["distance"] - 2.0 * 0.08)  # less what the plates keep, about
@@ -254,7 +254,7 @@ def test_newton_conversion_of_a_shape_that_has_to_stretch_says_how_much_too_low_
     assert rows(curve)[-1]["newton_factor"] == pytest.approx(found["newton_factor"])
     factor = f"up to {found['newton_factor']:.2g} times too low"
     assert f" N above, {factor}\n" in said
-    assert "This shape has to stretch, too" in said
+    assert "Stretching takes up to" in said
     assert "hardly stretch" not in said
 
 
@@ -326,9 +326,9 @@ WRONG = {
     "a ratio": (["--poisson", "0.7", "--unit", "cm"], "from 0 to 0.5"),
     "a density": (["--density", "0"], "out of range"),
     "a thickness in a unit": (["--thickness", "0.3mm"], "add --unit"),
-    "a letter that is no axis": (["--axis", "w"], "is no direction"),
-    "two numbers": (["--axis", "1 0"], "is no direction"),
-    "a direction without length": (["--axis", "0 0 0"], "is no direction"),
+    "a letter that is no axis": (["--axis", "w"], "is not a direction"),
+    "two numbers": (["--axis", "1 0"], "is not a direction"),
+    "a direction without length": (["--axis", "0 0 0"], "is not a direction"),
     "a distance of nothing": (["--to", "0"], "greater than 0"),
     "a distance that is negative": (["--to=-5%"], "greater than 0"),
     "plates that do not touch": (["--to", "120%"], "enter a smaller distance"),

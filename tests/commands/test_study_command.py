@@ -46,11 +46,11 @@ def test_study_command_is_planned_run_and_gone_on_with(bar, capsys):
     assert said.out.splitlines() == [
         "2 cases, 0 of them done, 2 to do",
         "1 row is wrong and is left out",
-        "No case was timed yet, so nobody knows how long they take.",
+        "No case was timed yet, so the remaining time is unknown.",
     ]
     assert said.err.splitlines() == [
         "line 3: Column “motion”: Nothing was entered; enter an angle such as 30 or 30deg.",
-        "line 5: It asks for the same as line 2.",
+        "line 5: It repeats line 2.",
     ]
     assert not (bar / "out").exists()
     assert main([*words, "--processes", "1", "--progress-lines"]) == 0
@@ -172,7 +172,7 @@ def test_study_command_finishes_the_running_case_at_an_interrupt_and_ends_at_onc
         main(["study", plan_of(bar, ["twist 1", "twist 2", "twist 3"]), "-o", str(bar / "out")])
     said = capsys.readouterr()
     assert f"{done} done, {3 - done} not done yet" in said.out
-    assert "the same command goes on" in said.err
+    assert "repeat the command to continue" in said.err
     assert [row["status"] for row in rows_of(bar / "out")].count("done") == done
     assert signal.getsignal(signal.SIGINT) == before
 
@@ -198,7 +198,7 @@ def test_study_command_finishes_what_runs_after_an_interrupt_and_ends_at_once_af
             time.sleep(0.01)
         out, err = process.communicate(timeout=60.0)
         assert process.returncode == 130, err
-        assert "the same command goes on" in err
+        assert "repeat the command to continue" in err
         assert "Traceback" not in err
         return sum(row["status"] == "done" for row in rows_of(bar / "out")), out
 

@@ -114,7 +114,7 @@ def test_sweep_command_says_that_contact_stops_a_handle(bar, sweep):
     way = pytest.approx(1.2 * height)
     assert (status, float(first["share_reached"]), float(last["way"])) == (0, 1.0, way)
     assert 0.3 < float(last["share_reached"]) < 0.9
-    assert f"Contact stops the handle at {int(100 * float(last['share_reached']))} % of the way." in said
+    assert f"Contact stops the handle at {int(100 * float(last['share_reached']))} % of the path." in said
 
 
 @pytest.mark.night

@@ -67,7 +67,7 @@ def test_motion_text_is_said_with_what_contact_has_not_let():
         == "moved 0.5000, reached 0.2000"
     )
     assert readings.motion_text(state(shifts=short, contact=False), 0, Unit.NONE) == "moved 0.5000"
-    assert readings.motion_text(state(), 1, Unit.NONE) == "where it was put"
+    assert readings.motion_text(state(), 1, Unit.NONE) == "not moved"
 
 
 def test_obstacle_blocks_say_enough_to_put_obstacles_again():

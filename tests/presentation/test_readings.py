@@ -67,7 +67,7 @@ def test_mesh_blocks_say_that_their_unit_is_a_guess():
     state = initial_state(bar())
     for unit, symbol, remark in (
         (Unit.CENTIMETRE, "cm", ""),
-        (Unit.CENTIMETRE.as_guess, "cm?", "a guess that nobody confirmed"),
+        (Unit.CENTIMETRE.as_guess, "cm?", "an unconfirmed guess"),
         (Unit.NONE.as_guess, "no unit", ""),
     ):
         (table, *_) = (block for block in mesh_blocks(state, unit, None) if isinstance(block, PageTable))

@@ -187,7 +187,7 @@ def test_obstacles_replace_refuses_a_sphere_in_the_shape_with_a_place_that_is_ta
     opened.obstacles.add(opened.obstacles.proposed_obstacle(ObstacleKind.SPHERE, point, outwards))
     before, sphere = now(opened), now(opened).obstacles[0]
     inside = replace(sphere, place=frozen(sphere.place - 0.3 * outwards))
-    with pytest.raises(InputError, match="would stand in the shape"):
+    with pytest.raises(InputError, match="would intersect the shape"):
         opened.obstacles.replace(0, inside)
     with pytest.raises(InputError, match="radius"):
         opened.obstacles.replace(0, replace(sphere, radius=0.0))

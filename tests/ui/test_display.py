@@ -13,7 +13,7 @@ pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ot
 
 NAMES = "DISPLAY", "WAYLAND_DISPLAY", "XDG_SESSION_TYPE", "QT_QPA_PLATFORM", "XDG_RUNTIME_DIR"
 NOT_REACHED = ", where no display can be reached; correct it"
-NOT_OPENED = ", by which no window can be opened here; unset it"
+NOT_OPENED = ", which cannot open a window here; unset it"
 WITHOUT = ", or deform without a window: apd-viewer deform --help."
 
 
@@ -27,11 +27,11 @@ def run(*words, **variables):
 @pytest.mark.parametrize(
     ("variables", "sentence"),
     [
-        ({"DISPLAY": ":999"}, "DISPLAY names “:999”" + NOT_REACHED),
-        ({"DISPLAY": "nonsense"}, "DISPLAY names “nonsense”" + NOT_REACHED),
-        ({"WAYLAND_DISPLAY": "gone"}, "WAYLAND_DISPLAY names “gone”" + NOT_REACHED),
-        ({"QT_QPA_PLATFORM": "wayland;xcb"}, "WAYLAND_DISPLAY names “”" + NOT_REACHED),
-        ({"QT_QPA_PLATFORM": "nonsense"}, "QT_QPA_PLATFORM names “nonsense”" + NOT_OPENED),
+        ({"DISPLAY": ":999"}, "DISPLAY is “:999”" + NOT_REACHED),
+        ({"DISPLAY": "nonsense"}, "DISPLAY is “nonsense”" + NOT_REACHED),
+        ({"WAYLAND_DISPLAY": "gone"}, "WAYLAND_DISPLAY is “gone”" + NOT_REACHED),
+        ({"QT_QPA_PLATFORM": "wayland;xcb"}, "WAYLAND_DISPLAY is “”" + NOT_REACHED),
+        ({"QT_QPA_PLATFORM": "nonsense"}, "QT_QPA_PLATFORM is “nonsense”" + NOT_OPENED),
     ],
 )
 def test_display_connection_tells_an_unreachable_display_in_a_sentence(variables, sentence):
@@ -55,7 +55,7 @@ def test_display_connection_tells_of_an_x_server_that_refuses_in_a_sentence(tmp_
         (tmp_path / "user").touch()
         status, out, err = run("-m", "apd_viewer", DISPLAY=name, XAUTHORITY=str(tmp_path / "user"))
         assert (status, out) == (2, "")
-        assert re.fullmatch(f"error: DISPLAY names “{name}”, where no display can be reached; .+\n", err)
+        assert re.fullmatch(f"error: DISPLAY is “{name}”, where no display can be reached; .+\n", err)
         starts = "from apd_viewer.ui.display import display_connection\n"
         starts += "with display_connection(): print('reached')"
         assert run("-c", starts, DISPLAY=name, XAUTHORITY=str(cookies)) == (0, "reached\n", "")

@@ -25,7 +25,7 @@ def desktop_parser() -> Parser:
     """Parser of the command desktop."""
     parser = Parser(
         prog="apd-viewer desktop",
-        description=tr("Put the program into the menu, and let files be opened with it (Linux)."),
+        description=tr("Add the program to the menu, and open files with it (Linux)."),
     )
     what = parser.add_mutually_exclusive_group(required=True)
     add_option(what, "--install", tr("add menu entry, icon, file types and thumbnails"))

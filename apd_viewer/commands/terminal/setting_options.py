@@ -67,8 +67,8 @@ def given_criteria(options: argparse.Namespace) -> dict[str, Any]:
 def add_contact_option(parser: Parser) -> None:
     """Add ``--contact`` and ``--no-contact``; the value is None without either."""
     about = tr(
-        "keep walls from passing through each other, or not; default: up to {most:,} vertices, by "
-        "methods that can"
+        "keep walls from passing through each other, or not; default: up to {most:,} vertices, for methods "
+        "that can"
     ).format(most=MOST_VERTICES_IN_CONTACT)
     add_option(parser, "--contact", about, action=argparse.BooleanOptionalAction)
 

@@ -137,7 +137,7 @@ def _header(rows: list[tuple[int, bytes]]) -> tuple[re.Match[bytes], int, int, l
     if counts[:1] == [b"BINARY"]:
         raise ValueError(tr("it is a binary OFF file, which is not supported"))
     if head[3]:
-        raise ValueError(tr("its points have another number of coordinates than three"))
+        raise ValueError(tr("its points do not have three coordinates"))
     if not counts:
         counts, rows = rows[1][1].split() if len(rows) > 1 else [], rows[1:]
     if len(counts) < 2:

@@ -137,5 +137,5 @@ def _text(content: bytes) -> tuple[np.ndarray, tuple[str, ...]]:
     ends = {match[1] for match in _END.finditer(content, content.rfind(b"vertex"))}
     if len(V) != 3 * facets or len(V) != len(_VERTICES.findall(content)) or (facets and not ends):
         raise ValueError(tr("a facet is incomplete"))
-    said = tr("The file does not end as a solid does, with endsolid; if facets are missing, export it again.")
+    said = tr("The file lacks a final endsolid; if facets are missing, export it again.")
     return V, () if b"solid" in ends or not facets else (said,)

@@ -156,7 +156,7 @@ def spliced_content(content: bytes, splices: Iterable[Splice]) -> bytes:
     pieces, last = [], 0
     for (start, end), new in sorted(news.items()):
         if start < last:
-            raise ValueError(tr("two of its arrays are at one place"))
+            raise ValueError(tr("two of its arrays overlap"))
         pieces += [content[last:start], new]
         last = end
     return b"".join([*pieces, content[last:]])
@@ -177,7 +177,7 @@ def text_values(text: bytes, kind: str) -> np.ndarray:
     if kind[0] == "f":
         return found
     if not (np.abs(found) < 2.0**53).all() or (found != np.floor(found)).any():
-        raise ValueError(tr("one of its arrays has no whole numbers"))
+        raise ValueError(tr("one of its arrays has fractional numbers"))
     return found.astype(np.int64)
 
 

@@ -42,7 +42,7 @@ def read_gltf(content: bytes, path: Path) -> ParsedMesh:
     file = GltfFile(content, path.suffix.lower(), text, document, buffers, drawn.blocks, drawn.pieces)
     remarks = [*_instance_remarks(drawn.blocks)]
     if scene.has_other_scenes(document, world):
-        remarks.append(tr("The file has several scenes; only the one that it opens with is read."))
+        remarks.append(tr("The file has several scenes; only the default scene is read."))
     return ParsedMesh(np.vstack(drawn.V), np.vstack(drawn.F), file, tuple(remarks), "m")
 
 
@@ -50,8 +50,8 @@ def _instance_remarks(blocks: list[VertexBlock]) -> Iterator[str]:
     most = max(Counter(block.position for block in blocks).values(), default=0)
     if most > 1:
         yield tr(
-            "The file shows one mesh in {n:,} places; a shape in which they differ can be exported in "
-            "another format only."
+            "The file shows one mesh in {n:,} places; a shape in which they differ can only be exported to "
+            "another format."
         ).format(n=most)
 
 

@@ -93,7 +93,7 @@ def is_stream(path: Path) -> bool:
         return True
     if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
         return False
-    raise OSError(errno.EINVAL, tr("it is no regular file"))
+    raise OSError(errno.EINVAL, tr("it is not a regular file"))
 
 
 def _own_output(path: Path) -> int | None:
@@ -235,7 +235,7 @@ def move_files(scratch: Path, folder: Path) -> None:
         target = folder / path.relative_to(scratch)
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and not target.is_file():
-            raise FileExistsError(None, tr("{name} in it is no regular file").format(name=target.name))
+            raise FileExistsError(None, tr("{name} in it is not a regular file").format(name=target.name))
         shutil.move(path, target)
 
 

@@ -44,7 +44,7 @@ class NotRegularError(OSError):
     """Error for a pipe, device or folder in place of a regular file."""
 
     def __init__(self, path: str | Path) -> None:
-        super().__init__(errno.EINVAL, tr("it is no regular file"), str(path))
+        super().__init__(errno.EINVAL, tr("it is not a regular file"), str(path))
 
 
 def check_regular(path: str | Path) -> None:
@@ -160,9 +160,9 @@ def sibling_content(name: str, mesh: Path | None, most: int | None = None) -> by
 def too_large_error(name: str) -> InputError:
     """Error for a neighbouring file or embedded data beyond :data:`LARGEST_FILE`."""
     return InputError(
-        tr("The file names or holds more than {limit:.0f} GiB ({named}); reduce the mesh first.").format(
-            limit=LARGEST_FILE / 2**30, named=_shortened_line(name, _LONGEST_NAME)
-        )
+        tr(
+            "The file contains or refers to more than {limit:.0f} GiB ({named}); reduce the mesh first."
+        ).format(limit=LARGEST_FILE / 2**30, named=_shortened_line(name, _LONGEST_NAME))
     )
 
 
@@ -184,7 +184,7 @@ def _resolved_path(name: str, mesh: Path | None) -> str | None:
 def _outside_error(name: str, mesh: Path) -> InputError:
     return InputError(
         tr(
-            "{mesh} names a file outside its folder ({named}), which is not read; "
-            "copy that into the folder of the mesh and correct its name there."
+            "{mesh} refers to a file outside its folder ({named}), which is not read; copy it into the "
+            "folder and correct its name in the mesh."
         ).format(mesh=mesh.name, named=_shortened_line(name, _LONGEST_NAME))
     )

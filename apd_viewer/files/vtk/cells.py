@@ -42,11 +42,11 @@ def check_cell_types(types: np.ndarray) -> None:
     """Raise InputError on cells other than flat faces."""
     if np.isin(types, _SOLID).any():
         raise InputError(
-            tr("The mesh has volume cells; extract its surface first, as Extract Surface of ParaView does.")
+            tr("The mesh has volume cells; extract its surface first, with Extract Surface in ParaView.")
         )
     if not np.isin(types, (*_FLAT, *_BELOW)).all():
         raise InputError(
-            tr("The mesh has curved or unknown cells; make triangles first, as Tessellate of ParaView does.")
+            tr("The mesh has curved or unknown cells; make triangles first, with Tessellate in ParaView.")
         )
 
 

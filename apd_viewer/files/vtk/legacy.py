@@ -95,7 +95,7 @@ def read_vtk(content: bytes) -> ParsedMesh:
     """
     head = _HEAD.match(content[:1000])
     if head is None:
-        raise ValueError(tr("it does not start as a VTK file does"))
+        raise ValueError(tr("it does not start with a VTK header"))
     reader = LegacyReader(content, head.end(), head[2].upper() == b"BINARY")
     sections = _Sections()
     kind = _read(reader, sections, lists_offsets=int(head[1]) >= 5)

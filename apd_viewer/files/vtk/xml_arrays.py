@@ -174,7 +174,7 @@ class XmlArrays:
         stored = self._read_array(element)
         self._left -= stored.end - stored.start
         if self._left < 0:
-            raise ValueError(tr("two of its arrays are at one place"))
+            raise ValueError(tr("two of its arrays overlap"))
         return stored
 
     def _read_array(self, element: XmlElement) -> XmlArray:
@@ -218,7 +218,7 @@ class XmlArrays:
         _, block, last, *packed = np.frombuffer(head, self._header).tolist()
         size = (count - 1) * block + (last or block) if count else 0
         if size > self._most:
-            raise ValueError(tr("its arrays would have {size:,} bytes and more").format(size=size))
+            raise ValueError(tr("its arrays would have at least {size:,} bytes").format(size=size))
         self._most -= size
         data, end = coded.decode(at, sum(packed))
         pieces, place = [], 0

@@ -133,7 +133,7 @@ def _kind_error_message(kind: str) -> str:
     """Error sentence for a VTK data set kind not matching the suffix."""
     suffix = next((suffix for suffix, own in _KINDS.items() if own == kind), None)
     if suffix is not None:
-        return tr("The file holds a surface of another kind; give its name the ending {ending}.").format(
+        return tr("The file holds another kind of surface; rename it to end in {ending}.").format(
             ending=suffix
         )
     return tr("The file holds no surface of its own; save the surface as one .vtp file.")

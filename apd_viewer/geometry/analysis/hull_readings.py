@@ -51,7 +51,7 @@ class HullReadings(NamedTuple):
         ``packing`` is the share of the container that they fill.
         """
         if not 0.0 < as_float(packing) <= 1.0:
-            raise InputError(tr("The packing must be a share above 0 and at most 1, such as 0.64."))
+            raise InputError(tr("The packing must be a fraction above 0 and at most 1, such as 0.64."))
         return self.volume / packing
 
     @checked

@@ -34,7 +34,7 @@ class EnclosedGas:
         check_argument("gas", amount)
         volume = rest.volume if rest.caps is None else rest.volume_capped
         if not volume:
-            raise InputError(tr("The mesh encloses no gas; cap it, or leave the gas out."))
+            raise InputError(tr("The mesh encloses no gas; cap it, or omit the gas."))
         self._patch, self._caps, self._first = rest.solve_mesh.all_triangles, rest.caps, volume
         self._amount = amount * rest.area
 

@@ -57,7 +57,7 @@ class SurfacePoint(NamedTuple):
         weights = checked_floats(self.weights, tr("The weights of a point"))
         fits = weights.shape == (3,) and weights.min() >= -_ROUNDING
         if not fits or not abs(weights.sum() - 1.0) <= _ROUNDING:
-            raise InputError(tr("The weights of a point of the surface must be at least 0, with sum 1."))
+            raise InputError(tr("The weights of a point of the surface must be at least 0 and sum to 1."))
 
 
 def point_positions(points: Sequence[SurfacePoint], U: np.ndarray, F: np.ndarray) -> np.ndarray:

@@ -139,7 +139,7 @@ def pass_through_warnings(
 def _pass_through_sentence(what: str, contact: bool, may_touch: bool) -> str:
     sentence = tr("{what}: it passed through itself.")
     if not may_touch:
-        sentence = tr("{what}: it passed through itself, as this method knows no contact.")
+        sentence = tr("{what}: it passed through itself, as this method cannot use contact.")
     elif not contact:
         sentence = tr("{what}: without contact it passed through itself; turn contact on.")
     return sentence.format(what=what)

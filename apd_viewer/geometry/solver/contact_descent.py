@@ -52,7 +52,7 @@ _PATIENCE = 60
 def check_contact(method: Method, plain: bool) -> None:
     """Raise InputError unless the iterations of a method can keep walls apart."""
     if plain and method.is_wall:
-        raise InputError(tr("The method Wall has no plain iterations; leave their number out."))
+        raise InputError(tr("The method Wall has no plain iterations; omit their number."))
     if plain or not method.may_use_contact:
         raise InputError(
             tr(
@@ -66,7 +66,7 @@ def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
     """Raise InputError unless all are obstacles, and contact is on if there are any."""
     listed = isinstance(obstacles, Sequence) and not isinstance(obstacles, str | bytes)
     if not listed or not all(isinstance(each, Obstacle) for each in obstacles):
-        raise InputError(tr("Obstacles must be a list of what plate, sphere and capsule make."))
+        raise InputError(tr("Obstacles must be a list made with plate, sphere and capsule."))
     if len(obstacles) and not contact:
         raise InputError(tr("Obstacles need contact; switch it on, or remove the obstacles."))
 
@@ -75,9 +75,9 @@ def stop_sentence(share: float, contact: ContactDescent | None = None) -> str:
     """Sentence on the handle or obstacle stopped by contact at a fraction of its path."""
     moves = (contact.path.moves_held, contact.path.moves_obstacles) if contact else (True, False)
     said = {
-        (True, True): tr("Contact stops handle and obstacle at {percent:.0f} % of the way."),
-        (False, True): tr("Contact stops the obstacle at {percent:.0f} % of the way."),
-    }.get(moves, tr("Contact stops the handle at {percent:.0f} % of the way."))
+        (True, True): tr("Contact stops handle and obstacle at {percent:.0f} % of the path."),
+        (False, True): tr("Contact stops the obstacle at {percent:.0f} % of the path."),
+    }.get(moves, tr("Contact stops the handle at {percent:.0f} % of the path."))
     return said.format(percent=math.floor(100.0 * share))
 
 
@@ -315,9 +315,7 @@ class ContactDescent:
         ways = [(U, shifts), (U, places), (rest, places)]
         found = next((way for way in ways if self.contact.can_start_at(*way)), None)
         if found is None and len(places) and not self.contact.is_clear(rest, places):
-            raise InputError(
-                tr("An obstacle intersects the shape to begin from; move it away, or remove it.")
-            )
+            raise InputError(tr("An obstacle intersects the initial shape; move it away, or remove it."))
         U, self.shifts = found or (rest, places)
         self.contact.start_at(U, self.shifts)
         self._U, self._is_inside = U, True

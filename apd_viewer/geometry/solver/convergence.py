@@ -61,16 +61,16 @@ DEFAULT_CONVERGENCE = Convergence()
 DISTURBANCE = ("imperfection", "seed")
 # Descriptions of the criteria, for the help of commands.
 CRITERIA = {
-    "most_iterations": tr("stop after N iterations at the latest"),
-    "energy_tolerance": tr("converged once ten iterations reduce the energy by at most this part"),
+    "most_iterations": tr("stop after at most N iterations"),
+    "energy_tolerance": tr("converged once ten iterations reduce the energy by at most this fraction"),
     "step_tolerance": tr(
-        "of 'paper' and 'sr-arap': converged once steps are below this part of the mesh's size"
+        "for 'paper' and 'sr-arap': converged once steps are below this fraction of the mesh size"
     ),
     "imperfection": tr(
-        "displacement that disturbs a shape at rest on a saddle of its energy, as part of the mesh's "
+        "displacement that disturbs a shape at rest on a saddle of its energy, as a fraction of the mesh "
         "size; 0: none"
     ),
-    "seed": tr("direction of that disturbance: 0 for the steepest descent, others at random"),
+    "seed": tr("direction of the disturbance: 0 for the steepest descent, others at random"),
 }
 
 
@@ -81,7 +81,7 @@ def check_convergence(convergence: Convergence) -> None:
     most = convergence.most_iterations
     if not is_whole_number(most) or not 1 <= most <= MOST_ITERATIONS:
         raise InputError(
-            tr("The most iterations must be a whole number from 1 to {most:,}.").format(most=MOST_ITERATIONS)
+            tr("The iteration limit must be a whole number from 1 to {most:,}.").format(most=MOST_ITERATIONS)
         )
     for tolerance in (convergence.energy_tolerance, convergence.step_tolerance):
         if not 0.0 < as_float(tolerance) <= LARGEST_TOLERANCE:
@@ -116,7 +116,7 @@ def stability_text(frame: Frame, descends: bool) -> str:
     if frame.stable is not None:
         return tr("not stable: a saddle of the energy")
     if not descends:
-        return tr("not examined: such iterations descend in no energy")
+        return tr("not examined: such iterations minimise no energy")
     if frame.unreached:
         return tr("not examined: targets are out of reach")
     if not frame.settled:

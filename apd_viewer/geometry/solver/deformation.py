@@ -185,13 +185,13 @@ class Deformation:
         check_obstacles(obstacles, contact)
         needs_contact = gas is not None or yield_radius is not None
         if needs_contact and not contact:
-            raise InputError(tr("Creases and gas need contact; switch it on, or leave them out."))
+            raise InputError(tr("Creases and gas need contact; switch it on, or omit them."))
         self._traits = check_method(method, handle_of, len(obstacles) > 0)
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
         if self._traits.is_wall and yield_radius is not None:
-            raise InputError(tr("The method Wall keeps no creases; leave the yield radius out."))
+            raise InputError(tr("The method Wall keeps no creases; omit the yield radius."))
         thin = wall_material(rest.diagonal, wall_thickness, poisson)
         if len(held) and np.isin(rest.solve_mesh.component, rest.solve_mesh.component[held]).sum() == len(
             held

@@ -250,7 +250,7 @@ def deform(
     targets = checked_floats(targets, tr("Targets"))
     path = targets if targets.ndim == 3 and len(targets) else targets[None]
     if targets is path and iterations is not None:
-        raise InputError(tr("Plain iterations know of no path; give the last targets alone."))
+        raise InputError(tr("Plain iterations follow no path; give the last targets alone."))
     walk = PathIteration(solver, [*_stops(path, shifts)])
     result = iterate_to_result(solver, walk, started, iterations, told, _turns(solver, handle, path))
     passing = passing_walls_warning(*size, tr("--contact or contact=True")) if by_default else ""

@@ -80,7 +80,7 @@ class LooseComponents:
         """
         stays = self._chosen(loose)
         if self._contact and not np.array_equal(stays[~self._is_held], self._stays[~self._is_held]):
-            raise InputError(tr("In contact no other loose parts can stay; make another Deformation."))
+            raise InputError(tr("In contact other loose parts cannot stay; make another Deformation."))
         self._stays = stays
 
     def _chosen(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:

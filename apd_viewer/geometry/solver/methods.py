@@ -239,7 +239,7 @@ def check_wall_size(vertices: int) -> None:
     """Raise InputError if a wall has too many vertices for the memory."""
     if vertices > _MOST_WALL_VERTICES:
         raise InputError(
-            tr("The method Wall takes at most {most:,} vertices; choose Local, or thin the mesh.").format(
+            tr("The method Wall takes at most {most:,} vertices; choose Local, or reduce the mesh.").format(
                 most=_MOST_WALL_VERTICES
             )
         )

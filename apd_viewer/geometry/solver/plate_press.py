@@ -106,7 +106,7 @@ class PlatePress:
             self._contact.restart(U)
             return
         if not self._contact.contact.can_start_at(U):
-            raise InputError(tr("The shape to begin from crosses itself; deform it with walls kept apart."))
+            raise InputError(tr("The initial shape intersects itself; deform it with walls kept apart."))
         self.solver.aim(self._targets, start)
 
     def _plates_around(self, U: np.ndarray, aside: float = 0.0) -> list[Obstacle]:
@@ -158,7 +158,7 @@ class PlatePress:
             self.settle_at(0.0, partial(_tick_at, tick, 0, self._count))
             if not self._contact.progress.has_met_goals:
                 raise InputError(
-                    tr("The shape to begin from has another area or volume; deform it with the same targets.")
+                    tr("The initial shape has another area or volume; deform it with the same targets.")
                 )
             U = self._contact.progress.U
             self._contact.replace_obstacles(self._plates_around(U))
@@ -375,8 +375,8 @@ def plate_travel(points: np.ndarray, axis: np.ndarray, to: float, thickness: flo
     way = PlateTravel(axis, float(height.min()) - apart, float(height.max()) + apart, to)
     if not 0.0 < as_float(to) < way.first_distance:
         raise InputError(
-            tr(
-                "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
-            ).format(first=way.first_distance)
+            tr("The plates start {first:.4g} apart; enter a smaller distance greater than 0.").format(
+                first=way.first_distance
+            )
         )
     return way

@@ -150,7 +150,7 @@ class Settings:
         None,
         SettingKind.LENGTH,
         tr("Wall thickness"),
-        tr("thickness of the wall by 'wall', in mesh units; default: 1/1000 of the diagonal"),
+        tr("wall thickness for 'wall', in mesh units; default: 1/1000 of the diagonal"),
         tr("Change wall thickness"),
         applies=attrgetter("traits.is_wall"),
     )
@@ -158,7 +158,7 @@ class Settings:
         DEFAULT_POISSON,
         SettingKind.NUMBER,
         tr("Poisson's ratio"),
-        tr("Poisson's ratio of the wall by 'wall'"),
+        tr("Poisson's ratio of the wall for 'wall'"),
         tr("Change Poisson's ratio"),
         applies=attrgetter("traits.is_wall"),
         most=0.5,
@@ -189,7 +189,7 @@ class Settings:
         False,
         SettingKind.SWITCH,
         tr("Total area kept"),
-        tr("keep the total area by 'local' and 'wall', too"),
+        tr("keep the total area with 'local' and 'wall', too"),
         tr("Change area"),
         applies=attrgetter("traits.may_keep_total_area"),
     )
@@ -197,7 +197,7 @@ class Settings:
         True,
         SettingKind.SWITCH,
         tr("Calm parts kept"),
-        tr("keep the area of calm parts by 'exact', those that the handles hardly reach"),
+        tr("with 'exact', keep the area of calm parts, which the handles hardly reach"),
         tr("Keep calm parts"),
         applies=attrgetter("traits.keeps_calm_parts"),
         off_gesture=tr("Let calm parts change"),
@@ -214,16 +214,16 @@ class Settings:
     thickness: float | None = _setting(
         None,
         SettingKind.LENGTH,
-        tr("Distance of walls"),
+        tr("Wall distance"),
         tr("distance that walls in contact keep, in mesh units; default: 1/1000 of the diagonal"),
-        tr("Change distance of walls"),
+        tr("Change wall distance"),
         applies=attrgetter("uses_contact"),
     )
     yield_radius: float | None = _setting(
         None,
         SettingKind.LENGTH,
         tr("Yield radius"),
-        tr("walls in contact bent to less than this radius keep a crease, in mesh units; default: none do"),
+        tr("walls in contact bent to less than this radius keep a crease, in mesh units; default: none"),
         tr("Change yield radius"),
         applies=lambda settings: settings.uses_contact and settings.in_effect_stiffness > 0.0,
     )
@@ -232,8 +232,8 @@ class Settings:
         SettingKind.AMOUNT,
         tr("Enclosed gas"),
         tr(
-            "gas enclosed by walls in contact, openings capped: pressure times volume in areas of the "
-            "surface; default: it leaves freely"
+            "gas enclosed by walls in contact, openings capped: pressure times volume in surface areas; "
+            "default: none"
         ),
         tr("Change enclosed gas"),
         applies=attrgetter("uses_contact"),
@@ -242,7 +242,7 @@ class Settings:
         DEFAULT_CONVERGENCE,
         SettingKind.CONVERGENCE,
         tr("Convergence"),
-        tr("what ends the iterations"),
+        tr("criteria for ending the iterations"),
         tr("Change convergence"),
     )
 

@@ -88,7 +88,7 @@ def lost_file_text(name: str, file_state: FileState) -> str:
 
 def lost_file_sentences(name: str, file_state: FileState) -> str:
     """Sentences about a lost file, with a remedy."""
-    remedy = tr("What is shown here is in no file until you save it.")
+    remedy = tr("The changes shown here are in no file until you save them.")
     return f"{lost_file_text(name, file_state)} {remedy}"
 
 
@@ -145,7 +145,7 @@ def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Findi
     near = is_near_crossing(mesh.joined_F, crossing, len(mesh.V))
     where = frozen(np.flatnonzero(near[mesh.weld.representative]))
     sentence = tr(
-        "{n:,} triangles cross at rest; contact leaves the {vertices:,} vertices near them as they are."
+        "{n:,} triangles cross at rest; contact ignores the {vertices:,} vertices near them."
     ).format(n=len(crossing), vertices=len(where))
     return (Finding("exempt from contact", sentence, where),)
 

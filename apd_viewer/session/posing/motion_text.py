@@ -111,7 +111,7 @@ def _step(handle: int, text: str) -> MotionTextStep:
     word, _, rest = text.partition(" ")
     word, rest = word.lower(), rest.strip()
     if word not in MOTION_KINDS:
-        sentence = tr("“{word}” is no motion; use {words}.")
+        sentence = tr("“{word}” is not a motion; use {words}.")
         raise InputError(sentence.format(word=word[:_SHOWN], words=", ".join(MOTION_KINDS)))
     kind, axis, preposition = MOTION_KINDS[word], "", ""
     if named := _AXIS.fullmatch(rest):
@@ -121,7 +121,7 @@ def _step(handle: int, text: str) -> MotionTextStep:
         raise InputError(sentence.format(word=word, preposition=preposition))
     is_other = preposition != kind.preposition if axis else _PREPOSITIONS & set(rest.lower().split())
     if kind.preposition and is_other:
-        sentence = tr("“{word}” is “{preposition}” an axis of the mesh: x, y or z.")
+        sentence = tr("“{word}” needs “{preposition}” before an axis of the mesh: x, y or z.")
         raise InputError(sentence.format(word=word, preposition=kind.preposition))
     if kind.needs_axis and not axis:
         sentence = tr("“{word}” needs an axis, as in “{word} {example} {preposition} x”.")

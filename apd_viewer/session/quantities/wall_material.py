@@ -86,7 +86,7 @@ WALL_MATERIALS = (
         "elastic limit 15 to 34 MPa; Schulgasser, Fibre Science and Technology 19, 297 (1983): "
         "Poisson's ratio 1/3")),
     WallMaterial("fabric", tr("Fabric"), 0.3, None, None, None, None, tr(
-        "no numbers: weaves differ too much, and their folds do not last; enter the density of yours")),
+        "no values: weaves differ too much, and their folds do not last; enter your own density")),
 )  # fmt: skip
 
 

@@ -300,8 +300,8 @@ def ask_about_changed_file(
     """
     text = tr("“{name}” has been changed by another window or program. Overwrite it?")
     about = tr(
-        "Overwrite loses what is in the file. Reload opens the file instead and takes this window’s "
-        "changes away; Undo brings them back."
+        "Overwrite discards the contents of the file. Reload opens the file instead and discards this "
+        "window’s changes; Undo brings them back."
     )
     question = Question(tr("File changed"), text, name, about)
 

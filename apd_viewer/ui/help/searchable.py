@@ -100,7 +100,7 @@ def _disabled_reason(entry: ShortcutEntry, store: StateStore) -> str:
     if name.endswith("_obstacle"):
         return tr("click an obstacle first")
     tip = entry.action.toolTip()  # for example, the file has no texture
-    return tip if tip and tip != entry.full_tip else tr("not with what is open")
+    return tip if tip and tip != entry.full_tip else tr("not available now")
 
 
 def control_entries(panel: Panel) -> Iterator[Searchable]:
@@ -118,7 +118,7 @@ def control_entries(panel: Panel) -> Iterator[Searchable]:
                     tr("{menu} > {entry}").format(menu=tr("Panel"), entry=heading),
                     partial(reveal_control, widget),
                     section_place(section_name(widget)),
-                    disabled_reason="" if _is_offered(widget, panel) else tr("not with what is open"),
+                    disabled_reason="" if _is_offered(widget, panel) else tr("not available now"),
                 )
 
 

@@ -33,7 +33,7 @@ class MeasureSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Measure"))
-        about = tr("Take the tool Measure and click the mesh: distances, angles, geodesics and sections.")
+        about = tr("Choose the tool Measure and click the mesh: distances, angles, geodesics and sections.")
         self.empty = quiet_label(tr("About measuring"), about)
         self.list = PartList([_COLOR], self._row)
         self.shown = CheckBox(tr("Show in the view"), toolTip=tr("Draw the measurements over the mesh"))

@@ -31,12 +31,12 @@ if TYPE_CHECKING:
     from apd_viewer.session.typed_values import TypedValues
 
 TIPS = {
-    ObstacleKind.PLATE: tr("Put a plate that stops the surface, by a click on it"),
-    ObstacleKind.SPHERE: tr("Put a sphere that pushes like a finger, by a click on the surface"),
-    ObstacleKind.CYLINDER: tr("Put a cylinder with round ends, by a click on the surface"),
+    ObstacleKind.PLATE: tr("Add a plate that stops the surface where you click"),
+    ObstacleKind.SPHERE: tr("Add a sphere that pushes like a finger where you click"),
+    ObstacleKind.CYLINDER: tr("Add a cylinder with round ends where you click"),
 }
-FLOOR_TIP = tr("Put a plate under the lowest point")
-SIDES_TIP = tr("Put two plates that touch the shape on both sides, to press it by hand")
+FLOOR_TIP = tr("Add a plate under the lowest point")
+SIDES_TIP = tr("Add two plates that touch the shape on both sides, to press it by hand")
 
 
 class ObstacleSection(Section):
@@ -139,12 +139,12 @@ class ObstacleSection(Section):
 
 _AXIS = {
     ObstacleKind.PLATE: (tr("Normal"), tr("Direction to the side that stays free: three numbers")),
-    ObstacleKind.SPHERE: (tr("Direction"), tr("Direction to move it in: three numbers")),
+    ObstacleKind.SPHERE: (tr("Direction"), tr("Direction of the motion: three numbers")),
     ObstacleKind.CYLINDER: (tr("Axis"), tr("Direction of the axis: three numbers")),
 }
 _DIGITS = 5  # significant digits shown; unedited values keep full precision
-_PLACE = tr("Where it is: three lengths such as 0, 0.5Y, 12mm; X, Y, Z, L and D are sizes of the mesh")
-_BY = tr("Length to move it by, such as 12, 0.1L or 5mm; Enter moves it")
+_PLACE = tr("Place: three lengths such as 0, 0.5Y, 12mm; X, Y, Z, L and D are sizes of the mesh")
+_BY = tr("Distance to move, such as 12, 0.1L or 5mm; Enter moves the obstacle")
 
 
 class ObstacleFields(QWidget):
@@ -183,7 +183,7 @@ class ObstacleFields(QWidget):
             QLabel(text, objectName="quiet") for text in (tr("Place"), "", tr("Radius"), tr("Length"))
         ]
         self._make_distance()
-        self.reset = small_button(tr("Reset obstacle"), tr("Move the obstacle back to where it was put"))
+        self.reset = small_button(tr("Reset obstacle"), tr("Return the obstacle to its initial place"))
         self.reset.clicked.connect(self.reset_requested)
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         for row, (label, field) in enumerate(zip(self._labels, self._fields, strict=True)):

@@ -289,7 +289,7 @@ class NextStepHint:
                 tr("Paint the part that “{name}” moves").format(name=name), self._tools[Tool.HANDLE]
             )
         if tool is Tool.REGION and not document.member.any():
-            return tr("Paint a part to measure its area or keep it")
+            return tr("Paint a part to measure or keep its area")
         if self.has_moved or document.relative_to_rest.is_posed:
             return ""
         return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])

@@ -248,10 +248,10 @@ class VolumeSection(Section):
         rows = (
             (
                 tr("Pairs in contact"),
-                tr("Pairs of vertex and triangle, or of two edges, nearer than the distance that walls keep"),
+                tr("Pairs of vertex and triangle, or of two edges, closer than the distance that walls keep"),
             ),
-            (tr("Least gap"), tr("Least distance of what is in contact")),
-            (tr("Share of the way"), tr("Share of its way from rest that contact has let the handle go")),
+            (tr("Least gap"), tr("Least distance between parts in contact")),
+            (tr("Fraction of the path"), tr("Fraction of the path that contact allows")),
         )
         grid, values = reading_grid(rows)
         grid.setContentsMargins(0, 0, 0, 4)
@@ -366,8 +366,8 @@ class CrossingsButton(QToolButton):
             tip = tr("The volume counts overlaps twice. Show where this is")
             if kept_apart:
                 tip = tr(
-                    "Contact leaves what crosses at rest as it is, and keeps no loose part apart from what "
-                    "carries it; the volume counts such overlaps twice. Show where this is"
+                    "Contact ignores triangles that cross at rest, and a loose part against its carrier; "
+                    "the volume counts such overlaps twice. Show where this is"
                 )
             self._show_text(sentence.format(n=triangles), tip, "warning")
 

@@ -85,7 +85,7 @@ class MethodSection(Section):
         )
         self.tolerance.valueChanged.connect(lambda percent: self.changed.emit("tolerance", percent / 100.0))
         self._add_row("tolerance", field_row(SETTINGS["tolerance"].title, self.tolerance))
-        tip = tr("How strongly the surface resists bending, from cloth to sheet metal: the bending stiffness")
+        tip = tr("Bending stiffness: how strongly the surface resists bending, from cloth to sheet metal")
         field = NumberField(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
         label = QLabel(tr("Stiffness"), toolTip=tip)
         self.stiffness = SliderField(
@@ -166,29 +166,29 @@ class ConvergenceFields(QWidget):
         super().__init__()
         self.heading = Heading(tr("Convergence"))
         self.most_iterations = NumberField(
-            accessibleName=tr("Most iterations"),
-            toolTip=tr("The solver stops after so many iterations, converged or not"),
+            accessibleName=tr("Iteration limit"),
+            toolTip=tr("The solver stops after this many iterations, converged or not"),
             minimum=1.0,
             maximum=float(MOST_ITERATIONS),
             decimals=0,
         )
         self.energy = _tolerance(
             tr("Energy tolerance"),
-            tr("Converged once ten iterations together reduce the energy by at most this part of it"),
+            tr("Converged once ten iterations together reduce the energy by at most this fraction"),
         )
         self.step = _tolerance(
             tr("Step tolerance"),
             tr(
-                "Converged once an iteration moves no vertex by more than this part of the diagonal of "
-                "the bounding box, and those to come by at most 100 times that"
+                "Converged once an iteration moves no vertex by more than this fraction of the bounding box "
+                "diagonal, and all later ones by at most 100 times that"
             ),
         )
         self.imperfection = NumberField(
             brief=True,
             accessibleName=tr("Imperfection"),
             toolTip=tr(
-                "Displacement that disturbs a shape at rest on a saddle of its energy, as part of the "
-                "diagonal of the bounding box; 0 for none"
+                "Displacement that disturbs a shape at rest on a saddle of its energy, as a fraction of the "
+                "bounding box diagonal; 0 for none"
             ),
             maximum=LARGEST_TOLERANCE,
             decimals=18,

@@ -48,7 +48,7 @@ class HandleSection(Section):
         self.list = PartList(HANDLE_COLORS, self._row)
         self.column.addWidget(self.list)
         self.crossing_signs = QLabel(
-            objectName="lost", wordWrap=True, accessibleName=tr("Signs of passing through itself")
+            objectName="lost", wordWrap=True, accessibleName=tr("Signs of self-penetration")
         )
         self.crossing_signs.hide()
         self.column.addWidget(self.crossing_signs)

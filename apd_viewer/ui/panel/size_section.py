@@ -95,7 +95,7 @@ class SizeSection(Section):
         row = self._grid.rowCount()
         tip = tr("Thickness of the wall: 0.3mm, or a number in the unit of the mesh")
         self.thickness = self._field(tr("thickness"), tip)
-        tip = tr("Density of the material: 1.38 (g/cm³, as of PET), 1380 kg/m³ or 86 lb/ft³")
+        tip = tr("Density of the material: 1.38 (g/cm³, as for PET), 1380 kg/m³ or 86 lb/ft³")
         self.density = self._field(tr("density"), tip)
         label = QLabel(tr("Wall"), objectName="quiet", buddy=self.thickness)
         line = row_layout((label, 1), (self.thickness, 1), (self.density, 1), spacing=4, margins=(0, 4, 0, 4))

@@ -155,7 +155,7 @@ class CompilingProgress(QWidget):
     """Thin bar shown while kernels are being compiled."""
 
     def __init__(self) -> None:
-        super().__init__(toolTip=tr("The first shapes may wait for it; at later starts nothing does."))
+        super().__init__(toolTip=tr("The first shapes may have to wait; later starts do not."))
         self.bar = ThinBar()
         self.bar.setFixedWidth(_WIDTH)
         text = QLabel(tr("compiling for this computer, only once…"))

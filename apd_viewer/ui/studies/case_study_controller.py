@@ -113,7 +113,7 @@ class CaseStudyController(QObject):
         """Show the results in a folder, and watch them for changes."""
         if not (folder / DATABASE_NAME).is_file() and folder != self.run.folder:
             self._notice.show_failure(
-                tr("{folder} holds no study; choose the folder of one.").format(folder=folder.name)
+                tr("{folder} contains no study; choose a study folder.").format(folder=folder.name)
             )
             return
         self.panel.show_study(folder)

@@ -43,7 +43,7 @@ class EngineFields(QObject):
         self.processes = count_field(tr("Cases at a time"), 1, _MOST, min(_MOST, core_count()))
         self._at_a_time = QLabel(tr("cases at a time"))
         self.address = TextField(
-            toolTip=tr("Address of the scheduler, or the file that it has written (scheduler.json)"),
+            toolTip=tr("Address of the scheduler, or its scheduler file (scheduler.json)"),
             placeholderText="tcp://host:8786",
         )
         self.address.setAccessibleName(tr("Address of the scheduler"))
@@ -58,10 +58,10 @@ class EngineFields(QObject):
         self.check.answered.connect(self.engine_ready)
 
     def _make_limit(self) -> QHBoxLayout:
-        tip = tr("A case that takes longer has failed, and the others go on")
+        tip = tr("A case that takes longer fails, and the others continue")
         self.limit = TextField(placeholderText=tr("no limit"), toolTip=tip, maximumWidth=104)
-        self.limit.setAccessibleName(tr("Seconds that a case may take"))
-        return row_layout(self.limit, QLabel(tr("seconds a case")), STRETCH)
+        self.limit.setAccessibleName(tr("Time limit of a case in seconds"))
+        return row_layout(self.limit, QLabel(tr("seconds per case")), STRETCH)
 
     def _show_fields(self) -> None:
         here = self.where.currentData() == _HERE
@@ -161,7 +161,7 @@ class SchedulerCheck(QObject):
             return
         self.stop()
         self.failed.emit(
-            tr("Nobody answers at {address} ({reason}); start the scheduler, or check the address.").format(
+            tr("No scheduler answers at {address} ({reason}); start it, or check the address.").format(
                 address=self._address, reason=reason
             )
         )
@@ -189,7 +189,7 @@ def host_and_port(address: str) -> tuple[str, int]:
         raise
     except ValueError:
         raise InputError(
-            tr("“{address}” is no address of a scheduler; enter one such as tcp://host:8786.").format(
+            tr("“{address}” is not a scheduler address; enter one such as tcp://host:8786.").format(
                 address=address
             )
         ) from None

@@ -95,8 +95,8 @@ class PlanDialog(QDialog):
 
     def _lay_out(self, folder: Path) -> None:
         about = tr(
-            "Computes many variants of this deformation, each walked in steps, and collects their "
-            "measurements in a table. While you edit an end of a range, the view shows it."
+            "Computes many variants of this deformation, each in steps, and collects their measurements in "
+            "a table. While you edit an end of a range, the view shows it."
         )
         column = column_layout(
             QLabel(about, objectName="quiet", wordWrap=True),
@@ -136,14 +136,14 @@ class PlanDialog(QDialog):
     def _make_design(self) -> QLayout:
         self.design = ComboBox(accessibleName=tr("Design"))
         for method, title, tip in (
-            (LATIN, tr("Latin hypercube"), tr("Each range is covered evenly, by any number of cases")),
+            (LATIN, tr("Latin hypercube"), tr("Covers each range evenly with any number of cases")),
             (SOBOL, tr("Sobol sequence"), tr("Covers the ranges most evenly with 64, 128, 256 … cases")),
-            (GRID, tr("grid"), tr("Every combination of so many values of each range")),
+            (GRID, tr("grid"), tr("All combinations of this many values of each range")),
         ):
             self.design.addItem(title, method)
             self.design.setItemData(self.design.count() - 1, tip, Qt.ItemDataRole.ToolTipRole)
         self.samples = count_field(tr("Number of cases"), 1, MOST_SAMPLES, _CASES)
-        self.steps = count_field(tr("Steps of a case"), 1, MOST_STEPS, 10)
+        self.steps = count_field(tr("Steps per case"), 1, MOST_STEPS, 10)
         self.design.currentIndexChanged.connect(self._choose_design)
         self.samples.valueChanged.connect(self._count)
         self.count = QLabel(objectName="quiet")
@@ -152,7 +152,7 @@ class PlanDialog(QDialog):
         return row_layout(self.samples, self._of_samples, self.design, self.count, self.steps, each, STRETCH)
 
     def _make_folder(self, folder: Path) -> QLayout:
-        self.folder = TextField(toolTip=tr("New folder of the plan and the results"))
+        self.folder = TextField(toolTip=tr("New folder for the plan and the results"))
         self.folder.setAccessibleName(tr("Folder"))
         self.folder.setText(str(folder))
         self.browse = QPushButton(tr("Choose…"), clicked=self._browse, autoDefault=False)
@@ -257,7 +257,7 @@ class PlanDialog(QDialog):
         if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
             raise InputError(tr("This folder is in use; enter a new one."))
         if not design.has_motion and not self._state.document.relative_to_rest.is_posed:
-            raise InputError(tr("No handle moves; tick a motion as well, with one end or with both."))
+            raise InputError(tr("No handle moves; tick a motion as well, with one end or both."))
 
     def done(self, result: int) -> None:
         """Close the dialog and end the preview."""

@@ -52,16 +52,18 @@ PLAN_TITLES = {
     "session": tr("Session"),
     "selection": tr("Selection"),
     "unit": tr("Unit"),
-    "to": tr("Share of the motion"),
+    "to": tr("Fraction of the motion"),
     "steps": tr("Steps"),
-    "iterations": tr("Most iterations"),
+    "iterations": tr("Iteration limit"),
     "imperfection": tr("Imperfection"),
     "seed": tr("Seed"),
     **{name: setting.title for name, setting in SETTINGS.items() if name in COLUMNS},
 }
 READING_TEXTS = {
-    "area_error": ReadingTexts(tr("Area change"), tr("Of the total area, from rest"), percent=True),
-    "volume_error": ReadingTexts(tr("Volume change"), tr("Of the enclosed volume, from rest"), percent=True),
+    "area_error": ReadingTexts(tr("Area change"), tr("Change of the total area from rest"), percent=True),
+    "volume_error": ReadingTexts(
+        tr("Volume change"), tr("Change of enclosed volume from rest"), percent=True
+    ),
     "local_change": ReadingTexts(tr("Local change"), tr("Largest area change of a triangle"), percent=True),
     "largest_edge_strain": ReadingTexts(
         tr("Edge strain"), tr("Strain of the most stretched (+) or shortened (−) edge"), percent=True
@@ -71,33 +73,33 @@ READING_TEXTS = {
     ),
     "energy": ReadingTexts(tr("Energy"), tr("ARAP energy of the deformation")),
     "crossings": ReadingTexts(tr("Self-intersections"), tr("Triangles that pass through others"), whole=True),
-    "handle_drift": ReadingTexts(tr("Handle drift"), tr("Largest distance of a handle from its place")),
+    "handle_drift": ReadingTexts(tr("Handle drift"), tr("Largest distance of a handle from its target")),
     "share_reached": ReadingTexts(
-        tr("Motion reached"), tr("Share of the way on which contact let the handle go"), percent=True
+        tr("Motion reached"), tr("Fraction of the path that contact allows"), percent=True
     ),
-    "least_gap": ReadingTexts(tr("Least gap"), tr("Between walls in contact")),
+    "least_gap": ReadingTexts(tr("Least gap"), tr("Least gap between walls in contact")),
     "volume": ReadingTexts(tr("Volume"), tr("Enclosed volume, mesh units")),
-    "volume_capped": ReadingTexts(tr("Capped volume"), tr("With caps on its openings, mesh units")),
-    "packed_volume": ReadingTexts(tr("Smallest box"), tr("Volume of the smallest box around it, any way up")),
-    "box_volume": ReadingTexts(tr("Box"), tr("Volume of the box around it along the axes")),
+    "volume_capped": ReadingTexts(tr("Capped volume"), tr("Volume with openings capped, mesh units")),
+    "packed_volume": ReadingTexts(tr("Smallest box"), tr("Volume of the smallest box in any orientation")),
+    "box_volume": ReadingTexts(tr("Box"), tr("Volume of the box along the axes")),
     "hull_volume": ReadingTexts(tr("Convex hull"), tr("Volume of the convex hull")),
     "area": ReadingTexts(tr("Area"), tr("Total area, mesh units")),
     "area_rest": ReadingTexts(tr("Area at rest"), tr("Total area, mesh units")),
     "volume_rest": ReadingTexts(tr("Volume at rest"), tr("Enclosed volume, mesh units")),
-    "iterations": ReadingTexts(tr("Iterations"), tr("Of all steps together"), whole=True),
+    "iterations": ReadingTexts(tr("Iterations"), tr("Iterations of all steps"), whole=True),
     "unsettled_steps": ReadingTexts(
         tr("Unsettled steps"), tr("Steps that stopped before they converged"), whole=True
     ),
     "saddle_escapes": ReadingTexts(
-        tr("Escaped saddles"), tr("Shapes left since they rested on a saddle of the energy"), whole=True
+        tr("Escaped saddles"), tr("Shapes left because they rested on a saddle of the energy"), whole=True
     ),
     "turned": ReadingTexts(
-        tr("Turn asked"), tr("Of a handle against the base, degrees, whole turns counted")
+        tr("Turn requested"), tr("Turn of a handle against the base, degrees, with whole turns")
     ),
     "turned_held": ReadingTexts(
-        tr("Turn held"), tr("By the surface between base and handle, degrees, whole turns counted")
+        tr("Turn held"), tr("Turn of the surface between base and handle, degrees, with whole turns")
     ),
-    "seconds": ReadingTexts(tr("Time (s)"), tr("Of the case, seconds")),
+    "seconds": ReadingTexts(tr("Time (s)"), tr("Computing time of the case, seconds")),
 }
 
 
@@ -174,7 +176,7 @@ def result_columns(table: ResultTable) -> list[ResultColumn]:
     """Line number, varying columns of the plan, and all readings with numbers."""
     found = [
         _whole_number_column(
-            LINE_COLUMN, tr("Line"), tr("Of the plan"), [float(row.line) for row in table.rows]
+            LINE_COLUMN, tr("Line"), tr("Line of the plan"), [float(row.line) for row in table.rows]
         )
     ]
     for k in sorted(range(len(table.columns)), key=lambda k: table.columns[k] != MOTION_COLUMN):
@@ -301,12 +303,12 @@ def _writer(words: ReadingTexts) -> Callable[[float], str]:
 def _statuses(table: ResultTable) -> ResultColumn:
     ranks = np.array([_ORDER.index(row.status) for row in table.rows], dtype=float)
     texts = tuple(status_text(row.status) for row in table.rows)
-    return ResultColumn(STATUS_COLUMN, tr("State"), tr("Of the case"), _gaps(texts), texts, ranks=ranks)
+    return ResultColumn(STATUS_COLUMN, tr("State"), tr("State of the case"), _gaps(texts), texts, ranks=ranks)
 
 
 def _sentences(table: ResultTable) -> ResultColumn:
     texts = tuple(row.sentence for row in table.rows)
-    tip = tr("Why it failed, or what to know of it")
+    tip = tr("Reason for failure, or a note")
     return ResultColumn(REMARK_COLUMN, tr("Remark"), tip, _gaps(texts), texts)
 
 

@@ -285,7 +285,7 @@ class StudyStatus:
             and now.rate
             and now.seconds_left is not None
         ):
-            words.append(tr("{rate:.3g} a minute").format(rate=60.0 * now.rate))
+            words.append(tr("{rate:.3g} per minute").format(rate=60.0 * now.rate))
             words.append(tr("{time} left").format(time=duration_text(now.seconds_left)))
         if self.is_stopping:
             words.append(tr("finishing the running cases"))

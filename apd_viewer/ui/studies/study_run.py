@@ -130,7 +130,7 @@ def write_study(folder: Path, rows: PlanRows, state: State, view: View) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            tr("The folder {folder} cannot be made ({reason}); choose another location.").format(
+            tr("The folder {folder} cannot be created ({reason}); choose another location.").format(
                 folder=folder, reason=error.strerror or error
             )
         ) from error

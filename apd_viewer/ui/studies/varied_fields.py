@@ -95,7 +95,7 @@ def varied_quantities(state: State) -> list[VariedQuantity]:
             "stiffness",
             tr("Stiffness"),
             tr("from 0.0001 (cloth) to 0.1 (sheet metal)"),
-            tr("Bending stiffness; its range is divided into equal factors"),
+            tr("Bending stiffness, varied on a logarithmic scale"),
             NO_UNIT,
             format_editable(stiffness / 10.0, 3),
             format_editable(stiffness * 10.0, 3),
@@ -112,11 +112,11 @@ def varied_quantities(state: State) -> list[VariedQuantity]:
 
 
 def _current_motion() -> VariedQuantity:
-    tip = tr("How far the handles go of the way that they have gone; more than 100 % is farther")
+    tip = tr("How far the handles go along their current motion; more than 100 % is farther")
     return VariedQuantity(
         SHARE_COLUMN,
         tr("Current motion"),
-        tr("share of the way that the handles have gone"),
+        tr("fraction of the current motion of the handles"),
         tip,
         PERCENT,
         "10%",

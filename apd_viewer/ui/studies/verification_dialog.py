@@ -38,8 +38,8 @@ class VerificationDialog(RunDialog):
         self.copy = QPushButton(tr("Copy table"), clicked=self._copy)
         below = row_layout((self.summary, 1), self.copy)
         about = tr(
-            "Runs cases with exact or published answers, from coarse to fine, and shows by how much this "
-            "program is off. It takes a few minutes; you can keep working in the window."
+            "Runs cases with exact or published answers, from coarse to fine, and shows the errors of this "
+            "program. It takes a few minutes; you can keep working in the window."
         )
         self._column.addWidget(QLabel(about, objectName="quiet", wordWrap=True))
         self._column.addWidget(self.table, 1)

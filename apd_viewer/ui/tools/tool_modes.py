@@ -33,7 +33,7 @@ class Tool(Enum):
         tr("Paint region"),
         "R",
         "paint-region",
-        tr("Paint a part to measure its area or keep it"),
+        tr("Paint a part to measure or keep its area"),
         is_brush=True,
     )
     ERASE = _ToolTraits(

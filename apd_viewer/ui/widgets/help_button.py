@@ -23,7 +23,7 @@ class HelpButton(QToolButton):
 
     def __init__(self) -> None:
         super().__init__(objectName="help", text="?", accessibleName=tr("Help"))
-        self.setToolTip(tr("Open the manual at this window (F1)"))
+        self.setToolTip(tr("Open the manual page on this window (F1)"))
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setFixedSize(26, 26)
         self.clicked.connect(lambda: HelpButton.explain_widget(self.window()))

@@ -43,9 +43,9 @@ def test_read_off_knows_many_spellings_of_headers_and_rows(header, body, line_en
 
 
 REFUSED = {
-    "four coordinates": ("4OFF\n8 6 0\n" + BODY, "another number of coordinates than three"),
-    "four, with colours": ("C4OFF 8 6 0\n" + BODY, "another number of coordinates than three"),
-    "n coordinates": ("nOFF\n3\n8 6 0\n" + BODY, "another number of coordinates than three"),
+    "four coordinates": ("4OFF\n8 6 0\n" + BODY, "do not have three coordinates"),
+    "four, with colours": ("C4OFF 8 6 0\n" + BODY, "do not have three coordinates"),
+    "n coordinates": ("nOFF\n3\n8 6 0\n" + BODY, "do not have three coordinates"),
     "binary": ("OFF BINARY\n\0\0\0\x08", "binary OFF file, which is not supported"),
     "a word that begins alike": ("OFFICE 8 6 0\n" + BODY, "does not start with OFF"),
     "a face too few": ("OFF8 7 0\n" + BODY, "its header declares 8 vertices and 7 faces"),

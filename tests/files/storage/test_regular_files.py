@@ -38,12 +38,12 @@ def test_regular_files_of_a_pipe_is_seen_by_the_pipe(pipe):
 def test_regular_files_does_not_open_what_is_no_regular_file(pipe, others):
     for path in others:
         for read in (open_regular, read_bytes):
-            with pytest.raises(NotRegularError, match="no regular file"):
+            with pytest.raises(NotRegularError, match="not a regular file"):
                 read(path)
         with pytest.raises(InputError, match=r"name a file instead\.$"):
             read_content(path)
     assert fingerprint(pipe.path).size is None
-    with pytest.raises(OSError, match="no regular file"):
+    with pytest.raises(OSError, match="not a regular file"):
         acquire_lock(pipe.path)
     assert not pipe.opened
 

@@ -161,8 +161,8 @@ def test_content_beside_opens_nothing_outside(folder):
         assert str(path) in opened, what
         assert all(place.startswith(f"{folder}{os.sep}") for place in opened), (what, opened)
         assert words, what
-        assert words.startswith(f"{path.name} names a file outside its folder ("), what
-        assert words.endswith("copy that into the folder of the mesh and correct its name there."), what
+        assert words.startswith(f"{path.name} refers to a file outside its folder ("), what
+        assert words.endswith("copy it into the folder and correct its name in the mesh."), what
         assert len(words.splitlines()) == 1
     # The same hook sees what is read of the folder itself.
     assert found[str(control)] == [None, [str(control), str(control.with_name("four.bin"))]]
@@ -224,7 +224,7 @@ def test_save_mesh_writes_no_copy_where_its_buffer_would_be_outside(folder):
     (folder / "four.bin").write_bytes(content)
     mesh, target = open_mesh(path), folder / "sub" / "copy.gltf"
     (folder / "sub" / "four.bin").symlink_to(folder.parent / "outside" / "four.bin")
-    with pytest.raises(InputError, match=r"copy\.gltf names a file outside its folder \(four\.bin\)"):
+    with pytest.raises(InputError, match=r"copy\.gltf refers to a file outside its folder \(four\.bin\)"):
         save_mesh(mesh, mesh.V, target)
     assert not target.exists()
 
@@ -274,14 +274,14 @@ def test_content_beside_does_not_read_files_without_end(folder, kind, monkeypatc
         with pytest.raises(InputError) as caught:
             open_mesh(path)
         said = str(caught.value)
-    assert said.startswith("The file names or holds more than 1 GiB (")
+    assert said.startswith("The file contains or refers to more than 1 GiB (")
     assert said.endswith("; reduce the mesh first.")
 
 
 def test_data_uri_content_is_bounded(tmp_path, monkeypatch):
     path = gltf(tmp_path)
     monkeypatch.setattr("apd_viewer.files.gltf.scene.LARGEST_FILE", 100)
-    with pytest.raises(InputError, match="names or holds more than"):
+    with pytest.raises(InputError, match="contains or refers to more than"):
         open_mesh(path)
 
 

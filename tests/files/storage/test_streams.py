@@ -106,7 +106,7 @@ def test_replacing_file_refuses_what_takes_no_content_before_any_work(tmp_path, 
         own.bind("a.obj")
         loop = tmp_path / "loop.obj"
         loop.symlink_to(loop)
-        for path, reason in ((tmp_path / "a.obj", "no regular file"), (loop, "symbolic links")):
+        for path, reason in ((tmp_path / "a.obj", "not a regular file"), (loop, "symbolic links")):
             before = kind(path)
             with pytest.raises(InputError, match=reason):
                 replacing_file(path).__enter__()
@@ -116,7 +116,7 @@ def test_replacing_file_refuses_what_takes_no_content_before_any_work(tmp_path, 
 
 def test_staging_folder_fills_a_folder_around_a_pipe_never_over_it(tmp_path):
     os.mkfifo(tmp_path / "b.txt")
-    with pytest.raises(InputError, match="no regular file"), staging_folder(tmp_path) as scratch:
+    with pytest.raises(InputError, match="not a regular file"), staging_folder(tmp_path) as scratch:
         (scratch / "b.txt").write_text("new")
     assert kind(tmp_path / "b.txt") == stat.S_IFIFO
 

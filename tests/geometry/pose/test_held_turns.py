@@ -179,7 +179,7 @@ def test_pass_through_warnings_say_what_is_held_and_what_to_do():
     without = "without contact it passed through itself; turn contact on."
     assert warnings(turns, contact=False) == (begin + without,)
     (never,) = warnings(turns, contact=False, may_touch=False)
-    assert never == begin + "it passed through itself, as this method knows no contact."
+    assert never == begin + "it passed through itself, as this method cannot use contact."
     assert warnings(turns, contact=True) == (begin + "it passed through itself.",)
     kept = turns_of(turned_by(np.deg2rad(400.0) * GROWING), 400.0)
     assert warnings(kept, contact=False) == ()

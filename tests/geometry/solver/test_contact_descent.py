@@ -143,7 +143,7 @@ def test_contact_descent_stops_a_handle_says_so_and_lets_it_go_back(told):
     assert 0.2 < frame.share_reached < 0.9
     assert not frame.converged
     percent = int(100 * frame.share_reached)
-    assert frame.unreached == f"Contact stops the handle at {percent} % of the way."
+    assert frame.unreached == f"Contact stops the handle at {percent} % of the path."
     assert np.allclose(pdist(frame.U[upper]), pdist(V[upper]), rtol=1e-12), "it is there as a whole"
     frame, _ = settle(solver, V[fixed])
     assert frame.converged
@@ -339,7 +339,7 @@ def test_deform_walks_a_path_of_targets_and_tells_the_share_of_the_whole():
     direct = deform(V, F, fixed, path[-1], handle=upper, contact=True)
     assert direct.share_reached < 0.9
     assert result.share_reached == pytest.approx((2.0 + direct.share_reached) / 3.0, abs=0.02)
-    assert f"at {int(100 * result.share_reached)} % of the way" in result.warnings[-1]
+    assert f"at {int(100 * result.share_reached)} % of the path" in result.warnings[-1]
     assert not result.converged
     assert max(np.abs(U[fixed] - path[0]).max() < 1e-12 for U in seen), "the first point was reached"
 
@@ -353,7 +353,7 @@ def test_deform_walks_a_turn_beyond_a_half_by_its_way_points():
     at_once = deform(V, F, fixed, path[-1], handle=high)
     assert result.energy > 2.0 * at_once.energy, "at once it is a turn by 135 degrees the other way"
     assert (result.share_reached, result.converged) == (1.0, True)
-    with pytest.raises(InputError, match="know of no path"):
+    with pytest.raises(InputError, match="follow no path"):
         deform(V, F, fixed, path, iterations=5)
 
 

@@ -79,8 +79,8 @@ def test_deformation_convergence_lets_a_settled_shape_go_on_once_more_is_asked_f
 @pytest.mark.parametrize(
     ("criteria", "sentence"),
     [
-        ({"most_iterations": 0}, "most iterations"),
-        ({"most_iterations": 2.5}, "most iterations"),
+        ({"most_iterations": 0}, "iteration limit"),
+        ({"most_iterations": 2.5}, "iteration limit"),
         ({"energy_tolerance": 0.0}, "tolerances of convergence"),
         ({"energy_tolerance": float("nan")}, "tolerances of convergence"),
         ({"step_tolerance": -1e-5}, "tolerances of convergence"),

@@ -187,9 +187,9 @@ def test_deformation_closes_five_fingers_on_a_tube():
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
-        ({"to": 3.0}, "apart at first"),
-        ({"to": 0.0}, "apart at first"),
-        ({"to": float("nan")}, "apart at first"),
+        ({"to": 3.0}, "The plates start"),
+        ({"to": 0.0}, "The plates start"),
+        ({"to": float("nan")}, "The plates start"),
         ({"axis": (0, 0, 0)}, "direction"),
         ({"axis": (1, 0)}, "direction"),
         ({"steps": 0}, "steps must be"),

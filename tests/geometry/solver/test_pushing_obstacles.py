@@ -151,7 +151,7 @@ def test_deformation_stops_an_obstacle_that_meets_what_is_held_and_says_so():
     frame = settle(solver, obstacles)
     assert 0.05 < frame.share_reached < 0.15
     assert np.allclose(frame.shifts, [-frame.share_reached * X])
-    assert frame.unreached == f"Contact stops the obstacle at {int(100 * frame.share_reached)} % of the way."
+    assert frame.unreached == f"Contact stops the obstacle at {int(100 * frame.share_reached)} % of the path."
     assert not frame.converged
 
 
@@ -179,7 +179,7 @@ def test_deformation_does_not_begin_from_a_shape_that_an_obstacle_intersects():
     frame = settle(solver, obstacles)
     assert frame.share_reached == 1.0, "it began at its place"
     solver = Deformation(V, F, fixed, obstacles=[sphere(V[100], 0.2)], **STIFF)
-    with pytest.raises(InputError, match="intersects the shape to begin from"):
+    with pytest.raises(InputError, match="intersects the initial shape"):
         solver.iterate()
 
 

@@ -238,7 +238,7 @@ def test_stability_text_says_that_iterations_without_a_descent_are_not_examined(
     targets = (V + pushed(0.01, V, base, handle))[np.r_[base, handle]]
     result = deform(V, F, np.r_[base, handle], targets, method, iterations, handle=handle, stiffness=1e-3)
     assert result.stable is None
-    assert result.stability == "not examined: such iterations descend in no energy"
+    assert result.stability == "not examined: such iterations minimise no energy"
 
 
 def test_stability_text_says_that_a_shape_has_not_converged():

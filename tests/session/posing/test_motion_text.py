@@ -123,7 +123,7 @@ def test_parse_motion_reads_every_motion_as_it_is_written(name):
 
 WRONG = {
     "": "is empty",
-    "wring 30": "“wring” is no motion",
+    "wring 30": "“wring” is not a motion",
     "twist": "Nothing was entered",
     "twist 30mm": "not allowed here",
     "twist fast": "unknown",
@@ -137,7 +137,7 @@ WRONG = {
     "scale 0": "greater than 0",
     "scale 2 along x": "remove “along”",
     "shear 0.3": "as in “shear 0.3 along x”",
-    "shear 0.3 about x": "is “along” an axis",
+    "shear 0.3 about x": "needs “along” before an axis",
     "shear 0.3deg along x": "an angle",
     "shear 0.3 along z": "no height",
     "handle 0: push 1": "from 1",

@@ -54,7 +54,7 @@ def test_document_iteration_that_contact_stops_ends_there_and_tells_the_share_of
     assert walk.has_arrived
     assert frame.settled
     assert not frame.converged
-    assert frame.unreached == f"Contact stops the handle at {int(100 * frame.share_reached)} % of the way."
+    assert frame.unreached == f"Contact stops the handle at {int(100 * frame.share_reached)} % of the path."
     turned = 720.0 * frame.share_reached
     assert 180.0 < turned < 720.0
     top = document.labels == HANDLE

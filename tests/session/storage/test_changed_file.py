@@ -144,7 +144,7 @@ def test_saved_work_is_unsaved_when_its_file_has_gone_until_it_is_back(session, 
     told = len(session.told)
     assert look(session)
     assert session.told[told:] == [
-        "a.apd has been moved or deleted. What is shown here is in no file until you save it."
+        "a.apd has been moved or deleted. The changes shown here are in no file until you save them."
     ]
     assert look(session)
     assert len(session.told) == told + 1, "and said once"

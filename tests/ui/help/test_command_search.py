@@ -101,7 +101,7 @@ def test_command_search_says_of_most_commands_that_a_mesh_is_missing(window):
 
     assert why("Export") == why("Undo") == "open a mesh first"
     assert why("Open") == why("Settings") == ""
-    assert why("Stiffness") == "not with what is open"
+    assert why("Stiffness") == "not available now"
 
 
 def test_command_search_shows_a_control_and_gives_it_the_keys(qtbot, bottle, search):

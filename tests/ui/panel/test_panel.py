@@ -383,7 +383,7 @@ def test_area_section_says_at_once_that_contact_stops_a_handle(qtbot, bottle):
     """Until it has converged there the shape may take minutes."""
     area, state = bottle.panel.area, bottle.session.store.state
     goes_on = replace(state.frame, settled=False, share_reached=0.6)
-    for said in (None, "Contact stops the handle at 60 % of the way."):
+    for said in (None, "Contact stops the handle at 60 % of the path."):
         state = replace(state, frame=replace(goes_on, unreached=said))
         area.show_readings(state, Unit.NONE, False)
         assert area.unreached.isHidden() == (said is None)

@@ -85,7 +85,7 @@ def test_plan_dialog_says_how_many_cases_a_grid_makes(dialog):
 @pytest.mark.parametrize(
     ("name", "low", "high", "words"),
     [
-        ("to", "50", "20", "exchange its ends"),
+        ("to", "50", "20", "swap its ends"),
         ("to", "-5%", "100%", "out of range"),
         ("to", "10%", "1e9%", "out of range"),
         ("area", "95%", "1e6%", "out of range"),
@@ -340,7 +340,7 @@ def test_case_study_controller_says_why_a_case_failed_in_place_of_a_shape(qtbot,
 
 def test_case_study_controller_refuses_a_folder_without_a_study(bar, tmp_path):
     bar.case_studies.open_study(tmp_path)
-    assert "holds no study" in bar.notice.text
+    assert "contains no study" in bar.notice.text
 
 
 @pytest.fixture

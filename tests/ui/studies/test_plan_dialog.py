@@ -161,7 +161,7 @@ def test_plan_dialog_says_within_seconds_that_nobody_is_at_an_address(
     dialog.folder.setText(str(tmp_path / "deserted"))
     started = time.monotonic()
     ask_scheduler(dialog, deserted)
-    qtbot.waitUntil(lambda: "Nobody answers" in dialog.message.text(), timeout=6_000)
+    qtbot.waitUntil(lambda: "No scheduler answers" in dialog.message.text(), timeout=6_000)
     assert time.monotonic() - started < 6.0
     assert deserted in dialog.message.text()
     assert not (tmp_path / "deserted").exists()
@@ -207,7 +207,7 @@ def test_plan_dialog_may_be_closed_while_it_connects(qtbot, bar, dialog, begun, 
 )
 def test_host_and_port_reads_addresses_as_dask_does(address, place):
     if place is None:
-        with pytest.raises(InputError, match="no address of a scheduler"):
+        with pytest.raises(InputError, match="not a scheduler address"):
             host_and_port(address)
     else:
         assert host_and_port(address) == place
@@ -219,7 +219,7 @@ def test_host_and_port_reads_the_address_in_the_file_of_a_scheduler(tmp_path):
         host_and_port(str(file))
     for odd in ("", "[]", "{}", '{"address": 3}'):
         file.write_text(odd, encoding="utf-8")
-        with pytest.raises(InputError, match="no address of a scheduler"):
+        with pytest.raises(InputError, match="not a scheduler address"):
             host_and_port(str(file))
     file.write_text('{"address": "tcp://10.0.0.7:8786"}', encoding="utf-8")
     assert host_and_port(str(file)) == ("10.0.0.7", 8786)
