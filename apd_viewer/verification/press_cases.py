@@ -55,7 +55,12 @@ def _tube(n: int, _: bool) -> CaseResults:
     end = 2.0 * _GAPS[-1]
     wall = Material(thickness=_THICKNESS)
     found = press(
-        *(V, F, _ACROSS, end, 4), method="wall", wall_thickness=_THICKNESS, poisson=0.0, thickness=_PLATE_GAP
+        *(V, F, _ACROSS, end, 4),
+        method="wall",
+        wall_thickness=_THICKNESS,
+        poisson=0.0,
+        thickness=_PLATE_GAP,
+        convergence=Convergence(energy_tolerance=1e-9),
     )
     steps = found.steps[-len(_GAPS) :]
     ring = slice(2 * n, 3 * n)
