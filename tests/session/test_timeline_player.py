@@ -153,6 +153,19 @@ def test_timeline_player_ends_where_something_else_changes_the_document(plates):
     assert len(plates.player.timeline.steps) == 2, "what was solved is there"
 
 
+def test_timeline_player_goes_back_in_the_middle_of_a_motion(plates):
+    before = plates.store.state
+    plates.player.play("Press", plate_pair(before.document).documents_to(before, TO, 50))
+    plates.until(lambda: plates.player.done == 2)
+    plates.player.show(1)
+    assert not plates.player.is_playing
+    plates.listen(0.2)
+    assert plates.store.state is plates.player.timeline.steps[1].state, "no frame of the motion comes"
+    plates.player.end_show()
+    plates.settle()
+    assert plates.player.shown == 1
+
+
 def test_timeline_player_records_plates_moved_by_hand(plates):
     plates.obstacles.move(1, -0.2 * X)
     plates.until(lambda: len(plates.player.timeline.steps) == 2)

@@ -71,7 +71,7 @@ def panel(driver):
     for name in ("cut", "compare"):
         window.actions_.display.switches[name].trigger()
     driver.scene("cards")
-    for name in ("history", "plots", "study"):
+    for name in ("history", "plots", "study", "timeline"):
         window.docks[name].show()
         driver.scene(f"dock {name}")
         window.docks[name].hide()

@@ -139,7 +139,7 @@ def case_study(window):
 
 def studied(name):
     def dialog(window):
-        getattr(window.actions_.pose, name).trigger()
+        getattr(window.actions_.simulate, name).trigger()
         return window.runs.dialogs[name]
 
     return dialog

@@ -13,7 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr
 from apd_viewer.presentation import plate_readings
-from apd_viewer.presentation.number_format import format_length
+from apd_viewer.presentation.number_format import format_length, format_short
 from apd_viewer.presentation.time_left import time_left_text
 from apd_viewer.session.model.plate_pair import PlatePair, plate_pair
 from apd_viewer.session.model.state import State
@@ -103,6 +103,8 @@ class PressController(QObject):
         is_new = plate_pair(state.document) is None
         if is_new and not self._put_plates(self._axis):
             return
+        if not self._timeline.steps:
+            self._session.player.begin()
         if is_new or not self._dock.isVisible():
             QTimer.singleShot(0, self, self._frame)  # once the view has its new size
         self._dock.show()
@@ -140,20 +142,23 @@ class PressController(QObject):
         if self._session.player.is_playing:
             self._session.store.pause_or_resume()
             return
+        self._end_replay()
         state = self._session.store.state
         if state is None or self._give_up():
             return
         if plate_pair(state.document) is None and not self._put_plates(self._axis):
             return
-        text = self.panel.end.text()
         try:
-            pair = self._required_pair()
-            distance = self._session.typed_values.parse_share_or_length(text, pair.extent(state.document))
-            self._move_plates(tr("Press to {distance}").format(distance=text.strip()), distance)
+            pair, text = self._required_pair(), self.panel.end.text()
+            extent = pair.extent(state.document)
+            distance = self._session.typed_values.parse_share_or_length(text, extent)
+            said = f"{format_short(100.0 * distance / extent)}\u00a0%"
+            self._move_plates(tr("Press to {distance}").format(distance=said), distance)
         except InputError as error:
             self.panel.show_problem(str(error))
 
     def _open(self) -> None:
+        self._end_replay()
         state = self._session.store.required_state()
         with suppress(InputError):  # they are open
             self._move_plates(tr("Open plates"), self._required_pair().first_distance(state.document))
@@ -161,7 +166,6 @@ class PressController(QObject):
     def _move_plates(self, title: str, distance: float) -> None:
         state, steps = self._session.store.required_state(), round(self.panel.steps.value())
         documents = self._required_pair().documents_to(state, distance, steps)
-        self._end_replay()
         self._began = time.monotonic()
         self._session.player.play(title, documents)
         self.charts.reach = self._required_pair().first_distance(state.document) - distance
@@ -190,9 +194,8 @@ class PressController(QObject):
             self._end_replay()
             self.refresh()
             return
-        count = len(self._timeline.steps)
-        if self._session.player.shown in (None, count - 1):
-            self._session.player.show(0)
+        count, shown = len(self._timeline.steps), self._session.player.shown
+        self._session.player.show(0 if shown in (None, count - 1) else shown)
         self._replay.start(min(max(_REPLAY // max(1, count), _FASTEST), _SLOWEST))
         self.refresh()
 

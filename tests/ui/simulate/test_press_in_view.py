@@ -121,7 +121,7 @@ def test_press_in_view_scrubs_to_a_step_by_mouse_and_makes_it_current(qtbot, win
     mouse.release((slider.x_of(1), middle))
     idle(qtbot, window)
     assert window.session.store.state is steps(window)[1].state
-    assert window.session.gestures.history.undo_names[-1] == "Press to 60"
+    assert window.session.gestures.history.undo_names[-1] == "Press to 60\u00a0%"
     mouse.press((slider.x_of(2), middle))
     QTest.keyClick(slider, Qt.Key.Key_Escape)
     assert window.session.store.state is steps(window)[1].state
@@ -139,6 +139,13 @@ def test_press_in_view_plays_the_timeline_and_stays_at_its_end(qtbot, window):
     qtbot.waitUntil(lambda: player(window).shown == 3 and not panel.loop.isChecked(), timeout=WAIT)
     qtbot.waitUntil(lambda: window.session.gestures.state_before is None, timeout=WAIT)
     assert {id(step.state) for step in steps(window)} <= seen
+    panel.back.click()
+    panel.back.click()
+    panel.replay.click()  # from there on, and stopped before the end
+    qtbot.waitUntil(lambda: player(window).shown == 2, timeout=WAIT)
+    panel.replay.click()
+    assert window.session.store.state is steps(window)[2].state
+    assert window.session.gestures.state_before is None
 
 
 def test_press_in_view_pauses_goes_on_and_stops(qtbot, window):
