@@ -98,7 +98,8 @@ class TimelinePanel(QWidget):
             decimals=0,
         )
         self.steps.setFixedWidth(52)
-        self.press = QPushButton(tr("Press"), objectName="primary")
+        tip = tr("Close the plates in steps")
+        self.press = QPushButton(tr("Press"), objectName="primary", toolTip=tip)
         self.press.clicked.connect(self.press_requested)
         self.stop = QPushButton(tr("Stop"), toolTip=tr("End with the present step, once it is at rest"))
         self.stop.clicked.connect(self.stop_requested)

@@ -169,6 +169,8 @@ def test_ask_for_deck_exports_an_fe_deck_of_the_pose(qtbot, bottle, tmp_path, mo
     bottle.actions_.file.deck.trigger()
     idle(qtbot, bottle)
     deck = ReadDeck(target.read_text(encoding="ascii"))
-    assert len(deck.nodes) == len(document.mesh.V)
-    assert set(deck.ends()) == set((np.flatnonzero(document.labels != 1) + 1).tolist())
+    corners = range(1, len(document.mesh.V) + 1)
+    assert {node for element in deck.elements.values() for node in element[:3]} == set(corners)
+    held = {node for node in deck.ends() if node in corners}
+    assert held == set((np.flatnonzero(document.labels != 1) + 1).tolist())
     assert bottle.notice.text.startswith("bottle.inp: ")
