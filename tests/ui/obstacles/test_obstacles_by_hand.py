@@ -339,6 +339,13 @@ def test_nudge_moves_the_obstacle_in_the_hand_by_arrow_keys(qtbot, floored):
     assert there(window)[0].shift[0] == 0.0
 
 
+def test_tool_hint_names_the_obstacle_while_one_is_in_the_hand(floored):
+    window = floored
+    assert window.status.hint.text().startswith("Move obstacle:")
+    window.parts.choose_obstacle(None)
+    assert window.status.hint.text().startswith("Move handle:")
+
+
 def test_obstacle_section_says_that_obstacles_push_nothing_without_contact(qtbot, floored):
     window, section = floored, floored.panel.obstacles
     assert section.note.isHidden()
