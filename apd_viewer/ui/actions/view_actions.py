@@ -227,14 +227,18 @@ class DisplayActions:
 
     def follow(self, document: Document) -> None:
         """Enable the options available for a document and its mesh file."""
-        mesh, compares = document.mesh, document.target_shape is not None
-        for name, has, tip, lack in (
-            ("file_colors", mesh.colors is not None, _COLORS, tr("The file has no vertex colours")),
-            ("textures", mesh.texture[0] is not None, _TEXTURES, tr("The file has no texture")),
-            ("target_ghost", compares, _TARGET, tr("There is no target shape")),
+        mesh, looks, compares = document.mesh, self._looks, document.target_shape is not None
+        colors, textures, target = looks.shows_file_colors, looks.shows_textures, looks.target_ghost.visible
+        for name, has, on, tip, lack in (
+            ("file_colors", mesh.colors is not None, colors, _COLORS, tr("The file has no vertex colours")),
+            ("textures", mesh.texture[0] is not None, textures, _TEXTURES, tr("The file has no texture")),
+            ("target_ghost", compares, target, _TARGET, tr("There is no target shape")),
         ):
             switch, said = self.switches[name], tip if has else lack
             switch.setEnabled(has)
+            switch.blockSignals(True)
+            switch.setChecked(has and on)  # the choice is kept for a file that has it
+            switch.blockSignals(False)
             switch.setStatusTip(said)
             switch.setToolTip(said)
 
