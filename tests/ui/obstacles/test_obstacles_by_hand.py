@@ -155,6 +155,14 @@ def test_obstacle_placer_gives_up_by_esc_and_with_another_tool(qtbot, held):
     assert there(window) == ()
 
 
+def test_undo_takes_a_step_back_while_an_obstacle_waits_for_its_place(qtbot, floored):
+    window = floored
+    window.actions_.simulate.obstacles.kinds[SPHERE].trigger()
+    qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert window.obstacles.placer.kind is None
+    assert there(window) == ()
+
+
 def test_obstacle_placer_snaps_a_plate_to_an_axis_with_ctrl(held):
     window = held
     window.actions_.simulate.obstacles.kinds[PLATE].trigger()
