@@ -279,7 +279,8 @@ class Workbench(QObject):
             self.status.show_session(self.session)
 
     def _escape(self) -> None:
-        if not (self.help.close() or self.findings.close()):
+        entries = self.edits.text_entries
+        if not (self.help.close() or self.findings.close() or entries.close() or self.notice.dismiss()):
             self.tools.choose_tool(Tool.ORBIT)
 
     def view(self) -> View:

@@ -113,6 +113,12 @@ class Notice(QFrame):
         elif self.text == before:
             self.hide()
 
+    def dismiss(self) -> bool:
+        """Hide the message; True if there was one."""
+        shown = not self.isHidden()
+        self.hide()
+        return shown
+
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self._theme = theme

@@ -54,6 +54,17 @@ def test_text_entry_card_removes_with_alt_and_replaces_with_ctrl(qtbot, bottle, 
     np.testing.assert_array_equal(base_of(bottle), before)
 
 
+def test_escape_closes_card_and_message_before_it_leaves_the_tool(qtbot, bottle, card):
+    view = bottle.canvas.viewport
+    bottle.notice.show_failure("Nothing is to be done.")
+    view.setFocus()  # as by a click beside the card
+    for shown, message in ((True, True), (False, True), (False, False)):
+        assert (not card.isHidden(), bool(bottle.notice.text)) == (shown, message)
+        assert bottle.canvas.tool is Tool.BASE
+        qtbot.keyClick(view, Qt.Key.Key_Escape)
+    assert bottle.canvas.tool is Tool.ORBIT
+
+
 def test_text_entry_card_says_what_cannot_be_read_and_leaves_no_trace_on_escape(qtbot, bottle, card):
     state = bottle.session.store.state
     QTest.keyClicks(card.text, "y > 5 furlong")
