@@ -131,6 +131,9 @@ def connect_canvas(
     loop.nothing_found.connect(
         lambda: show_message(tr("This surface is closed: it has no boundary to select."))
     )
+    canvas.brush.missed.connect(
+        lambda: show_message(tr("Begun beside the mesh: a drag there turns the view."))
+    )
     canvas.picker.prompt_changed.connect(prompt)
     canvas.strokes.began.connect(lambda: _begin_stroke(session, canvas, show_message))
     canvas.strokes.ended.connect(session.painting.end_stroke)
