@@ -67,10 +67,12 @@ class FileJobs:
         load: Callable[[], State | tuple[State, View]],
         path: Path | None = None,
         is_saved: bool = True,
+        is_named: bool = False,
     ) -> None:
         """Run ``load()`` in the background and open its result.
 
-        ``path`` is the session file that it is in; ``is_saved`` is False for work in no file.
+        ``path`` is the session file that it is in; ``is_saved`` is False for work in no file. ``is_named`` tells
+        that the name of its mesh does not say what it is.
         """
         title = tr("Opening {name}").format(name=name)
 
@@ -83,17 +85,23 @@ class FileJobs:
             _ = state.document.mesh.colors, state.document.mesh.texture
             return found, file
 
-        self._jobs.run(title, parsed, lambda done: self._show_opened(name, is_saved, *done))
+        title_name = name if is_named else ""
+        self._jobs.run(title, parsed, lambda done: self._show_opened(name, title_name, is_saved, *done))
 
     def _show_opened(
-        self, name: str, is_saved: bool, found: State | tuple[State, View], file: KnownFile | None
+        self,
+        name: str,
+        title: str,
+        is_saved: bool,
+        found: State | tuple[State, View],
+        file: KnownFile | None,
     ) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
         before, self._gestures.state_before = self._gestures.state_before or self._store.state, None
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
         if is_saved:
-            self._saved_work.mark_saved(SavedDocument(state.document, file))
+            self._saved_work.mark_saved(SavedDocument(state.document, file, title=title))
         self._store.jump_to(state)
         if view is not None:
             self._listener.view_opened(view)
