@@ -337,6 +337,8 @@ def test_comparison_window_leaves_nothing_when_closed_in_the_middle(qtbot, bar, 
     assert len(solvers()) == own + 2
     assert side.views["exact"].status_texts[0] == "queued"
     assert re.fullmatch(r"ARAP \(1 of 4\): iteration [\d,]+", side.status.text())
+    qtbot.waitUntil(side.progress.isVisible, timeout=SETTLED)
+    assert re.search("time left|left$|energy", side.progress.time_left.text())
     side.close()
     assert len(solvers()) == own
     assert bar.comparison.window is None
