@@ -126,7 +126,7 @@ class FileJobs:
             file = save_mesh(state.document.mesh, state.frame.U, check_mesh_path(path), known)
             return status_text.export_sentence(path.name, file.area, state.inspection.area, unit)
 
-        self._write(tr("Writing {name}").format(name=path.name), write, on_success)
+        self._write(path, write, on_success)
 
     def export_scalars(self, path: str | Path, rows: ScalarRows) -> None:
         """Export the scalars of the displayed shape in the background."""
@@ -141,8 +141,7 @@ class FileJobs:
             write_scalars(path, document.mesh, U, scalars, rows)
             return tr("Exported scalars to {name}.").format(name=path.name)
 
-        title = tr("Writing {name}").format(name=path.name)
-        self._jobs.run(title, write, self._listener.message_sent, can_be_cancelled=False)
+        self._write(path, write)
 
     def export_timeline(self, path: str | Path, timeline: Timeline) -> None:
         """Export the steps of a timeline as a table or an animation, in the background."""
@@ -155,7 +154,7 @@ class FileJobs:
             write_timeline(timeline, path)
             return tr("Saved {name}.").format(name=path.name)
 
-        self._write(tr("Writing {name}").format(name=path.name), write)
+        self._write(path, write)
 
     def export_deck(self, path: str | Path, view: View) -> None:
         """Write an FE deck from the rest shape to the poses in the background."""
@@ -167,7 +166,7 @@ class FileJobs:
             write_deck(path, deck)
             return status_text.deck_sentence(path.name, deck)
 
-        self._write(tr("Writing {name}").format(name=path.name), write)
+        self._write(path, write)
 
     def save(
         self,
@@ -247,17 +246,19 @@ class FileJobs:
                 path.name, write_selection(path, document.mesh, selection_of(document))
             )
 
-        self._write(tr("Saving {name}").format(name=path.name), work)
+        self._write(path, work)
 
     def _write(
-        self, title: str, work: Callable[[], str], on_success: Callable[[], object] = lambda: None
+        self, path: Path, work: Callable[[], str], on_success: Callable[[], object] = lambda: None
     ) -> None:
-        """Write in the background; the listener gets the sentence from ``work()``."""
+        """Write a file in the background; the listener gets the sentence from ``work()``."""
 
         def written(said: str) -> None:
             self._listener.message_sent(said)
+            self._listener.file_written(path)
             on_success()
 
+        title = tr("Writing {name}").format(name=path.name)
         self._jobs.run(title, work, written, can_be_cancelled=False)
 
 

@@ -33,6 +33,7 @@ class SessionSignals(QObject):
     status_changed : Signal()
         Emitted after ``changed``, too.
     view_opened : Signal(View)
+    file_written : Signal(Path)
     """
 
     woken = Signal()
@@ -42,6 +43,7 @@ class SessionSignals(QObject):
     failed = Signal(str)
     view_opened = Signal(object)
     measured = Signal()
+    file_written = Signal(object)
 
     def listener(self) -> Listener:
         """Listener emitting the signals."""
@@ -53,6 +55,7 @@ class SessionSignals(QObject):
             failed=self.failed.emit,
             view_opened=self.view_opened.emit,
             measurements_changed=self.measured.emit,
+            file_written=self.file_written.emit,
         )
 
     def _change(self, old: State | None, new: State) -> None:

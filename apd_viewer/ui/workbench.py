@@ -214,6 +214,7 @@ class Workbench(QObject):
         signals.status_changed.connect(self._show_status)
         signals.status_changed.connect(self.motion_preview.show_requested)
         signals.message_sent.connect(self.notice.show_message)
+        signals.file_written.connect(self.notice.offer_file)
         signals.failed.connect(self.notice.show_failure)
         signals.view_opened.connect(self._apply_view)
         signals.measured.connect(self.volume.show_check)
