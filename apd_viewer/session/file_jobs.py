@@ -71,8 +71,8 @@ class FileJobs:
     ) -> None:
         """Run ``load()`` in the background and open its result.
 
-        ``path`` is the session file that it is in; ``is_saved`` is False for work in no file. ``is_named`` tells
-        that the name of its mesh does not say what it is.
+        ``path`` is the session file that it is in; ``is_saved`` is False for work in no file. ``is_named``
+        tells that the name of its mesh does not say what it is.
         """
         title = tr("Opening {name}").format(name=name)
 

@@ -121,7 +121,8 @@ class Workbench(QObject):
             self.edits.cancel_drag,
             self.volume.wall_thickness,
         )
-        self.edits.nudge_obstacle, self.edits.stop_placing = self.obstacles.nudge, self.obstacles.placer.cancel
+        self.edits.nudge_obstacle = self.obstacles.nudge
+        self.edits.stop_placing = self.obstacles.placer.cancel
         self.press = PressController(
             self.docks["timeline"],
             canvas.viewport,

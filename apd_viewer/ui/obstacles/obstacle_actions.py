@@ -34,11 +34,17 @@ class ObstacleActions:
         for axis, letter in enumerate("XYZ"):
             title = tr("Plates on both sides along &{axis}").format(axis=letter)
             place = partial(obstacles.add_plates, axis)
-            self.side_plates.append(make(f"plates:{letter}", title, "press", SIDES_TIP, None, place))
+            self.side_plates.append(
+                make(f"plates:{letter}", title, f"plates-{letter.lower()}", SIDES_TIP, None, place)
+            )
         tip = tr("Move the obstacle in the hand back to where it was put")
-        self.reset = make("reset_obstacle", tr("&Reset obstacle"), "reset", tip, None, obstacles.reset)
+        self.reset = make(
+            "reset_obstacle", tr("&Reset obstacle"), "reset-obstacle", tip, None, obstacles.reset
+        )
         tip = tr("Remove the obstacle in the hand")
-        self.remove = make("remove_obstacle", tr("Re&move obstacle"), "remove", tip, None, obstacles.remove)
+        self.remove = make(
+            "remove_obstacle", tr("Re&move obstacle"), "remove-obstacle", tip, None, obstacles.remove
+        )
         self.set_available(False, False)
         obstacles.availability_changed.connect(self.set_available)
 
