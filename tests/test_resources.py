@@ -130,8 +130,14 @@ def test_resources_have_a_script_that_reproduces_the_samples(tmp_path):
 
 def test_resources_have_every_icon_that_is_used_and_no_other():
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer" / "ui").rglob("*.py"))
-    assert [name for name in ICONS if f'"{name}"' not in sources and not name.startswith("nudge-")] == []
+    families = tuple(re.findall(r'f"([a-z]+-)\{', sources))  # named after axes, overlays, panels and others
+    assert [name for name in ICONS if f'"{name}"' not in sources and not name.startswith(families)] == []
     assert set(re.findall(r'icon\("([a-z-]+)"', sources)) <= set(ICONS)
+
+
+def test_resources_have_no_two_equal_icons():
+    drawings = [(RESOURCES / "icons" / f"{name}.svg").read_bytes() for name in ICONS]
+    assert len(set(drawings)) == len(ICONS)
 
 
 @pytest.mark.parametrize("name", ICONS)

@@ -78,8 +78,8 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
             tr("Volume"),
             _about_volume(state),
             lambda x: _text_or_dash(
-                x["volume"] / x["volume_rest"],
-                lambda v: f"{number_format.format_grouped(100.0 * v, 3)}\u00a0%",
+                x["volume"] / x["volume_rest"] - 1.0,
+                lambda v: f"{number_format.format_signed(100.0 * v, 2)}\u00a0%",
             ),
         ),
         ReadingColumn(
@@ -125,10 +125,10 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
 def _about_volume(state: State) -> str:
     inspection = state.inspection
     if inspection.volume_capped is not None:
-        return tr("Volume in percent of the rest volume, with the openings capped flat")
+        return tr("Change of the volume from rest, with the openings capped flat")
     if why := inspection.missing_volume_phrase:
         return tr("There is no volume: {why}.").format(why=why)
-    return tr("Enclosed volume in percent of the rest volume")
+    return tr("Change of the enclosed volume from rest")
 
 
 def _text_or_dash(value: float, written: Callable[[float], str]) -> str:

@@ -67,10 +67,12 @@ class FileJobs:
         load: Callable[[], State | tuple[State, View]],
         path: Path | None = None,
         is_saved: bool = True,
+        is_named: bool = False,
     ) -> None:
         """Run ``load()`` in the background and open its result.
 
-        ``path`` is the session file that it is in; ``is_saved`` is False for work in no file.
+        ``path`` is the session file that it is in; ``is_saved`` is False for work in no file. ``is_named``
+        tells that the name of its mesh does not say what it is.
         """
         title = tr("Opening {name}").format(name=name)
 
@@ -83,17 +85,23 @@ class FileJobs:
             _ = state.document.mesh.colors, state.document.mesh.texture
             return found, file
 
-        self._jobs.run(title, parsed, lambda done: self._show_opened(name, is_saved, *done))
+        title_name = name if is_named else ""
+        self._jobs.run(title, parsed, lambda done: self._show_opened(name, title_name, is_saved, *done))
 
     def _show_opened(
-        self, name: str, is_saved: bool, found: State | tuple[State, View], file: KnownFile | None
+        self,
+        name: str,
+        title: str,
+        is_saved: bool,
+        found: State | tuple[State, View],
+        file: KnownFile | None,
     ) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
         before, self._gestures.state_before = self._gestures.state_before or self._store.state, None
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
         if is_saved:
-            self._saved_work.mark_saved(SavedDocument(state.document, file))
+            self._saved_work.mark_saved(SavedDocument(state.document, file, title=title))
         self._store.jump_to(state)
         if view is not None:
             self._listener.view_opened(view)
@@ -118,7 +126,7 @@ class FileJobs:
             file = save_mesh(state.document.mesh, state.frame.U, check_mesh_path(path), known)
             return status_text.export_sentence(path.name, file.area, state.inspection.area, unit)
 
-        self._write(tr("Writing {name}").format(name=path.name), write, on_success)
+        self._write(path, write, on_success)
 
     def export_scalars(self, path: str | Path, rows: ScalarRows) -> None:
         """Export the scalars of the displayed shape in the background."""
@@ -133,8 +141,7 @@ class FileJobs:
             write_scalars(path, document.mesh, U, scalars, rows)
             return tr("Exported scalars to {name}.").format(name=path.name)
 
-        title = tr("Writing {name}").format(name=path.name)
-        self._jobs.run(title, write, self._listener.message_sent, can_be_cancelled=False)
+        self._write(path, write)
 
     def export_timeline(self, path: str | Path, timeline: Timeline) -> None:
         """Export the steps of a timeline as a table or an animation, in the background."""
@@ -147,7 +154,7 @@ class FileJobs:
             write_timeline(timeline, path)
             return tr("Saved {name}.").format(name=path.name)
 
-        self._write(tr("Writing {name}").format(name=path.name), write)
+        self._write(path, write)
 
     def export_deck(self, path: str | Path, view: View) -> None:
         """Write an FE deck from the rest shape to the poses in the background."""
@@ -159,7 +166,7 @@ class FileJobs:
             write_deck(path, deck)
             return status_text.deck_sentence(path.name, deck)
 
-        self._write(tr("Writing {name}").format(name=path.name), write)
+        self._write(path, write)
 
     def save(
         self,
@@ -239,17 +246,19 @@ class FileJobs:
                 path.name, write_selection(path, document.mesh, selection_of(document))
             )
 
-        self._write(tr("Saving {name}").format(name=path.name), work)
+        self._write(path, work)
 
     def _write(
-        self, title: str, work: Callable[[], str], on_success: Callable[[], object] = lambda: None
+        self, path: Path, work: Callable[[], str], on_success: Callable[[], object] = lambda: None
     ) -> None:
-        """Write in the background; the listener gets the sentence from ``work()``."""
+        """Write a file in the background; the listener gets the sentence from ``work()``."""
 
         def written(said: str) -> None:
             self._listener.message_sent(said)
+            self._listener.file_written(path)
             on_success()
 
+        title = tr("Writing {name}").format(name=path.name)
         self._jobs.run(title, work, written, can_be_cancelled=False)
 
 

@@ -26,11 +26,14 @@ class SavedDocument(NamedTuple):
         None where it came from a mesh and has never been saved.
     embeds_mesh : bool
         Whether the file has a copy of the mesh.
+    title : str
+        Of what was opened, such as the case of a study; empty where session or mesh tell.
     """
 
     document: Document
     file: KnownFile | None = None
     embeds_mesh: bool = False
+    title: str = ""
 
 
 class SavedWork:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from pathlib import Path
 
 import numpy as np
 
@@ -254,6 +255,8 @@ class Listener:
         ``view_opened(view)``: a session was opened, and this is how it was looked at; after ``changed``.
     measurements_changed : callable
         More is known about the shape on screen, or less, because it is another one.
+    file_written : callable
+        ``file_written(path)``: the file that the sentence sent just before tells of.
     """
 
     wake: Callable[[], object]
@@ -263,6 +266,7 @@ class Listener:
     failed: Callable[[str], object]
     view_opened: Callable[[View], object] = lambda _: None
     measurements_changed: Callable[[], object] = lambda: None
+    file_written: Callable[[Path], object] = lambda _: None
 
 
 def with_followers(listener: Listener, followers: Sequence[Callable[[], object]]) -> Listener:

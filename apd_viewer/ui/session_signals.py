@@ -33,6 +33,7 @@ class SessionSignals(QObject):
     status_changed : Signal()
         Emitted after ``changed``, too.
     view_opened : Signal(View)
+    file_written : Signal(Path)
     """
 
     woken = Signal()
@@ -42,6 +43,7 @@ class SessionSignals(QObject):
     failed = Signal(str)
     view_opened = Signal(object)
     measured = Signal()
+    file_written = Signal(object)
 
     def listener(self) -> Listener:
         """Listener emitting the signals."""
@@ -53,6 +55,7 @@ class SessionSignals(QObject):
             failed=self.failed.emit,
             view_opened=self.view_opened.emit,
             measurements_changed=self.measured.emit,
+            file_written=self.file_written.emit,
         )
 
     def _change(self, old: State | None, new: State) -> None:
@@ -93,9 +96,9 @@ def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
     panel.regions.list.renamed.connect(session.parts.rename_region)
     panel.regions.list.removed.connect(parts.remove_region)
     panel.regions.target_changed.connect(session.settings.set_region_area)
-    panel.paint.base.hide_requested.connect(partial(session.parts.hide, PaintedPart(BASE)))
-    panel.paint.base.lock_requested.connect(partial(session.parts.lock, PaintedPart(BASE)))
-    panel.paint.base.clear_requested.connect(
+    panel.handles.base.hide_requested.connect(partial(session.parts.hide, PaintedPart(BASE)))
+    panel.handles.base.lock_requested.connect(partial(session.parts.lock, PaintedPart(BASE)))
+    panel.handles.base.clear_requested.connect(
         partial(session.painting.apply_operation, PaintedPart(BASE), PartOperation.CLEAR)
     )
     panel.paint.clear_all.clicked.connect(lambda: session.painting.clear_all())
@@ -130,6 +133,9 @@ def connect_canvas(
     assert isinstance(loop, ClickTool)
     loop.nothing_found.connect(
         lambda: show_message(tr("This surface is closed: it has no boundary to select."))
+    )
+    canvas.brush.missed.connect(
+        lambda: show_message(tr("Begun beside the mesh: a drag there turns the view."))
     )
     canvas.picker.prompt_changed.connect(prompt)
     canvas.strokes.began.connect(lambda: _begin_stroke(session, canvas, show_message))

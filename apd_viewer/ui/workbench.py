@@ -122,6 +122,7 @@ class Workbench(QObject):
             self.volume.wall_thickness,
         )
         self.edits.nudge_obstacle = self.obstacles.nudge
+        self.edits.stop_placing = self.obstacles.placer.cancel
         self.press = PressController(
             self.docks["timeline"],
             canvas.viewport,
@@ -214,6 +215,7 @@ class Workbench(QObject):
         signals.status_changed.connect(self._show_status)
         signals.status_changed.connect(self.motion_preview.show_requested)
         signals.message_sent.connect(self.notice.show_message)
+        signals.file_written.connect(self.notice.offer_file)
         signals.failed.connect(self.notice.show_failure)
         signals.view_opened.connect(self._apply_view)
         signals.measured.connect(self.volume.show_check)
@@ -279,7 +281,8 @@ class Workbench(QObject):
             self.status.show_session(self.session)
 
     def _escape(self) -> None:
-        if not (self.help.close() or self.findings.close()):
+        entries = self.edits.text_entries
+        if not (self.help.close() or self.findings.close() or entries.close() or self.notice.dismiss()):
             self.tools.choose_tool(Tool.ORBIT)
 
     def view(self) -> View:
@@ -365,18 +368,19 @@ class Workbench(QObject):
     def _show_tool(self, tool: Tool) -> None:
         self.actions_.tools[tool].setChecked(True)
         self.measurements.tool.enabled = measures = tool is Tool.MEASURE
-        self.status.show_hint(self.measurements.hint if measures else tool.hint(self.canvas.selection_mode))
         self.mode_bar.show_for(tool.traits.is_brush)
         self.kind_bar.show_for(measures)
         self.obstacles.follow_tool(tool)
         self._show_next_step()
 
     def _show_next_step(self) -> None:
-        state = self.session.store.state
+        state, tool, obstacle = self.session.store.state, self.canvas.tool, self.parts.obstacle
+        hint = tool.hint(self.canvas.selection_mode, obstacle is not None)
+        self.status.show_hint(self.measurements.hint if tool is Tool.MEASURE else hint)
         if self.help.tour.is_active:
             self.next_step.hide_hint()  # the tour's card gives the instructions
         elif state is not None:
-            self.next_step.show_hint(state.document, self.canvas.tool, self.parts.handle, self.parts.obstacle)
+            self.next_step.show_hint(state.document, tool, self.parts.handle, obstacle)
 
     def _set_theme(self, theme: Theme) -> None:
         over = self.notice, self.recovery, self.findings.list, self.help, self.display_options

@@ -101,7 +101,8 @@ class Actions:
         for action in actions:
             tip = tr("Show or hide the panel “{title}”").format(title=without_mnemonic(action.text()))
             name = f"panel:{action.objectName()}"
-            self._maker.adopt(name, action, "panel", tip, tuple(action.shortcuts()))
+            image = f"panel-{action.objectName()}"
+            self._maker.adopt(name, action, image, tip, tuple(action.shortcuts()))
         self.view.add_panels(actions)
 
     @property
@@ -143,9 +144,9 @@ def _other_help(maker: ActionMaker, commands: Commands) -> dict[str, QAction]:
     about = tr("Version, licence and source of the method")
     copy = commands.reports.copy_diagnostics
     rows: list[tuple[str, str, str, str, object, Callable[[], object]]] = [
-        ("paper", tr("The &paper's tables…"), "tables", tables, None, commands.runs.open_paper),
+        ("paper", tr("The &paper's tables…"), "paper", tables, None, commands.runs.open_paper),
         ("verify", tr("&Verify…"), "verify", verified, None, commands.runs.open_verification),
-        ("copy_diagnostics", tr("&Copy diagnostics"), "copy", copied, None, copy),
+        ("copy_diagnostics", tr("&Copy diagnostics"), "copy-diagnostics", copied, None, copy),
         ("about", tr("&About APD Viewer"), "about", about, None, commands.show_about_box),
     ]
     return {row[0]: maker.make(*row) for row in rows}

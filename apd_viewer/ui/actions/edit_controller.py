@@ -30,6 +30,7 @@ class EditController:
     Attributes
     ----------
     nudge_obstacle : callable, returns False if no obstacle is in the hand
+    stop_placing : callable, gives up waiting for the place of an obstacle
     """
 
     def __init__(
@@ -43,6 +44,7 @@ class EditController:
         self._canvas, self._panel = canvas, panel
         self._session, self._parts, self._take = session, parts, choose_tool
         self.nudge_obstacle: Callable[[tuple[int, int, int]], bool] = lambda _: False
+        self.stop_placing: Callable[[], object] = lambda: None
         self.text_entries = TextEntries(canvas, session, parts, self.cancel_drag)
         handles = panel.handles
         handles.add_requested.connect(self.add_handle)
@@ -69,17 +71,23 @@ class EditController:
 
     def undo(self) -> None:
         """Undo the last step."""
-        if self._may_begin():
+        if self._may_step():
             self._session.gestures.undo()
 
     def redo(self) -> None:
         """Redo the last undone step."""
-        if self._may_begin():
+        if self._may_step():
             self._session.gestures.redo()
+
+    def _may_step(self) -> bool:
+        """True if steps may be undone; waiting for a click, which has changed nothing, is given up."""
+        self.stop_placing()
+        self._canvas.picker.cancel()
+        return self._may_begin()
 
     def go_to_step(self, steps: int) -> None:
         """Undo or redo until ``steps`` steps of the history are done."""
-        if self._may_begin():
+        if self._may_step():
             self._session.gestures.go_to_step(steps)
 
     def reset_all(self) -> None:

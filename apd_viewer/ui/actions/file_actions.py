@@ -36,23 +36,25 @@ class FileActions:
         connect_action(self.export, filing.export_mesh)
         tip = tr("Open the results of a study from their folder, also while it runs elsewhere")
         self.open_study = make(
-            "open_study", tr("Open st&udy…"), "study", tip, None, commands.case_studies.ask_for_folder
+            "open_study", tr("Open st&udy…"), "open-study", tip, None, commands.case_studies.ask_for_folder
         )
         self._make_target(maker, commands)
         tip = tr("Export area change, strain, displacement and labels as CSV or PLY")
         self.scalars = make(
-            "export_scalars", tr("Export sca&lars…"), "tables", tip, None, filing.export_scalars
+            "export_scalars", tr("Export sca&lars…"), "export-scalars", tip, None, filing.export_scalars
         )
         tip = tr("Export shells and boundary conditions for CalculiX or Abaqus")
-        self.deck = make("export_deck", tr("Export &FE deck…"), "export", tip, None, filing.export_deck)
+        self.deck = make("export_deck", tr("Export &FE deck…"), "export-deck", tip, None, filing.export_deck)
         tip = tr("Export the motion of the handles for Blender, glTF or ParaView")
         self.animation = make(
-            "export_animation", tr("Export a&nimation…"), "sweep", tip, None, commands.runs.open_animation
+            "export_animation", tr("Export a&nimation…"), "film", tip, None, commands.runs.open_animation
         )
         tip = tr("Save painted parts, poses, settings and shape")
         self.save = make("save", tr("&Save session"), "save", tip, _KEYS.Save, filing.save)
         tip = tr("Save the session to another file")
-        self.save_as = make("save_as", tr("Save session &as…"), "save", tip, "Ctrl+Shift+S", filing.save_as)
+        self.save_as = make(
+            "save_as", tr("Save session &as…"), "save-as", tip, "Ctrl+Shift+S", filing.save_as
+        )
         tip = tr("Save pictures, measurements and settings as an HTML page")
         self.report = make("report", tr("Repor&t…"), "report", tip, "Ctrl+Shift+E", reporting.ask_for_report)
         tip = tr("Save the view as a picture of any size, with or without background")
@@ -61,31 +63,36 @@ class FileActions:
         )
         tip = tr("Copy the view to the clipboard")
         self.copy_picture = make(
-            "copy_picture", tr("&Copy picture"), "copy", tip, "Ctrl+Shift+C", reporting.pictures.copy
+            "copy_picture", tr("&Copy picture"), "copy-picture", tip, "Ctrl+Shift+C", reporting.pictures.copy
         )
         tip = tr("Copy the Python lines that repeat this deformation to the clipboard")
         self.copy_python = make(
-            "copy_python", tr("Copy as P&ython"), "copy", tip, None, reporting.copy_python
+            "copy_python", tr("Copy as P&ython"), "copy-python", tip, None, reporting.copy_python
         )
         self.samples = []
         for name, sample in SAMPLES.items():
             command = partial(requests.open_sample, name)
             self.samples.append(
-                make(f"open_sample:{name}", sample.title, "sample", sample.tip, None, command)
+                make(f"open_sample:{name}", sample.title, f"sample-{name}", sample.tip, None, command)
             )
 
     def _make_target(self, maker: ActionMaker, commands: Commands) -> None:
         self.load_target = maker.make(
             "load_target",
             tr("Load tar&get shape…"),
-            "target_ghost",
+            "load-target",
             tr("Compare the shape with another mesh: distances in colours and in numbers"),
             None,
             commands.target.ask_for_target_shape,
         )
         tip = tr("Stop comparing with the target shape")
         self.clear_target = maker.make(
-            "clear_target", tr("Clear target s&hape"), "remove", tip, None, commands.target.clear_target_shape
+            "clear_target",
+            tr("Clear target s&hape"),
+            "clear-target",
+            tip,
+            None,
+            commands.target.clear_target_shape,
         )
         self.clear_target.setEnabled(False)
 

@@ -20,9 +20,14 @@ _NUDGES = (
     (tr("Nudge farther"), tr("Move the active handle a little farther"), "farther", "PgUp", (0, 0, -1)),
 )
 _ALONG = {
-    GizmoOrientation.WORLD: (tr("&World axes"), tr("Align gizmo to the axes of the mesh"), "Shift+W"),
-    GizmoOrientation.HANDLE: (tr("&Handle axes"), tr("Align gizmo to the handle"), "L"),
-    GizmoOrientation.VIEW: (tr("&View axes"), tr("Align gizmo to view"), "Shift+V"),
+    GizmoOrientation.WORLD: (
+        tr("&World axes"),
+        "axes",
+        tr("Align gizmo to the axes of the mesh"),
+        "Shift+W",
+    ),
+    GizmoOrientation.HANDLE: (tr("&Handle axes"), "axes-handle", tr("Align gizmo to the handle"), "L"),
+    GizmoOrientation.VIEW: (tr("&View axes"), "axes-view", tr("Align gizmo to view"), "Shift+V"),
 }
 
 
@@ -35,17 +40,17 @@ class PoseActions:
         add, region = tr("Add another handle"), tr("Add another region to measure or keep its area")
         after = tr("Select next handle")
         self.part_actions = [
-            make("add_handle", tr("&Add handle"), "add", add, "Shift+H", editing.add_handle),
+            make("add_handle", tr("&Add handle"), "add-handle", add, "Shift+H", editing.add_handle),
             make("next_handle", tr("&Next handle"), "next-handle", after, "N", editing.next_handle),
-            make("add_region", tr("Add &region"), "add", region, "Shift+R", editing.add_region),
+            make("add_region", tr("Add &region"), "add-region", region, "Shift+R", editing.add_region),
         ]
         tip = tr("Enter an amount to move, rotate, twist or bend the handle")
         self.enter_motion = make(
-            "type_motion", tr("&Enter motion"), "type", tip, "Ctrl+M", commands.type_motion
+            "type_motion", tr("&Enter motion"), "type-motion", tip, "Ctrl+M", commands.type_motion
         )
         tip = tr("Return the active handle to its rest position")
         self.reset_handle = make(
-            "put_back", tr("Rese&t handle"), "reset", tip, "Shift+M", editing.reset_handle
+            "put_back", tr("Rese&t handle"), "reset-handle", tip, "Shift+M", editing.reset_handle
         )
         tip = tr("Move each handle together with its mirror image")
         self.symmetric = maker.make_checkable(
@@ -57,17 +62,31 @@ class PoseActions:
             tr("Move the handles to the previous pose kept"),
         )
         self.named_poses = [
-            make("keep_pose", tr("&Keep pose"), "add", keep, "Ctrl+K", poses.keep_pose),
-            make("next_pose", tr("&Next pose"), "redo", onwards, ".", partial(poses.step_pose, 1)),
-            make("previous_pose", tr("&Previous pose"), "undo", back, ",", partial(poses.step_pose, -1)),
+            make("keep_pose", tr("&Keep pose"), "keep-pose", keep, "Ctrl+K", poses.keep_pose),
+            make("next_pose", tr("&Next pose"), "next-pose", onwards, ".", partial(poses.step_pose, 1)),
+            make(
+                "previous_pose",
+                tr("&Previous pose"),
+                "previous-pose",
+                back,
+                ",",
+                partial(poses.step_pose, -1),
+            ),
         ]
         pick = tr("Click the point of the mesh to rotate the handle about")
         enter = tr("Enter the coordinates of the point to rotate the handle about")
         title, centre = tr("Set pivot b&y coordinates…"), tr("Rotate about the centre of the handle")
         self.pivots = [
             make("pick_pivot", tr("Pick p&ivot"), "pivot", pick, "V", editing.pick_pivot),
-            make("type_pivot", title, "pivot", enter, "Ctrl+Shift+V", editing.open_pivot_entry),
-            make("centre_pivot", tr("&Pivot at centre"), "pivot", centre, "Shift+P", editing.centre_pivot),
+            make("type_pivot", title, "type-pivot", enter, "Ctrl+Shift+V", editing.open_pivot_entry),
+            make(
+                "centre_pivot",
+                tr("&Pivot at centre"),
+                "centre-pivot",
+                centre,
+                "Shift+P",
+                editing.centre_pivot,
+            ),
         ]
         self.nudges = []
         for title, tip, way, key, step in _NUDGES:
@@ -77,9 +96,9 @@ class PoseActions:
             commands.canvas.viewport.addAction(nudge)
             self.nudges.append(nudge)
         self.orientations = {}
-        for along, (title, tip, key) in _ALONG.items():
+        for along, (title, image, tip, key) in _ALONG.items():
             command = partial(self._align, along)
-            self.orientations[along] = make(f"along:{along.name}", title, "axes", tip, key, command)
+            self.orientations[along] = make(f"along:{along.name}", title, image, tip, key, command)
         maker.make_exclusive(self.orientations.values())
         self.orientations[GizmoOrientation.WORLD].setChecked(True)
 

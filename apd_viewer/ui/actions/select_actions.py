@@ -29,7 +29,7 @@ _MIRRORED = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR
 _MIRRORS = tuple(
     (
         tr("Along {axis}").format(axis=axis),
-        "mirror",
+        f"mirror-{axis.lower()}",
         tr("Add the mirror image of the active part along {axis}").format(axis=axis),
         None,
         operation,
@@ -73,9 +73,11 @@ class SelectActions:
         larger, smaller = partial(brush.scale, _LARGER), partial(brush.scale, _SMALLER)
         tip = tr("Enter the brush radius, in pixels or as a length on the mesh")
         self.sizes = [
-            make("larger", tr("&Larger brush"), "grow", tr("Make the brush larger"), "]", larger),
-            make("smaller", tr("Smalle&r brush"), "shrink", tr("Make the brush smaller"), "[", smaller),
-            make("type_brush", tr("Brush si&ze…"), "way-brush", tip, "Shift+D", editing.open_brush_entry),
+            make("larger", tr("&Larger brush"), "brush-larger", tr("Make the brush larger"), "]", larger),
+            make(
+                "smaller", tr("Smalle&r brush"), "brush-smaller", tr("Make the brush smaller"), "[", smaller
+            ),
+            make("type_brush", tr("Brush si&ze…"), "brush-size", tip, "Shift+D", editing.open_brush_entry),
         ]
         self.by_expression = make(
             "choose_by_numbers",
@@ -88,7 +90,7 @@ class SelectActions:
 
     def _make_parts(self, maker: ActionMaker, parts: PartController) -> None:
         self.clears = [
-            maker.make(f"clear:{name}", title, "erase", tip, None, command)
+            maker.make(f"clear:{name}", title, f"clear-{name}", tip, None, command)
             for name, title, tip, command in (
                 ("base", tr("Clear &base"), tr("Clear the base"), parts.clear_base),
                 ("handle", tr("Clear &handle"), tr("Clear the active handle"), parts.clear_handle),
@@ -106,8 +108,11 @@ class SelectActions:
         load = tr("Load base, handles and regions from a file")
         save = tr("Save base, handles and regions to a file")
         self.files = [
-            maker.make("load_selection", tr("L&oad selection…"), "open", load, None, filing.load_selection),
-            maker.make("save_selection", tr("Save selec&tion…"), "save", save, None, filing.save_selection),
+            maker.make(name, title, image, tip, None, command)
+            for name, title, image, tip, command in (
+                ("load_selection", tr("L&oad selection…"), "load-selection", load, filing.load_selection),
+                ("save_selection", tr("Save selec&tion…"), "save-selection", save, filing.save_selection),
+            )
         ]
 
     @property

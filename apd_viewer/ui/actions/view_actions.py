@@ -21,15 +21,32 @@ from apd_viewer.ui.scene.surface_shading import Shading
 from apd_viewer.ui.tools.canvas import Canvas
 
 _SCHEMES = (
-    (tr("&System default"), Qt.ColorScheme.Unknown, tr("Follow the light or dark mode of the system")),
-    (tr("&Light"), Qt.ColorScheme.Light, tr("Use the light theme")),
-    (tr("&Dark"), Qt.ColorScheme.Dark, tr("Use the dark theme")),
+    (
+        tr("&System default"),
+        "scheme",
+        Qt.ColorScheme.Unknown,
+        tr("Follow the light or dark mode of the system"),
+    ),
+    (tr("&Light"), "scheme-light", Qt.ColorScheme.Light, tr("Use the light theme")),
+    (tr("&Dark"), "scheme-dark", Qt.ColorScheme.Dark, tr("Use the dark theme")),
 )
 _SHADINGS = (
-    ("shade:file", tr("As in the f&ile"), tr("Shade with the normals of the file"), Shading.FILE),
-    ("smooth", tr("&Smooth"), tr("Shade smoothly across all edges"), Shading.SMOOTH),
-    ("shade:sharp", tr("Sharp &edges"), tr("Shade smoothly, except across edges above 30°"), Shading.SHARP),
-    ("shade:flat", tr("&Flat"), tr("Shade each triangle by itself"), Shading.FLAT),
+    (
+        "shade:file",
+        tr("As in the f&ile"),
+        "shade-file",
+        tr("Shade with the normals of the file"),
+        Shading.FILE,
+    ),
+    ("smooth", tr("&Smooth"), "smooth", tr("Shade smoothly across all edges"), Shading.SMOOTH),
+    (
+        "shade:sharp",
+        tr("Sharp &edges"),
+        "shade-sharp",
+        tr("Shade smoothly, except across edges above 30°"),
+        Shading.SHARP,
+    ),
+    ("shade:flat", tr("&Flat"), "shade-flat", tr("Shade each triangle by itself"), Shading.FLAT),
 )
 
 
@@ -50,16 +67,14 @@ class ViewActions:
         tip = tr("Show the triangle edges")
         self.edges = maker.make_checkable("edges", tr("&Edges"), "edges", tip, "W", self._show_edges)
         self.shadings = {}
-        for name, title, tip, shading in _SHADINGS:
-            self.shadings[shading] = maker.make(
-                name, title, "smooth", tip, None, partial(self._shade, shading)
-            )
+        for name, title, image, tip, shading in _SHADINGS:
+            self.shadings[shading] = maker.make(name, title, image, tip, None, partial(self._shade, shading))
         maker.make_exclusive(self.shadings.values())
         self.refresh()
         self.schemes = {}
-        for title, scheme, tip in _SCHEMES:
+        for title, image, scheme, tip in _SCHEMES:
             name, choose = f"scheme:{scheme.name}", partial(commands.set_scheme, scheme)
-            self.schemes[scheme] = maker.make(name, title, "scheme", tip, None, choose)
+            self.schemes[scheme] = maker.make(name, title, image, tip, None, choose)
         maker.make_exclusive(self.schemes.values())
 
     def _show_edges(self, on: bool) -> None:
@@ -99,12 +114,12 @@ class ViewActions:
 
 
 _VIEWS = (
-    (trc("view", "Front"), tr("View the mesh from the front"), "1", "front"),
-    (trc("view", "Right"), tr("View the mesh from the right"), "3", "side"),
-    (trc("view", "Top"), tr("View the mesh from the top"), "7", "top"),
-    (trc("view", "Back"), tr("View the mesh from the back"), "Ctrl+1", "-front"),
-    (trc("view", "Left"), tr("View the mesh from the left"), "Ctrl+3", "-side"),
-    (trc("view", "Bottom"), tr("View the mesh from the bottom"), "Ctrl+7", "-top"),
+    (trc("view", "Front"), "look-front", tr("View the mesh from the front"), "1", "front"),
+    (trc("view", "Right"), "look-right", tr("View the mesh from the right"), "3", "side"),
+    (trc("view", "Top"), "look-top", tr("View the mesh from the top"), "7", "top"),
+    (trc("view", "Back"), "look-back", tr("View the mesh from the back"), "Ctrl+1", "-front"),
+    (trc("view", "Left"), "look-left", tr("View the mesh from the left"), "Ctrl+3", "-side"),
+    (trc("view", "Bottom"), "look-bottom", tr("View the mesh from the bottom"), "Ctrl+7", "-top"),
 )
 
 
@@ -120,24 +135,23 @@ class CameraActions:
     def __init__(self, maker: ActionMaker, canvas: Canvas) -> None:
         self._look = canvas.viewport.camera_controller
         self.directions = {}
-        for title, tip, key, axis in _VIEWS:
+        for title, image, tip, key, axis in _VIEWS:
             command = partial(canvas.look_along, axis)
-            self.directions[axis] = maker.make(f"look:{axis}", title, "view", tip, key, command)
+            self.directions[axis] = maker.make(f"look:{axis}", title, image, tip, key, command)
         tip = tr("View the mesh without perspective")
         project = canvas.viewport.camera_controller.set_orthographic
         self.orthographic = maker.make_checkable(
-            "orthographic", tr("Ortho&graphic"), "view", tip, "5", project
+            "orthographic", tr("Ortho&graphic"), "orthographic", tip, "5", project
         )
         self.up_axes = {}
         for up_axis in UpAxis:
             name, tip = up_axis.value, tr("Show the mesh with {axis} up").format(axis=up_axis.value)
-            self.up_axes[up_axis] = maker.make(
-                f"up:{name}", name, "axes", tip, None, partial(canvas.set_up_axis, up_axis)
-            )
+            image, choose = f"up-{up_axis.name.lower()}", partial(canvas.set_up_axis, up_axis)
+            self.up_axes[up_axis] = maker.make(f"up:{name}", name, image, tip, None, choose)
         maker.make_exclusive(self.up_axes.values())
         tip = tr("Make the axis that points up in the view the up axis")
         self.stand_upright = maker.make(
-            "upright", tr("&Stand upright"), "axes", tip, None, self._stand_upright
+            "upright", tr("&Stand upright"), "upright", tip, None, self._stand_upright
         )
         self._canvas = canvas
         self.refresh()
@@ -190,17 +204,20 @@ class DisplayActions:
         )
         self.measures = {}
         for measure in Measure:
-            name, words = f"measure:{measure.name}", measure.traits
-            self.measures[measure] = maker.make(
-                name, words.title, "overlay", words.tip, words.key, partial(heat.choose_measure, measure)
+            name, words, choose = (
+                f"measure:{measure.name}",
+                measure.traits,
+                partial(heat.choose_measure, measure),
             )
+            image = f"overlay-{measure.name.lower()}"
+            self.measures[measure] = maker.make(name, words.title, image, words.tip, words.key, choose)
         maker.make_exclusive([self.no_overlay, *self.measures.values()])
         onwards, back = (partial(heat.show_next_extreme, step) for step in (1, -1))
         following = tr("Go to the next extreme value of the overlay")
         previous = tr("Go to the previous extreme value of the overlay")
         self.extremes = [
             maker.make("worst:1", tr("Ne&xt extreme"), "worst", following, "C", onwards),
-            maker.make("worst:-1", tr("Pre&vious extreme"), "worst", previous, "Shift+C", back),
+            maker.make("worst:-1", tr("Pre&vious extreme"), "worst-previous", previous, "Shift+C", back),
         ]
 
     def _make_checkable_actions(self, maker: ActionMaker) -> None:
@@ -227,14 +244,18 @@ class DisplayActions:
 
     def follow(self, document: Document) -> None:
         """Enable the options available for a document and its mesh file."""
-        mesh, compares = document.mesh, document.target_shape is not None
-        for name, has, tip, lack in (
-            ("file_colors", mesh.colors is not None, _COLORS, tr("The file has no vertex colours")),
-            ("textures", mesh.texture[0] is not None, _TEXTURES, tr("The file has no texture")),
-            ("target_ghost", compares, _TARGET, tr("There is no target shape")),
+        mesh, looks, compares = document.mesh, self._looks, document.target_shape is not None
+        colors, textures, target = looks.shows_file_colors, looks.shows_textures, looks.target_ghost.visible
+        for name, has, on, tip, lack in (
+            ("file_colors", mesh.colors is not None, colors, _COLORS, tr("The file has no vertex colours")),
+            ("textures", mesh.texture[0] is not None, textures, _TEXTURES, tr("The file has no texture")),
+            ("target_ghost", compares, target, _TARGET, tr("There is no target shape")),
         ):
             switch, said = self.switches[name], tip if has else lack
             switch.setEnabled(has)
+            switch.blockSignals(True)
+            switch.setChecked(has and on)  # the choice is kept for a file that has it
+            switch.blockSignals(False)
             switch.setStatusTip(said)
             switch.setToolTip(said)
 

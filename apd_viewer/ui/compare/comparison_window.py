@@ -22,6 +22,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.compare.linked_views import LinkedViews, SharedScale
 from apd_viewer.ui.compare.method_table import PIXEL_RATIO, ComparisonShape, MethodTable, write_comparison
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.panel.status_bar import ConvergenceProgress
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.widgets.background_task import BackgroundTask
@@ -89,6 +90,7 @@ class ComparisonWindow(QWidget):
     def _lay_out(self) -> None:
         self.status = ElidedLabel(objectName="quiet")
         self.status.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.progress = ConvergenceProgress()
         self.stop = QPushButton(tr("Stop"), toolTip=tr("Stop the solver and keep the results so far (Esc)"))
         self.stop.clicked.connect(self._stop)
         self.again = QPushButton(
@@ -104,7 +106,12 @@ class ComparisonWindow(QWidget):
         self.help = HelpButton()
         buttons = row_layout(self.stop, self.again, self.save_table, self.save_picture, self.help)
         head = row_layout(
-            *self.checks.values(), (self.status, 1), buttons, spacing=16, margins=(12, 8, 12, 8)
+            *self.checks.values(),
+            (self.status, 1),
+            self.progress,
+            buttons,
+            spacing=16,
+            margins=(12, 8, 12, 8),
         )
         top = Qt.AlignmentFlag.AlignTop
         foot = row_layout((self.legend, 0, top), (self.table, 1, top), spacing=32, margins=(12, 10, 12, 8))
@@ -208,6 +215,7 @@ class ComparisonWindow(QWidget):
             self.views[method].show_status(*_status_texts(method, comparison))
             self.table.show_readings(row, method_readings(state, outcome))
         under_way = comparison.current_method
+        self.progress.follow(comparison.outcomes[under_way].frame if under_way else None, bool(under_way))
         self.stop.setEnabled(under_way is not None)
         there = any(
             comparison.outcomes[m].frame is not None for m in self.chosen_methods if m in comparison.outcomes

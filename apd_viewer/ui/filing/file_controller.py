@@ -172,12 +172,11 @@ class FileController:
         if state is None:
             return
         mesh, unsaved = state.document.mesh, self._session.saved_work.is_unsaved
-        title = tr("{session}[*] – {mesh} – APD Viewer") if session else tr("{mesh}[*] – APD Viewer")
+        opened = self._session.saved_work.last_saved
+        name = session.name if session else opened.title if opened else ""
+        title = tr("{session}[*] – {mesh} – APD Viewer") if name else tr("{mesh}[*] – APD Viewer")
         self._window.setWindowFilePath(str(session or mesh.path or ""))
-        names = {
-            "mesh": window_title_text(mesh.name),
-            "session": window_title_text(session.name if session else ""),
-        }
+        names = {"mesh": window_title_text(mesh.name), "session": window_title_text(name)}
         self._window.setWindowTitle(title.format(**names))
         # setWindowModified notifies the platform even if nothing changed.
         if self._window.isWindowModified() != unsaved:

@@ -3,6 +3,7 @@
 from apd_viewer.language import tr
 from apd_viewer.session.posing.motion import MOTION_KINDS
 
+_PRESSING = tr("shape crush squeeze flatten compress top load side load force compression")
 _MOTIONS = [kind.title for kind in MOTION_KINDS.values()]
 # Keys: names of actions and settings, searchable also by title and tooltip.
 SYNONYMS = {
@@ -42,7 +43,8 @@ SYNONYMS = {
     "compare_methods": tr("side by side difference"),
     "sweep": tr("curve graph along motion series"),
     "study": tr("batch many variants parameter cases"),
-    "press": tr("shape crush squeeze flatten compress load force"),
+    "press": _PRESSING,
+    "press_live": _PRESSING,
     "pause": tr("stop wait"),
     "frame": tr("fit zoom all centre view"),
     "orthographic": tr("parallel perspective projection"),
@@ -73,7 +75,10 @@ SYNONYMS = {
 CONTROL_SYNONYMS = {
     tr("Area target"): tr("shape smaller larger bigger shrink grow surface percent"),
     tr("Unit of length"): tr("millimetre centimetre metre inch scale"),
-    tr("Volume target"): tr("shape smaller larger bigger shrink grow content litre percent"),
+    tr("Volume target"): tr(
+        "shape smaller larger bigger shrink grow content litre percent vacuum panelling underpressure "
+        "capacity brimful fill level"
+    ),
     tr("Keep volume"): tr("incompressible content"),
     tr("Stiffness"): tr("soft hard rigid bend cloth metal wrinkles smooth"),
     tr("Contact"): tr("collision penetrate self intersect touch"),

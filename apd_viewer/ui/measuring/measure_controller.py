@@ -391,7 +391,9 @@ class MeasureActions:
         )
         tip = tr("Remove all measurements")
         title = tr("&Remove all measurements")
-        self.clear = maker.make("clear_measurements", title, "remove", tip, None, measurements.clear)
+        self.clear = maker.make(
+            "clear_measurements", title, "clear-measurements", tip, None, measurements.clear
+        )
 
     def fill(self, menu: QMenu) -> None:
         """Add the measuring actions to the Tools menu."""

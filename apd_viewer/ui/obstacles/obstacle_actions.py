@@ -34,11 +34,17 @@ class ObstacleActions:
         for axis, letter in enumerate("XYZ"):
             title = tr("Plates on both sides along &{axis}").format(axis=letter)
             place = partial(obstacles.add_plates, axis)
-            self.side_plates.append(make(f"plates:{letter}", title, "press", SIDES_TIP, None, place))
+            self.side_plates.append(
+                make(f"plates:{letter}", title, f"plates-{letter.lower()}", SIDES_TIP, None, place)
+            )
         tip = tr("Return the active obstacle to its initial place")
-        self.reset = make("reset_obstacle", tr("&Reset obstacle"), "reset", tip, None, obstacles.reset)
+        self.reset = make(
+            "reset_obstacle", tr("&Reset obstacle"), "reset-obstacle", tip, None, obstacles.reset
+        )
         tip = tr("Remove the active obstacle")
-        self.remove = make("remove_obstacle", tr("Re&move obstacle"), "remove", tip, None, obstacles.remove)
+        self.remove = make(
+            "remove_obstacle", tr("Re&move obstacle"), "remove-obstacle", tip, None, obstacles.remove
+        )
         self.set_available(False, False)
         obstacles.availability_changed.connect(self.set_available)
 

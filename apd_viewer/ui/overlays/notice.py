@@ -4,9 +4,10 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial
+from pathlib import Path
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer
-from PySide6.QtGui import QAction, QHideEvent, QShowEvent
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer, QUrl
+from PySide6.QtGui import QAction, QDesktopServices, QHideEvent, QShowEvent
 from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from apd_viewer.files.samples import SAMPLES
@@ -34,7 +35,7 @@ _READING_TIME = 7000  # ms a message is shown; failures stay until dismissed
 
 
 class Notice(QFrame):
-    """Message at the bottom of the canvas, transparent to clicks.
+    """Message at the bottom of the canvas, transparent to clicks but for its buttons.
 
     Parameters
     ----------
@@ -43,6 +44,8 @@ class Notice(QFrame):
 
     Attributes
     ----------
+    open_file, show_folder : QPushButton
+        For the file that the message tells of; hidden where it tells of none.
     timer : QTimer
         Hides a message once it can have been read.
     """
@@ -62,6 +65,8 @@ class Notice(QFrame):
         )
         self.close_button.setProperty(SECTION_PROPERTY, type(self).__name__)
         self.close_button.clicked.connect(self.hide)
+        self._file = Path()
+        self._file_buttons = self._make_file_buttons(canvas)
         self._row = row_layout(self._symbol, (self._text, 1), margins=(12, 8, 8 + _CLOSE, 8), parent=self)
         self.timer = QTimer(self, singleShot=True, interval=_READING_TIME, timeout=self.hide)
         self._kind = "message"
@@ -69,6 +74,18 @@ class Notice(QFrame):
         self.hide()
         self.keep_above(below)
         canvas.resized.connect(self._place)
+
+    def _make_file_buttons(self, canvas: Viewport) -> QWidget:
+        buttons = QWidget(canvas)
+        self.open_file = QPushButton(tr("Open"), toolTip=tr("Open the file with the program for it"))
+        self.show_folder = QPushButton(tr("Show in folder"), toolTip=tr("Open the folder of the file"))
+        self.open_file.clicked.connect(lambda: _open_with_system(self._file))
+        self.show_folder.clicked.connect(lambda: _open_with_system(self._file.parent))
+        for button in (self.open_file, self.show_folder):
+            button.setProperty(SECTION_PROPERTY, type(self).__name__)
+        row_layout(self.open_file, self.show_folder, parent=buttons)
+        buttons.hide()
+        return buttons
 
     def keep_above(self, others: Sequence[QWidget]) -> None:
         """Leave room for widgets at the bottom of the canvas."""
@@ -83,19 +100,29 @@ class Notice(QFrame):
         return False
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Hide the close button too."""
+        """Hide the buttons too."""
         super().hideEvent(event)
         self.close_button.hide()
+        self._file_buttons.hide()
 
     @property
     def text(self) -> str:
         """Current sentence; empty if hidden."""
         return self._text.text() if not self.isHidden() else ""
 
-    def show_message(self, sentence: str) -> None:
-        """Show a message for a few seconds."""
+    def show_message(self, sentence: str, file: Path | None = None) -> None:
+        """Show a message for a few seconds, on a file that it offers to open."""
         self._show(sentence, "message")
         self.timer.start()
+        if file is not None:
+            self.offer_file(file)
+
+    def offer_file(self, path: Path) -> None:
+        """Offer to open the file that the message on screen tells of, or its folder."""
+        self._file = path
+        self._file_buttons.show()
+        self._file_buttons.raise_()
+        self._place()
 
     def show_failure(self, sentence: str) -> None:
         """Show and log a failure until dismissed or replaced."""
@@ -113,6 +140,12 @@ class Notice(QFrame):
         elif self.text == before:
             self.hide()
 
+    def dismiss(self) -> bool:
+        """Hide the message; True if there was one."""
+        shown = not self.isHidden()
+        self.hide()
+        return shown
+
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         self._theme = theme
@@ -124,6 +157,7 @@ class Notice(QFrame):
         self._text.setText(sentence)
         set_style_property(self, "kind", kind)
         self._draw_symbol()
+        self._file_buttons.hide()
         self.show()
         self.close_button.show()
         self.raise_()
@@ -137,8 +171,11 @@ class Notice(QFrame):
     def _place(self) -> None:
         if self.isHidden():
             return
-        canvas = self._canvas
-        room = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN - 80))
+        canvas, buttons = self._canvas, self._file_buttons
+        buttons.adjustSize()
+        aside = 0 if buttons.isHidden() else buttons.width() + 8
+        self._row.setContentsMargins(12, 8, 8 + _CLOSE + aside, 8)
+        room = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN - 80 - aside))
         width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
         # heightForWidth() would return at least the minimum height set for the previous text.
         self._text.setMinimumSize(0, 0)
@@ -151,7 +188,13 @@ class Notice(QFrame):
         self.setGeometry(moved_above(room, self._below))
         self.close_button.setFixedSize(_CLOSE, _CLOSE)
         beside = self.geometry().right() - _CLOSE - 4
-        self.close_button.move(beside, self.geometry().center().y() - _CLOSE // 2)
+        middle = self.geometry().center().y()
+        self.close_button.move(beside, middle - _CLOSE // 2)
+        buttons.move(beside - aside, middle - buttons.height() // 2)
+
+
+def _open_with_system(path: Path) -> None:
+    QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
 
 
 class CanvasHint(QLabel):

@@ -75,10 +75,15 @@ class TextEntries:
     def open_entry(self, card: TextEntryCard) -> None:
         """Show a card and hide the others."""
         if self._session.store.state is not None:
-            for other in self.cards:
-                if other is not card and other.isVisible():
-                    other.close_card()
+            self.close()
             card.open_card()
+
+    def close(self) -> bool:
+        """Close the open card; True if there was one."""
+        shown = [card for card in self.cards if not card.isHidden()]
+        for card in shown:
+            card.close_card()
+        return bool(shown)
 
     def _parse_or_explain(self, card: TextEntryCard, text: str, read: Callable[[str], object]) -> object:
         """Parse a text; None if it is invalid, with the error on the card."""
@@ -104,7 +109,7 @@ class TextEntries:
     def _choose(self, text: str, act: StrokeEffect) -> None:
         ids = self._parse_or_explain(self.vertices, text, self._session.typed_values.parse_vertices)
         if isinstance(ids, np.ndarray) and not self._give_up():
-            self._canvas.preview_selection(None)
+            self.vertices.close_card()  # the next key is a command again
             self._canvas.strokes.paint_vertices(ids, act)
 
     # Brush entry

@@ -24,7 +24,7 @@ from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
 from apd_viewer.ui.target.target_section import TargetSection
 from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout
 from apd_viewer.ui.widgets.folding_section import Section
-from apd_viewer.ui.widgets.part_row import PartButtons, Swatch
+from apd_viewer.ui.widgets.part_row import Swatch
 from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.state_store import StateStore
 
 _WIDTH = 324  # fits a region with a target, so that adding one does not resize the view
+_ROW = 22  # px: height of a count
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
@@ -45,7 +46,6 @@ class PaintSection(Section):
         super().__init__(tr("Vertices"))
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=0)
         grid.setColumnStretch(1, 1)
-        self.base = PartButtons()
         self._counts = []
         for row, (name, tip, color) in enumerate(
             (
@@ -58,9 +58,8 @@ class PaintSection(Section):
             grid.addWidget(Swatch(color), row, 0)
             grid.addWidget(QLabel(name, objectName="quiet"), row, 1)
             grid.addWidget(count, row, 2)
+            grid.setRowMinimumHeight(row, _ROW)
             self._counts.append(count)
-            grid.setRowMinimumHeight(row, self.base.sizeHint().height())
-        grid.addWidget(self.base, 0, 3)
         self.column.addLayout(grid)
         self.clear_all = QPushButton(tr("Clear all"), toolTip=tr("Clear base, handles and regions"))
         add_parts(self.column, 4, self.clear_all)
@@ -72,13 +71,7 @@ class PaintSection(Section):
             self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
         ):
             field.setText(format_grouped(count, 0))
-        self.base.show_flags(document.base, bool(counts[BASE]))
         self.clear_all.setEnabled(bool(counts[FREE] < counts.sum() or document.member.any()))
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the icons."""
-        super().set_theme(theme)
-        self.base.set_theme(theme)
 
 
 class Panel(QScrollArea):

@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
-from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
-from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
+from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_COLORS
 from apd_viewer.session.model.status_text import self_passing_warnings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
 from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
-from apd_viewer.ui.widgets.part_row import PartList, PartRow
+from apd_viewer.ui.widgets.part_row import PartButtons, PartList, PartRow, Swatch
 from apd_viewer.ui.widgets.slider_field import SHARE, SliderField
 from apd_viewer.ui.widgets.theme import Theme, icon
 
@@ -33,6 +33,8 @@ class HandleSection(Section):
 
     Attributes
     ----------
+    base : PartButtons
+        In the row of the base, above those of the handles.
     falloff : SliderField
         In percent of the longest side.
     crossing_signs : QLabel
@@ -46,6 +48,7 @@ class HandleSection(Section):
     def __init__(self) -> None:
         super().__init__(tr("Handles"))
         self.list = PartList(HANDLE_COLORS, self._row)
+        self.column.addLayout(self._make_base_row())
         self.column.addWidget(self.list)
         self.crossing_signs = QLabel(
             objectName="lost", wordWrap=True, accessibleName=tr("Signs of self-penetration")
@@ -85,6 +88,13 @@ class HandleSection(Section):
         buttons = row_layout(self.add, self.reset_handle, self.reset_all)
         add_parts(self.column, 4, buttons)
 
+    def _make_base_row(self) -> QHBoxLayout:
+        tip = tr("Vertices of the base")
+        self._base_count = QLabel(objectName="quiet", accessibleName=tip, toolTip=tip)
+        self.base = PartButtons()
+        name = QLabel(tr("Base")), 1
+        return row_layout(Swatch(BASE_COLOR), name, self._base_count, self.base, margins=(9, 4, 5, 0))
+
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         details = quiet_label(tr("Displacement and rotation of {name}").format(name=name), indent=22)
         return PartRow("handle", name, color, details)
@@ -93,10 +103,12 @@ class HandleSection(Section):
         """Show the handles, and the motion of the active one."""
         document = state.document
         self.list.show_names([handle.name for handle in document.handles], active)
+        held = document.label_counts[BASE]
+        self._base_count.setText(_vertices(held))
+        self.base.show_flags(document.base, bool(held))
         for k, row in enumerate(self.list.rows):
             count = document.label_counts[HANDLE + k]
-            said = trn("{n:,} vertex", "{n:,} vertices", int(count)).format(n=count)
-            row.reading.setText(said if count else tr("empty"))
+            row.reading.setText(_vertices(count))
             row.reading.setToolTip(tr("Vertices of the handle"))
             row.remove.setVisible(len(document.handles) > 1)
             row.show_flags(document.handles[k].flags, bool(count))
@@ -129,9 +141,14 @@ class HandleSection(Section):
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         super().set_theme(theme)
+        self.base.set_theme(theme)
         self.list.set_theme(theme)
         self.falloff.set_theme(theme)
         self.add.setIcon(icon("add", theme))
+
+
+def _vertices(count: int) -> str:
+    return trn("{n:,} vertex", "{n:,} vertices", int(count)).format(n=count) if count else tr("empty")
 
 
 class RegionSection(Section):

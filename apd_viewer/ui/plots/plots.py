@@ -246,7 +246,7 @@ class Plots(QWidget):
         except InputError as error:
             self._notice.show_failure(str(error))
         else:
-            self._notice.show_message(tr("Saved {name}.").format(name=path.name))
+            self._notice.show_message(tr("Saved {name}.").format(name=path.name), file=path)
 
     def write_picture(self, path: Path) -> None:
         """Write the visible charts on white as PNG or SVG; raises InputError."""

@@ -56,6 +56,7 @@ class MotionField(QWidget):
         self.problem = quiet_label(tr("Error in the amount"), style="unreached")
         self.problem.hide()
         self._later = QTimer(self, singleShot=True, interval=_PAUSE, timeout=self._show_problem)
+        self._kind = self.motion.kind.amount
         line = row_layout(self.relation, (self.amount, 1))
         column_layout(self.choice, line, self.pick, self.problem, margins=(0, 4, 0, 4), parent=self)
         self._choose()
@@ -117,6 +118,9 @@ class MotionField(QWidget):
         self.amount.setToolTip(tip)
         self.choice.setToolTip(tip)
         self.amount.setPlaceholderText(editable_number(self.motion.kind.example))
+        if self.motion.kind.amount is not self._kind:
+            self._kind = self.motion.kind.amount
+            self.amount.clear()
         self.problem.hide()
 
 

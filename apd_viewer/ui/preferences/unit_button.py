@@ -38,7 +38,7 @@ class UnitButton(QToolButton):
         menu = QMenu(self)
         group = QActionGroup(menu)
         for unit, name in UNIT_NAMES.items():
-            action = menu.addAction(name)
+            action = menu.addAction(name.replace("(", "(&") if unit.symbol else f"&{name}")
             action.setCheckable(True)
             action.setData(unit.value)
             action.triggered.connect(lambda _checked=False, unit=unit: self.chosen.emit(unit))

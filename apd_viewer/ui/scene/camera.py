@@ -13,6 +13,7 @@ from apd_viewer.session.model.up_axis import UpAxis
 
 DEGREES_PER_PIXEL = 0.4
 MARGIN = 1.15
+_ROOMY, _LEAST_SCALE = 450.0, 0.5  # px: side of a view in which overlays have their full size
 
 # Opening angles, radians. An orthographic view uses a perspective camera so narrow and distant that half the
 # picture height in depth shifts a point by only a twentieth of a pixel. Rays, projections, zoom, framing and
@@ -69,6 +70,11 @@ class Camera:
     def pixel_height(self) -> float:
         """Height of one pixel at depth one."""
         return 2.0 * float(np.tan(self.angle / 2)) / self.height
+
+    @property
+    def overlay_scale(self) -> float:
+        """Share of its full size that the gizmo has: less in a small view, for the mesh to have room."""
+        return max(_LEAST_SCALE, min(1.0, self.width / _ROOMY, self.height / _ROOMY))
 
     @property
     def span(self) -> float:

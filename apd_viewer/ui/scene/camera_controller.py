@@ -34,8 +34,8 @@ class CameraController:
         self.linked: Sequence[CameraController] = ()
         self._up_axis = UpAxis.PLUS_Y
         self._extent = 1.0  # height of the framed view, mesh units
-        # Framed points, padding around them, and resulting camera position.
-        self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        # Framed points, padding and overlays around them, and resulting camera position.
+        self._framed: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None = None
         eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), PERSPECTIVE, 1, 1)
         self.camera = replace(eye, position=HOME_DIRECTION)
 
@@ -65,18 +65,24 @@ class CameraController:
             look._up_axis = eye.up_axis
             look._viewport.update()
 
-    def frame(self, points: np.ndarray, padding: np.ndarray | float = 0.0) -> None:
-        """Frame the points (k, 3) in the current direction, with ``padding`` pixels."""
+    def frame(
+        self, points: np.ndarray, padding: np.ndarray | float = 0.0, overlays: np.ndarray | float = 0.0
+    ) -> None:
+        """Frame the points (k, 3) in the current direction, with ``padding`` pixels.
+
+        ``overlays`` are the radii of what is drawn around the points, in pixels of a large view.
+        """
         if len(points):
-            points, padding = np.asarray(points), np.broadcast_to(padding, len(points))
-            self.camera = self.camera.framed(points, padding)
+            points, eye = np.asarray(points), self.camera
+            padding, overlays = (np.broadcast_to(room, len(points)) for room in (padding, overlays))
+            self.camera = eye.framed(points, padding + eye.overlay_scale * overlays)
             self._extent = self.camera.span
-            self._framed = points, padding, self.camera.position
+            self._framed = points, padding, overlays, self.camera.position
 
     def keep_framing(self) -> None:
         """Reframe the points after a resize, unless the camera was moved."""
-        if self._framed is not None and np.array_equal(self._framed[2], self.camera.position):
-            self.frame(*self._framed[:2])
+        if self._framed is not None and np.array_equal(self._framed[3], self.camera.position):
+            self.frame(*self._framed[:3])
 
     def look_from_home(self) -> None:
         """Look from the home direction: from the front, right and above."""
@@ -92,8 +98,8 @@ class CameraController:
         eye, angle = self.camera, ORTHOGRAPHIC if orthographic else PERSPECTIVE
         if eye.is_orthographic != orthographic:
             self.camera = eye.with_angle(angle)
-            if self._framed is not None and np.array_equal(self._framed[2], eye.position):
-                self._framed = *self._framed[:2], self.camera.position
+            if self._framed is not None and np.array_equal(self._framed[3], eye.position):
+                self._framed = *self._framed[:3], self.camera.position
 
     def look_along(self, axis: str) -> None:
         """Look from 'front', 'side' or 'top'; prefix '-' gives the opposite."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, QPointF, QRect, QRectF, QSize, Qt, QTimer
@@ -261,7 +262,7 @@ class Pictures:
             return tr("Saved {name}: {size}.").format(name=path.name, size=size)
 
         title = tr("Writing {name}").format(name=path.name)
-        self._jobs.run(title, work, self._notice.show_message, can_be_cancelled=False)
+        self._jobs.run(title, work, partial(self._notice.show_message, file=path), can_be_cancelled=False)
 
     def copy(self, settings: PictureSettings | None = None) -> None:
         """Copy a picture to the clipboard, by default the view without the gizmo."""

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -182,7 +183,7 @@ class ReportController:
             return tr("Saved {name}.").format(name=path.name)
 
         title = tr("Writing {name}").format(name=path.name)
-        session.jobs.run(title, work, self._notice.show_message, can_be_cancelled=False)
+        session.jobs.run(title, work, partial(self._notice.show_message, file=path), can_be_cancelled=False)
 
     def _images(self, state: State, measured: _ReportMeasurements, scale: Scale) -> list[QImage]:
         surface = self._canvas.surface

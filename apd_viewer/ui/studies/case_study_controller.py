@@ -16,6 +16,7 @@ from apd_viewer.cases.results import read_results, status_text
 from apd_viewer.cases.run_case import case_session
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.session import Session
@@ -64,6 +65,7 @@ class CaseStudyController(QObject):
         self._window, self._dock, self._memory, self._notice = window, dock, preferences, notice
         self._session, self._filing, self._opened = session, files, open_document
         self._ghost = ghost
+        self._studied: Document | None = None  # kept in the folder of the study begun last
         self.dialog: PlanDialog | None = None
         self.panel = ResultsPanel()
         dock.setWidget(self.panel)
@@ -95,7 +97,7 @@ class CaseStudyController(QObject):
                 self.dialog = dialog = PlanDialog(
                     self._window, self._session, handle, view, self._memory, self._ghost
                 )
-                dialog.study_designed.connect(self._begin)
+                dialog.study_designed.connect(partial(self._begin_designed, state.document))
                 dialog.finished.connect(self._forget_dialog)
             self.dialog.show()
             self.dialog.raise_()
@@ -131,6 +133,10 @@ class CaseStudyController(QObject):
             self._notice.show_failure(tr("A study is running; wait for it or stop it, then begin another."))
             self._dock.show()
         return not self.run.running
+
+    def _begin_designed(self, document: Document, folder: Path, options: list[str]) -> None:
+        self._studied = document
+        self._begin(folder, options)
 
     def _begin(self, folder: Path, options: list[str] | None, retry_failed: bool = False) -> None:
         if not self._is_free():
@@ -197,10 +203,14 @@ class CaseStudyController(QObject):
         def go() -> None:
             before = self._opened()
             self._session.files.open_result(
-                name, lambda: _with_kept_view(before, *case_session(folder, found.key))
+                name, lambda: _with_kept_view(before, *case_session(folder, found.key)), is_named=True
             )
 
-        self._filing.run_after_save_prompt(go)
+        state = self._session.store.state
+        if state is not None and state.document is self._studied:  # saved with the study
+            go()
+        else:
+            self._filing.run_after_save_prompt(go)
 
     # Window events
 

@@ -69,6 +69,11 @@ class EngineFields(QObject):
             field.setVisible(here)
         self.address.setVisible(not here)
 
+    @property
+    def local_processes(self) -> float:
+        """Number of local processes; 0 for the workers of a scheduler."""
+        return self.processes.value() if self.where.currentData() == _HERE else 0.0
+
     def options(self) -> list[str]:
         """Options of the command; raises InputError on a missing address or bad limit."""
         if self.where.currentData() == _HERE:

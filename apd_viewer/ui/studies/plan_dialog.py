@@ -12,11 +12,13 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import unused_folder
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
+from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
+from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies import study_run
@@ -71,6 +73,9 @@ class PlanDialog(QDialog):
             preferences,
         )
         self._preview = RangeEndPreview(session, ghost)
+        # Those of the shape on screen, where it was solved and not just opened.
+        solved = session.store.activity is Activity.SETTLED
+        self._step_seconds = solved * self._state.frame.iteration * session.store.seconds_per_iteration
         mesh = self._state.document.mesh
         self.setWindowTitle(tr("Study – {name}").format(name=window_title_text(mesh.name)))
         self.varied = VariedFields(self._state, Unit(view.unit))
@@ -82,6 +87,8 @@ class PlanDialog(QDialog):
         self.engine = EngineFields()
         self.engine.engine_ready.connect(self._begin)
         self.engine.check.failed.connect(self._say_unreached)
+        self.engine.processes.valueChanged.connect(self._count)
+        self.engine.where.currentIndexChanged.connect(self._count)
         self._lay_out(unused_folder(preferences.last_folder, f"{mesh.stem}-study"))
         self._count()
         self._move_aside(window)
@@ -146,6 +153,7 @@ class PlanDialog(QDialog):
         self.steps = count_field(tr("Steps per case"), 1, MOST_STEPS, 10)
         self.design.currentIndexChanged.connect(self._choose_design)
         self.samples.valueChanged.connect(self._count)
+        self.steps.valueChanged.connect(self._count)
         self.count = QLabel(objectName="quiet")
         self._of_samples = QLabel()
         each = QLabel(tr("steps each"))
@@ -182,7 +190,16 @@ class PlanDialog(QDialog):
         total = self.methods.chosen_count * math.pow(self.samples.value(), varying) if grid else 0.0
         self.count.setText(tr("= {n:,.0f} cases,").format(n=total) if grid else "")
         self.count.setVisible(grid)
-        self.message.setText("")
+        self.message.setText(self._duration(total if grid else self.samples.value()))
+
+    def _duration(self, cases: float) -> str:
+        """Sentence on the time of so many cases; empty if unknown."""
+        rate = self.engine.local_processes / self._step_seconds if self._step_seconds else 0.0
+        if not cases or not rate:
+            return ""
+        seconds = float(f"{cases * self.steps.value() / rate:.1g}")
+        said = tr("Roughly {time}, judged by the shape on screen.")
+        return said.format(time=duration_text(seconds))
 
     def _preview_end(self, name: str, upper: bool) -> None:
         """Preview one end of a range on the mesh."""

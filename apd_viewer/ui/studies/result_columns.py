@@ -59,11 +59,12 @@ PLAN_TITLES = {
     "seed": tr("Seed"),
     **{name: setting.title for name, setting in SETTINGS.items() if name in COLUMNS},
 }
+# In the order of the columns; in a narrow table only the first are in sight.
 READING_TEXTS = {
-    "area_error": ReadingTexts(tr("Area change"), tr("Change of the total area from rest"), percent=True),
     "volume_error": ReadingTexts(
         tr("Volume change"), tr("Change of enclosed volume from rest"), percent=True
     ),
+    "area_error": ReadingTexts(tr("Area change"), tr("Change of the total area from rest"), percent=True),
     "local_change": ReadingTexts(tr("Local change"), tr("Largest area change of a triangle"), percent=True),
     "largest_edge_strain": ReadingTexts(
         tr("Edge strain"), tr("Strain of the most stretched (+) or shortened (−) edge"), percent=True

@@ -13,6 +13,8 @@ from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, 
 RADIUS_PER_NOTCH = 1.12
 RING_POINTS = 65
 STEEPEST_STEP = 4.0  # hits farther apart than this multiple of their screen distance are not joined
+_NEAR_MISS = 16.0  # px beside the surface: whoever presses there has meant to paint
+_AROUND = [QPointF(_NEAR_MISS * np.cos(a), _NEAR_MISS * np.sin(a)) for a in np.pi / 4 * np.arange(8)]
 
 
 class BrushTool(SelectionTool):
@@ -20,7 +22,14 @@ class BrushTool(SelectionTool):
 
     A left press on the surface begins a stroke; the wheel changes the radius, with Ctrl it zooms; Esc takes
     the stroke back. What ``painted`` brings are the vertices that a stroke covers for the first time.
+
+    Attributes
+    ----------
+    missed : Signal()
+        A press closely beside the surface, which moves the camera.
     """
+
+    missed = Signal()
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport, surface)
@@ -36,6 +45,8 @@ class BrushTool(SelectionTool):
             return False
         self._update_hit(event)
         if self._hit is None:
+            if self._enabled and any(self._surface.hit(event.position() + way) for way in _AROUND):
+                self.missed.emit()
             return False
         self._covered = np.zeros(len(self._surface.U), dtype=bool)
         self.stroke_began.emit(self.effect)

@@ -302,7 +302,7 @@ class MeshView:
         if gizmo is not None:
             points = np.vstack([points, gizmo])
             room = np.append(room, GIZMO_RADIUS)
-        self._look.frame(points, room)
+        self._look.frame(points, overlays=room)
 
     def show_vertices(self, vertices: np.ndarray, covered: QRectF) -> None:
         """Show vertices with the smallest camera move; all vertices if none are given.

@@ -93,11 +93,8 @@ class GizmoDrag:
         amounts = directions @ (here - there)
         if self.handle in ARROWS:
             # Limit the motion, which would diverge towards the vanishing point of the axis.
-            most = (
-                MOST_DRAG_RATIO
-                * self.frame.pixel_length
-                * float(np.hypot(x - self.start[0], y - self.start[1]))
-            )
+            pixel = self.frame.camera.world_per_pixel(self.frame.centre)
+            most = MOST_DRAG_RATIO * pixel * float(np.hypot(x - self.start[0], y - self.start[1]))
             amounts = np.clip(amounts, -most, most)
         if snap:
             step = nice_step(SNAP_PIXELS * frame.pixel_length)
@@ -208,7 +205,7 @@ def rotated(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: float
     return rotation_about(centre, axis, angle) @ pose
 
 
-# Lengths in logical pixels, unless noted.
+# Lengths in logical pixels of a large view, unless noted.
 SHAFT = (15.0, 92.0)
 TIP = 110.0
 TIP_RADIUS = 6.5
@@ -260,8 +257,8 @@ class GizmoFrame:
 
     @cached_property
     def pixel_length(self) -> float:
-        """Length of a pixel at the centre, in mesh units."""
-        return self.camera.world_per_pixel(self.centre)
+        """Length of a pixel of the gizmo at the centre, in mesh units; less than a pixel in a small view."""
+        return self.camera.overlay_scale * self.camera.world_per_pixel(self.centre)
 
     @cached_property
     def facing(self) -> np.ndarray:
@@ -277,7 +274,7 @@ class GizmoFrame:
     @property
     def corner(self) -> np.ndarray:
         """Pixel position (2,) of the scale handle."""
-        return self.screen_centre + SCALE
+        return self.screen_centre + self.camera.overlay_scale * np.array(SCALE)
 
     @property
     def is_visible(self) -> bool:

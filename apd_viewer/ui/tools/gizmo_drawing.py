@@ -152,7 +152,8 @@ def _draw_scale(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> 
     corner = frame.corner if look.drag is None or not hot else np.array(look.drag.last)
     half = 5.5 if hot else 4.5
     way = (corner - frame.screen_centre) / np.linalg.norm(corner - frame.screen_centre)
-    ends = np.array([frame.screen_centre + (gizmo_drag.RING_RADIUS + 6.0) * way, corner - 8.0 * way])
+    rim = frame.camera.overlay_scale * gizmo_drag.RING_RADIUS + 6.0
+    ends = np.array([frame.screen_centre + rim * way, corner - 8.0 * way])
     draw_polyline(painter, ends, look.color("scale"), 1.4, INK[look.dark])
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
     painter.setBrush(look.color("scale"))

@@ -64,8 +64,10 @@ class Tool(Enum):
         traits: _ToolTraits = self.value
         return traits
 
-    def hint(self, mode: SelectionMode) -> str:
+    def hint(self, mode: SelectionMode, holds_obstacle: bool = False) -> str:
         """Status hint of the tool, with the modifier keys of the selection mode."""
+        if self is Tool.MOVE and holds_obstacle:
+            return tr("Move obstacle: drag an arrow; Ctrl snaps, Esc cancels, a click selects another")
         if not self.traits.is_brush:
             return tr("{tool}: {deed}").format(tool=self.traits.title, deed=self.traits.hint)
         return tr("{tool}: {deed}; {modifiers}").format(

@@ -23,6 +23,7 @@ class ComboBox(QtWidgets.QComboBox):
 
     def __init__(self, **properties: Any) -> None:
         super().__init__(**properties)
+        self.setItemDelegate(QtWidgets.QStyledItemDelegate(self))  # the style's own ignores the style sheet
         ignore_wheel(self)
 
     def sizeHint(self) -> QSize:

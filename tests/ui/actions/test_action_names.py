@@ -1,5 +1,7 @@
 """Settings know actions by their names: under another name, the keys that a user chose are lost."""
 
+from collections import Counter
+
 NAMES = """
 open export save save_as report save_picture copy_picture quit
 open_sample:bottle open_sample:cloth open_sample:cushion open_sample:duck
@@ -19,6 +21,11 @@ no_measure measure:AREA measure:STRAIN measure:BENDING measure:DISPLACEMENT meas
 ghost compare cut ground file_colors textures turntable scheme:Unknown scheme:Light scheme:Dark
 shortcuts tour paper copy_diagnostics about panel:readings panel:history panel:plots panel:study
 """
+
+
+def test_no_two_actions_share_an_icon(window):
+    images = Counter(entry.image for entry in window.actions_.entries)
+    assert [name for name, count in images.items() if count > 1] == []
 
 
 def test_actions_keep_their_names(window):

@@ -155,6 +155,14 @@ def test_obstacle_placer_gives_up_by_esc_and_with_another_tool(qtbot, held):
     assert there(window) == ()
 
 
+def test_undo_takes_a_step_back_while_an_obstacle_waits_for_its_place(qtbot, floored):
+    window = floored
+    window.actions_.simulate.obstacles.kinds[SPHERE].trigger()
+    qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert window.obstacles.placer.kind is None
+    assert there(window) == ()
+
+
 def test_obstacle_placer_snaps_a_plate_to_an_axis_with_ctrl(held):
     window = held
     window.actions_.simulate.obstacles.kinds[PLATE].trigger()
@@ -337,6 +345,13 @@ def test_nudge_moves_the_obstacle_in_the_hand_by_arrow_keys(qtbot, floored):
     np.testing.assert_array_equal(document(window).handles[0].pose, np.eye(4))
     qtbot.keyClick(view, Qt.Key.Key_Left)  # aside a plate changes nothing
     assert there(window)[0].shift[0] == 0.0
+
+
+def test_tool_hint_names_the_obstacle_while_one_is_in_the_hand(floored):
+    window = floored
+    assert window.status.hint.text().startswith("Move obstacle:")
+    window.parts.choose_obstacle(None)
+    assert window.status.hint.text().startswith("Move handle:")
 
 
 def test_obstacle_section_says_that_obstacles_push_nothing_without_contact(qtbot, floored):

@@ -33,6 +33,8 @@ def test_text_entry_card_previews_what_is_typed_and_adds_it_by_return(qtbot, bot
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     np.testing.assert_array_equal(base_of(bottle), before | (y < 5))
     assert bottle.session.gestures.history.next_undo == "Paint base"
+    assert card.isHidden()
+    assert bottle.shell.focusWidget() is bottle.canvas.viewport, "so that a key chooses a tool"
     bottle.session.gestures.undo()
     np.testing.assert_array_equal(base_of(bottle), before)
 
@@ -42,12 +44,25 @@ def test_text_entry_card_removes_with_alt_and_replaces_with_ctrl(qtbot, bottle, 
     card.text.setText("0-99")
     qtbot.keyClick(card.text, Qt.Key.Key_Return, CONTROL)
     assert np.flatnonzero(base_of(bottle)).tolist() == list(range(100))
+    bottle.actions_.select.by_expression.trigger()
+    assert card.text.selectedText() == "0-99", "what was entered last, to be typed over"
     card.text.setText("50-99")
     qtbot.keyClick(card.text, Qt.Key.Key_Return, ALT)
     assert np.flatnonzero(base_of(bottle)).tolist() == list(range(50))
     bottle.session.gestures.undo()
     bottle.session.gestures.undo()
     np.testing.assert_array_equal(base_of(bottle), before)
+
+
+def test_escape_closes_card_and_message_before_it_leaves_the_tool(qtbot, bottle, card):
+    view = bottle.canvas.viewport
+    bottle.notice.show_failure("Nothing is to be done.")
+    view.setFocus()  # as by a click beside the card
+    for shown, message in ((True, True), (False, True), (False, False)):
+        assert (not card.isHidden(), bool(bottle.notice.text)) == (shown, message)
+        assert bottle.canvas.tool is Tool.BASE
+        qtbot.keyClick(view, Qt.Key.Key_Escape)
+    assert bottle.canvas.tool is Tool.ORBIT
 
 
 def test_text_entry_card_says_what_cannot_be_read_and_leaves_no_trace_on_escape(qtbot, bottle, card):

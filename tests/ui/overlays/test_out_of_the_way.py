@@ -1,11 +1,15 @@
 """Notices, hints and the legend leave the mesh to the eye and the mouse."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from driving import Mouse, document, idle, settle, work_off
 from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QDesktopServices
 from PySide6.QtTest import QTest
 
+from apd_viewer.files.scalar_files import ScalarRows
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.ui.tools.tool_modes import Tool
 
@@ -36,6 +40,22 @@ def test_notice_is_low_and_lets_clicks_through(qtbot, bottle):
     QTest.mouseClick(notice.close_button, Qt.MouseButton.LeftButton)
     assert notice.isHidden()
     assert notice.close_button.isHidden()
+
+
+def test_notice_offers_to_open_the_file_that_it_tells_of_and_no_other(qtbot, bottle, tmp_path, monkeypatch):
+    opened, notice, path = [], bottle.notice, tmp_path / "scalars.csv"
+    monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: opened.append(Path(url.toLocalFile())))
+    bottle.session.files.export_scalars(path, ScalarRows.VERTICES)
+    idle(qtbot, bottle)
+    assert notice.text.startswith("Exported scalars")
+    for button in (notice.open_file, notice.show_folder):
+        place = button.mapTo(bottle.canvas.viewport, button.rect().center())
+        assert bottle.canvas.viewport.childAt(place) is button
+        assert notice.geometry().contains(place)
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert opened == [path, tmp_path]
+    notice.show_message("Something else.")
+    assert not notice.open_file.isVisible()
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1024, 700), (1280, 800)])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from driving import LEFT, document, idle, on_screen, stroke
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.palette import FREE_COLOR, HANDLE_COLORS
@@ -57,7 +57,9 @@ def test_selection_strokes_with_a_locked_part_change_nothing_and_say_why(qtbot, 
 
 
 def test_part_buttons_clear_the_base_in_one_step(qtbot, bottle):
-    before, base = bottle.session.store.state, bottle.panel.paint.base
+    before, base = bottle.session.store.state, bottle.panel.handles.base
+    first = bottle.panel.handles.list.rows[0]
+    assert base.mapTo(bottle.shell, base.rect().bottomLeft()).y() <= first.mapTo(bottle.shell, QPoint()).y()
     qtbot.mouseClick(base.clear_part, LEFT)
     assert not (document(bottle).labels == BASE).any()
     assert not base.clear_part.isEnabled()

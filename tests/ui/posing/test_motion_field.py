@@ -33,3 +33,15 @@ def test_motion_field_enters_every_motion_with_its_example(qtbot, field, name):
     with qtbot.waitSignal(field.motion_entered) as entered:
         qtbot.keyClick(field.amount, Qt.Key.Key_Return)
     assert entered.args == [motion, motion.kind.example, False]
+
+
+def test_motion_field_keeps_an_amount_for_motions_that_take_such_alone(field):
+    def take(name):
+        field.choice.setCurrentIndex(field.choice.findData(name))
+
+    take("TWIST")
+    field.amount.setText("20deg")
+    take("TURN_Y")
+    assert field.amount.text() == "20deg"
+    take("MOVE_X")
+    assert field.amount.text() == ""

@@ -138,6 +138,16 @@ def test_unit_button_is_used_with_the_mouse_or_the_keys(qtbot, bottle):
         assert [action.isChecked() for action in menu.actions()] == [False, True, False, False, False, False]
 
 
+@pytest.mark.parametrize(("keys", "symbol"), [("c", "cm"), ("i", "in"), ("f", "ft"), ("n", "no unit")])
+def test_unit_button_takes_a_unit_by_its_letter(qtbot, bottle, keys, symbol):
+    choose(bottle, CM if symbol == "no unit" else NONE)
+    button = bottle.panel.area.unit
+    QTimer.singleShot(100, lambda: qtbot.keyClicks(button.menu(), keys))
+    QTimer.singleShot(3_000, button.menu().close)
+    qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert button.text() == symbol
+
+
 def test_units_keep_that_of_a_file_from_one_window_to_the_next(qtbot, window, files, settings):
     open_file(qtbot, window, files[0])
     choose(window, CM)

@@ -156,3 +156,13 @@ def test_camera_actions_let_the_mesh_be_drawn_and_painted_without_perspective(qt
     middle = QPointF(view.width() / 2, view.height() / 2)
     mouse(view).drag(middle, middle + QPointF(10, 0))
     assert (document(bottle).labels != labels).any()
+
+
+def test_camera_controller_leaves_less_room_for_the_gizmo_in_a_small_view(qtbot, view):
+    points, look = np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]), view.camera_controller
+    look.frame(points, overlays=100.0)
+    for height, room in ((480, 100.0), (225, 50.0)):  # framed anew when the view is resized
+        view.window().resize(640, height)
+        qtbot.waitUntil(lambda height=height: view.height() == height)
+        expected = look.camera.framed(points, room)
+        np.testing.assert_allclose(look.camera.position, expected.position)

@@ -5,6 +5,7 @@ import pytest
 from driving import document, idle
 from meshes import sphere
 
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.presentation.scales import Measure
@@ -53,6 +54,19 @@ def test_coloring_shows_colors_of_the_file_under_the_paint_when_asked(qtbot, col
 
 def test_display_actions_offer_no_file_colors_without_colors(bottle):
     assert not bottle.actions_.display.switches["file_colors"].isEnabled()
+
+
+def test_display_actions_check_only_what_can_be_shown_and_keep_the_choice(qtbot, colored):
+    switches, looks = colored.actions_.display.switches, colored.display_options
+    assert looks.target_ghost.visible
+    assert not switches["target_ghost"].isChecked()
+    switches["file_colors"].trigger()
+    colored.session.files.open_mesh(Mesh(*sphere(2)))
+    idle(qtbot, colored)
+    assert not switches["file_colors"].isChecked()
+    assert looks.shows_file_colors
+    colored.session.gestures.undo()
+    assert switches["file_colors"].isChecked()
 
 
 def test_mesh_has_its_colors_parsed_off_the_thread_of_the_window(colored, tmp_path):

@@ -153,6 +153,7 @@ def test_pictures_save_writes_the_picture_into_a_file(qtbot, still, tmp_path):
     still.reports.pictures.save(tmp_path / "p.png", wish)
     idle(qtbot, still)
     assert still.notice.text == "Saved p.png: 400 × 300 pixels."
+    assert still.notice.open_file.isVisible()
     image = QImage(str(tmp_path / "p.png"))
     assert image.size() == SIZE
     taken = pixels(still.reports.pictures.picture(wish))

@@ -96,6 +96,7 @@ def test_report_controller_writes_what_the_panel_says_and_what_others_measure(qt
     panel, rows = window.panel, page.rows
     assert page.wrong == []
     assert window.notice.text == "Saved report.html."
+    assert window.notice.open_file.isVisible()
 
     area = rows["Area"]
     assert area["Area"] == f"{panel.area.percent.text()}\n{panel.area.area.text()}"

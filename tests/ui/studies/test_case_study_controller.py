@@ -20,6 +20,7 @@ from apd_viewer.cases.case_file import read_case
 from apd_viewer.cases.database import DATABASE_NAME
 from apd_viewer.cases.study import StudyStore
 from apd_viewer.session.model.handle_paths import handle_paths
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.studies.study_run import PLAN_FILE, RUN_FILE, StudyRun
@@ -229,6 +230,7 @@ def test_case_study_controller_opens_the_shape_of_a_clicked_case_bit_for_bit(qtb
         state.document.handles[0].pose, handle_paths(whole)[0].pose_at(part), atol=1e-12
     )
     assert not bar.session.saved_work.is_unsaved
+    assert bar.shell.windowTitle().startswith(f"case {found.line} of {studied.name}[*] – ")
     assert bar.canvas.view.saved_view("").camera == camera
 
 
@@ -248,13 +250,23 @@ def test_results_view_opens_the_current_case_by_enter_of_either_kind(qtbot, bar,
     assert opened == [3, 3]
 
 
-def test_case_study_controller_asks_about_unsaved_work_before_opening_a_case(
-    qtbot, bar, results, monkeypatch
+def test_case_study_controller_asks_about_work_that_is_not_in_the_study_before_opening_a_case(
+    qtbot, bar, dialog, home, monkeypatch
 ):
-    asked = []
+    begin(dialog, home / "asked", 2)
+    results = bar.case_studies.panel
+    qtbot.waitUntil(lambda: finished(bar, 2), timeout=180_000)
+    asked, own = [], bar.session.store.state.document
+    assert bar.session.saved_work.is_unsaved
     monkeypatch.setattr(
         file_controller, "ask_before_leaving", lambda *_: asked.append(1) or UnsavedAnswer.CANCEL
     )
+    press_row(results, 1)
+    idle(qtbot, bar)
+    assert asked == [], "it is saved with the study"
+    bar.session.gestures.undo()
+    assert bar.session.store.state.document is own
+    bar.session.handles.move_by(MOTIONS["TWIST"], "5deg", 0)
     before = bar.session.store.state
     press_row(results, 1)
     work_off()

@@ -1,6 +1,7 @@
 """Methods, limits and schedulers in the dialog of a study."""
 
 import csv
+import re
 import socket
 import time
 from contextlib import closing
@@ -14,6 +15,8 @@ from study_driving import click, finished, press_row, tick
 from apd_viewer.cases.case_file import read_case
 from apd_viewer.cases.local_pool import core_count
 from apd_viewer.errors import InputError
+from apd_viewer.presentation.time_left import duration_text
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.studies.engine_fields import SchedulerCheck, host_and_port
 from apd_viewer.ui.studies.study_run import PLAN_FILE, RUN_FILE, scheduler_option, stored_options
 
@@ -51,6 +54,29 @@ def ask_scheduler(dialog, address):
     dialog.engine.where.setCurrentIndex(1)
     dialog.engine.address.setText(address)
     click(dialog.start)
+
+
+def test_plan_dialog_estimates_the_time_of_the_cases_from_the_shape_that_was_solved(qtbot, bar):
+    def said():
+        bar.actions_.simulate.study.trigger()
+        dialog = bar.case_studies.dialog
+        dialog.samples.setValue(1000)
+        dialog.engine.processes.setValue(1)
+        return dialog, dialog.message.text()
+
+    dialog, opened = said()
+    assert opened == "", "the pace of a shape that was only opened is not known"
+    dialog.close()
+    bar.session.handles.move_by(MOTIONS["TWIST"], "10deg", 0)
+    idle(qtbot, bar)
+    dialog, solved = said()
+    assert re.fullmatch("Roughly .+, judged by the shape on screen.", solved)
+    seconds = bar.session.store.state.frame.iteration * bar.session.store.seconds_per_iteration
+    assert duration_text(float(f"{1000 * 10 * seconds:.1g}")) in solved
+    dialog.steps.setValue(1)
+    assert dialog.message.text() != solved
+    dialog.engine.where.setCurrentIndex(1)
+    assert dialog.message.text() == ""
 
 
 def test_plan_dialog_varies_ticked_methods(dialog, begun, tmp_path):

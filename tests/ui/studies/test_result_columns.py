@@ -88,6 +88,13 @@ def test_result_columns_make_two_columns_of_a_target_and_a_reading_of_one_name()
     assert columns["Volume target"].is_from_plan
 
 
+def test_result_columns_begin_the_readings_with_the_volume():
+    readings = {"area": 9.0, "area_error": 0.0, "energy": 1.0, "volume": 60.0, "volume_error": -0.4}
+    first, *others = (each.title for each in result_columns(table([], ([], readings)))[1:])
+    assert first == "Volume change"
+    assert set(others) == {"Area", "Area change", "Energy", "Volume"}
+
+
 def test_axis_of_is_logarithmic_for_ranges_by_factors():
     rows = [([text], {}) for text in ("1e-4", "0.001", "0.1")]
     column = named(result_columns(table(["stiffness"], *rows)))["Stiffness"]

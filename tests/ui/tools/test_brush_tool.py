@@ -141,6 +141,17 @@ def test_brush_tool_does_nothing_when_it_is_put_away(view, painter, heard, mouse
     assert painter.size.radius == 24
 
 
+def test_brush_tool_says_that_a_stroke_has_begun_closely_beside_the_surface(view, surface, painter, mouse):
+    missed = []
+    painter.missed.connect(lambda: missed.append(True))
+    low = view.camera_controller.camera.project(surface.U)[:, 0].min()
+    for x, expected in ((low - 60, 0), (low - 8, 1), (low + 30, 1)):
+        at = QPointF(x, view.height() / 2)
+        assert (surface.hit(at) is not None) is (x > low)
+        mouse(view).drag(at, at)
+        assert len(missed) == expected
+
+
 def test_brush_tool_takes_the_stroke_back_on_escape(view, painter, heard, mouse):
     m, at = mouse(view), centre(view)
     m.press(at)

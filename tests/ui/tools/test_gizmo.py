@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from driving import centre
@@ -49,6 +51,17 @@ def on_ring(frame, i, turn):
 def nearest_turn(frame, i):
     """The point of a ring nearest to the viewer, as an angle."""
     return np.arctan2(frame.facing[(i + 2) % 3], frame.facing[(i + 1) % 3])
+
+
+@pytest.mark.parametrize(("height", "scale"), [(600, 1.0), (300, 2 / 3), (100, 0.5)])
+def test_gizmo_shrinks_with_a_small_view_and_is_taken_where_it_is_drawn(height, scale):
+    wide = frame_from((0.5, 0.4, 1))
+    frame = GizmoFrame(replace(wide.camera, height=height), CENTRE, np.eye(3))
+    assert np.linalg.norm(frame.corner - frame.screen_centre) == pytest.approx(scale * np.hypot(86, 86))
+    drawn = np.linalg.norm(frame.ring(2)[0] - frame.screen_centre, axis=1).max()
+    assert drawn == pytest.approx(scale * RING_RADIUS, rel=0.1)
+    for name, at in (("y", frame.arrow(1)[2]), ("scale", frame.corner)):
+        assert frame.handle_at(*at) == name
 
 
 @pytest.mark.parametrize("direction", ALONG_AXES + ASKEW)
