@@ -185,7 +185,7 @@ class PaperTableRow(NamedTuple):
 
 
 def table_rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[PaperTableRow]:
-    """Run the motions in turn; ``tick`` receives the progress after each iteration."""
+    """Yield the rows of the tables, motion by motion; ``tick`` receives the progress."""
     for number, (name, case) in enumerate(PAPER_CASES.items()):
         mesh, labels = open_sample(case.sample)
         held = constraints(labels, mesh.V, [read_transform(resource_path(f"{name}.def"))])

@@ -110,7 +110,7 @@ def _sweep(options: argparse.Namespace) -> None:
 
 
 def _warnings(options: argparse.Namespace, cases: Sequence[Case]) -> set[str]:
-    """Warnings about passing walls, for a mesh without the option ``--contact``."""
+    """Warnings that walls may pass through each other without ``--contact``."""
     if options.contact is not None or Path(options.file).suffix.lower() == SESSION_SUFFIX:
         return set()
     passing = (passing_walls_warning(each.method, len(each.document.mesh.V), "--contact") for each in cases)

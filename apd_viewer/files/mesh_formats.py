@@ -17,7 +17,7 @@ class Writing(Enum):
 
 
 class MeshFormat(NamedTuple):
-    """Mesh format, a row of the table.
+    """File format of meshes, an entry of ``MESH_FORMATS``.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ _LETTERS = 'font-family="system-ui, sans-serif" font-size="12"'
 
 
 def legend_svg(scale: Scale, unit: Unit, span: tuple[float, float] | None, ink: str = "currentColor") -> str:
-    """Draw a scale with its labels, title and largest value of a ``span`` as SVG.
+    """Draw a scale with labels, title and the largest change within ``span`` as SVG.
 
     Its colours are named "scale"; a page must have that name only once.
     """

@@ -105,7 +105,7 @@ def _warnings(state: State, found: ShapeCheck | None) -> Iterator[PageBlock]:
         yield PageNote(tr("The shape is not stable: it rests on a saddle of its energy."), is_warning=True)
     if state.frame.unreached:
         yield PageNote(state.frame.unreached, is_warning=True)
-    for sentence in status_text.self_passing_warnings(state, found):
+    for sentence in status_text.self_intersection_warnings(state, found):
         yield PageNote(sentence, is_warning=True)
 
 

@@ -89,7 +89,7 @@ class SettingsEditor(DocumentEditor):
             return
         begun = self._gestures.state_before
         if begun is None or not have_same_paint(before, begun.document):
-            # Vertices painted by an unfinished stroke are not gripped yet, and would jump.
+            # Vertices painted by an unfinished stroke are not attached to it yet, and would jump.
             state = self._gestures.state_without_gesture()
             self._gestures.record(gesture, state)
             document = replace(state.document.with_settings(**settings), **changes)

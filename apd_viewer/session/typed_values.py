@@ -29,7 +29,7 @@ class TypedValues:
         return parse_length(unambiguous_text(text), self._store.unit, names)
 
     def parse_share_or_length(self, text: str, extent: float) -> float:
-        """Parse a length, or a number for a percentage of an extent; mesh units."""
+        """Parse a length, or a percentage of an extent, into mesh units."""
         text = unambiguous_text(text).strip()
         with suppress(InputError):
             return parse_number(text.removesuffix("%"), {}) / 100.0 * extent

@@ -148,7 +148,7 @@ class Shell(QtWidgets.QMainWindow):
         super().changeEvent(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Close unless a slot of ``closing`` objects; the viewport closes first."""
+        """Close unless a slot of ``closing`` ignores the event; the viewport goes first."""
         self.closing.emit(event)
         if event.isAccepted():
             self.preferences.save_layout(self)

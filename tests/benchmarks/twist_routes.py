@@ -30,7 +30,7 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.held_turn import most_lost_turn
 from apd_viewer.geometry.pose.transforms import twist
-from apd_viewer.session.model.status_text import self_passing_warnings
+from apd_viewer.session.model.status_text import self_intersection_warnings
 from apd_viewer.session.posing.motion import MOTIONS
 
 RESOURCES = Path(__file__).parents[2] / "resources"
@@ -118,7 +118,10 @@ class Twist:
         session.until(lambda: session.shape_checks.shape_check is not None)
         state, check = session.store.state, session.shape_checks.shape_check
         session.close()
-        degrees, said = most_lost_turn(check.turns).degrees, " ".join(self_passing_warnings(state, check))
+        degrees, said = (
+            most_lost_turn(check.turns).degrees,
+            " ".join(self_intersection_warnings(state, check)),
+        )
         return Found(state.frame.volume, self._crossings(state.frame.U), *degrees, said)
 
 

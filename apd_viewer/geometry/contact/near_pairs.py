@@ -100,10 +100,10 @@ class NearPairs:
         self._listed = _Listed.none()
         self._paid_at, self._clearance = U, 0.0
         self._relist(U, self._usual)
-        self.find_free_shares(U, U)
+        self.find_free_fractions(U, U)
         self.accept_step()
 
-    def find_free_shares(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
+    def find_free_fractions(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
         """Collision-free fractions (n,) of the step ``U`` to ``W``; None if all of it.
 
         ``U`` is the shape of the last :meth:`rebuild_at` or :meth:`accept_step`.
@@ -241,7 +241,7 @@ class NoPairs:
     def rebuild_at(self, _: np.ndarray) -> None:
         """Do nothing."""
 
-    def find_free_shares(self, _: np.ndarray, _W: np.ndarray) -> None:
+    def find_free_fractions(self, _: np.ndarray, _W: np.ndarray) -> None:
         """Return None: every step is free."""
 
     def accept_step(self) -> None:

@@ -82,10 +82,10 @@ class ObstaclePairs:
         self._bound = np.full(len(self._all), -np.inf)
         self._list(self._listed_at)
         self._floor = min(_FLOOR * self._reach, _LEFT * float(self._low.min(initial=np.inf)))
-        self.find_free_shares(U, U)
+        self.find_free_fractions(U, U)
         self.accept_step()
 
-    def find_free_shares(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
+    def find_free_fractions(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
         """Collision-free fractions (n,) of the step ``U`` to ``W``; None if all of it."""
         X, Y = self._with(U, self.points), self._with(W, self.points_ahead)
         step = 2.0 * _CORNER * largest_difference(Y, X)

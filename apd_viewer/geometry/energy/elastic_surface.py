@@ -211,7 +211,7 @@ class ElasticSurface(HeldSurface):
     def global_step(
         self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
     ) -> np.ndarray:
-        """Minimiser (n, 3) of the energy for a fixed ``b``; not yet current."""
+        """Minimiser (n, 3) of the energy for a fixed ``b``; the positions stay."""
         return self.all_positions(self.factor.refined(self.right_hand_side(targets, mult, forces)), targets)
 
     def local_step(self, U: np.ndarray) -> None:

@@ -136,7 +136,7 @@ class WallSurface(HeldSurface):
         return self.stretching.energy_and_gradient(self.U)[0] / E if E > 0.0 else 0.0
 
     def draw_to(self, targets: np.ndarray) -> None:
-        """Attach springs to soft vertices, at the ``targets`` after those of held ones."""
+        """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
         self._targets = targets
 
     def residual(self, targets: np.ndarray) -> np.ndarray:

@@ -125,7 +125,7 @@ def stability_text(frame: Frame, descends: bool) -> str:
 
 
 def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:
-    """Last and remaining step lengths, in multiples of the step tolerance.
+    """Larger of last step and remaining distance, in step tolerances.
 
     None before there are enough ``steps``, or while they do not become shorter.
     """
@@ -159,7 +159,7 @@ class StepConvergence:
         return self.has_steps and self._steps[-1] <= _ROUNDING
 
     def convergence_ratio(self, convergence: Convergence) -> float | None:
-        """Last and remaining step lengths, in multiples of the step tolerance."""
+        """Larger of last step and remaining distance, in step tolerances."""
         return step_ratio(self._steps, convergence.step_tolerance)
 
     def has_converged(self, convergence: Convergence) -> bool:

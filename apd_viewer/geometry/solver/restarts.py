@@ -175,7 +175,7 @@ class Restarts:
         return float(np.abs(now - before).max()) <= _SAME * float(np.ptp(before, axis=0).max())
 
     def _fails(self, energy: float, progress: SolverProgress) -> bool:
-        """True if the trial has converged, and no further trial is worthwhile."""
+        """True if the trial has converged and was the last worthwhile one."""
         if not (progress.converged or self._stalls(energy)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)

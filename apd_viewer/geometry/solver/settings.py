@@ -225,7 +225,7 @@ class Settings:
         tr("Yield radius"),
         tr("walls in contact bent to less than this radius keep a crease, in mesh units; default: none"),
         tr("Change yield radius"),
-        applies=lambda settings: settings.uses_contact and settings.in_effect_stiffness > 0.0,
+        applies=lambda settings: settings.uses_contact and settings.effective_stiffness > 0.0,
     )
     gas: float | None = _setting(
         None,
@@ -258,7 +258,7 @@ class Settings:
         return method_material(self.traits, *moduli, self.yield_radius)
 
     @property
-    def in_effect_stiffness(self) -> float:
+    def effective_stiffness(self) -> float:
         """Stiffness; 0 for a method that has none."""
         return 0.0 if self.traits.is_wall else self.stiffness
 

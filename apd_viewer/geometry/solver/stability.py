@@ -130,7 +130,7 @@ def _norm(response: np.ndarray, forces: np.ndarray) -> float:
     return float(np.sqrt(max(np.einsum("ij,ij->", response, forces), 0.0)))
 
 
-def lower_shape(at: Equilibrium, way: np.ndarray) -> np.ndarray | None:
+def lower_energy_shape(at: Equilibrium, way: np.ndarray) -> np.ndarray | None:
     """Shape (n, 3) of lower energy along plus or minus ``way`` (f, 3), or None.
 
     The displacement is doubled for as long as the energy falls. The surface stays at rest.
@@ -235,7 +235,7 @@ class Stability:
         may_leave = self.imperfection > 0.0 and self.saddle_escapes < _MOST_ESCAPES
         lower = None
         if way is not None and may_leave:
-            lower = lower_shape(at, self.imperfection * self._size * way)
+            lower = lower_energy_shape(at, self.imperfection * self._size * way)
         if lower is None:
             if at_rest:
                 # Stable if no displacement of that size lowers the energy, or contact blocks it.

@@ -166,7 +166,7 @@ class TouchingSurface(ABC):
 
 
 class TouchingElastic(TouchingSurface):
-    """Elastic surface of a constant matrix, with gap energy.
+    """Elastic surface with a constant matrix and gap energy.
 
     Parameters
     ----------

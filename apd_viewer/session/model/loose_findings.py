@@ -15,7 +15,7 @@ _MOST = 100
 
 
 def loose_component_findings(document: Document) -> Iterator[tuple[Finding, tuple[int, ...]]]:
-    """Findings on all loose parts, then on each, with the lowest vertex of each part.
+    """Findings on all loose parts, then on each with its lowest vertex ID.
 
     Before anything is painted the largest part does not count: it is the one to be painted.
     """

@@ -162,7 +162,7 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
     return (Finding("self-intersections", sentence.format(n=len(crossing)), where),)
 
 
-def self_passing_warnings(state: State, check: ShapeCheck | None) -> tuple[str, ...]:
+def self_intersection_warnings(state: State, check: ShapeCheck | None) -> tuple[str, ...]:
     """Warnings about a surface passing through itself; empty if unchecked."""
     if check is None:
         return ()

@@ -44,7 +44,7 @@ class Timeline:
     dropped: int = 0
 
     def is_of(self, document: Document) -> bool:
-        """True if the steps are shapes of the document's mesh, with any rest shape."""
+        """True if the steps are shapes of the document's mesh, whatever its rest shape."""
         return bool(self.steps) and self.steps[-1].state.document.mesh.F is document.mesh.F
 
     def index_of(self, state: State) -> int | None:
@@ -62,7 +62,7 @@ class Timeline:
         return kept.followed_by(state, begins_run=True)
 
     def followed_by(self, state: State, begins_run: bool = False) -> Timeline:
-        """Timeline with one more step; the first ones go where they are too many."""
+        """Timeline with one more step; the oldest are dropped beyond the limit."""
         steps = (*self.steps, TimelineStep(state, begins_run))
         most = max(2, min(MOST_STEPS, MOST_BYTES // max(1, state.frame.U.nbytes)))
         surplus = max(0, len(steps) - most)

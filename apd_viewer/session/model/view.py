@@ -20,7 +20,7 @@ class CameraPose:
     position, focal, up : tuple of 3 floats
         Mesh units; ``up`` is a direction.
     angle : float
-        Vertical opening angle, radians.
+        Vertical view angle, radians.
     """
 
     position: Point3

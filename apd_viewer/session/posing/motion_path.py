@@ -110,7 +110,7 @@ def _are_alike(pose: np.ndarray, other: np.ndarray, size: float) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class MotionPath:
-    """Path of a handle along typed motions, all amounts growing together.
+    """Path of a handle along entered motions, all amounts growing together.
 
     Attributes
     ----------

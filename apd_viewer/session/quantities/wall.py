@@ -161,7 +161,7 @@ def parse_wall(text: WallText, unit: Unit) -> Wall:
 
 
 def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float | None = None) -> float | None:
-    """Mass of a typed wall, grams, as :meth:`Wall.grams`; None without a typed wall.
+    """Mass in grams from an entered thickness and density; None if both are empty.
 
     Raises
     ------

@@ -91,7 +91,7 @@ def ask_where_to_save_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | 
 
 
 def ask_where_to_save_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, ScalarRows] | None:
-    """Ask for a file for the scalars, and for a row per vertex or per triangle."""
+    """Ask where to save the scalars, and whether a row is a vertex or a triangle."""
     filters = {
         tr("PLY with scalars of vertices and faces (*.ply)"): (".ply", ScalarRows.VERTICES),
         tr("CSV with a row per vertex (*.csv)"): (".csv", ScalarRows.VERTICES),

@@ -114,7 +114,7 @@ class HelpController(QObject):
         self._memory.has_seen_tour = True
 
     def refresh(self) -> None:
-        """Start a scheduled tour once the bottle is open; end it with another mesh."""
+        """Start a scheduled tour once the sample is open; end it where another mesh is."""
         state = self._session.store.state
         if state is None or self._session.jobs.current is not None:
             return

@@ -11,7 +11,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_COLORS
-from apd_viewer.session.model.status_text import self_passing_warnings
+from apd_viewer.session.model.status_text import self_intersection_warnings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
 from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, row_layout
@@ -124,7 +124,7 @@ class HandleSection(Section):
 
     def show_check(self, state: State, check: ShapeCheck | None) -> None:
         """Show self-intersection warnings once known."""
-        lost = self_passing_warnings(state, check)
+        lost = self_intersection_warnings(state, check)
         self.crossing_signs.setText("\n".join(lost))
         self.crossing_signs.setVisible(bool(lost))
 

@@ -76,7 +76,7 @@ class ActionMaker:
         return action
 
     def make_exclusive(self, actions: Iterable[QAction]) -> None:
-        """Group actions for exactly one to be checked at a time."""
+        """Group actions so that exactly one is checked at a time."""
         group = QActionGroup(self._window)
         for action in actions:
             action.setCheckable(True)

@@ -39,7 +39,7 @@ class Camera:
     position, focal, up : (3,) float array
         ``focal`` is the point that stays in the middle when the camera orbits.
     angle : float
-        Vertical opening angle, radians.
+        Vertical view angle, radians.
     width, height : float
         Lengths in logical pixels, unless noted.
     up_axis : UpAxis
@@ -73,7 +73,7 @@ class Camera:
 
     @property
     def overlay_scale(self) -> float:
-        """Share of its full size that the gizmo has: less in a small view, for the mesh to have room."""
+        """Size of the gizmo over its full size; below 1 in a small view."""
         return max(_LEAST_SCALE, min(1.0, self.width / _ROOMY, self.height / _ROOMY))
 
     @property
@@ -143,7 +143,7 @@ class Camera:
         )
 
     def with_angle(self, angle: float) -> Camera:
-        """Camera with a new opening angle and an unchanged span."""
+        """Camera with a new view angle and an unchanged span."""
         away = self.distance * np.tan(self.angle / 2) / np.tan(angle / 2)
         return replace(self, position=self.focal - away * self.axes[2], angle=angle)
 

@@ -168,7 +168,7 @@ def set_neutral_band(actor: vtkActor, neutral: float) -> None:
 
 
 def match_view(actor: vtkActor, dark: bool, angle: float) -> None:
-    """Adapt the shader to the background and the opening angle in radians."""
+    """Adapt the shader to the background and the view angle in radians."""
     uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
     uniforms.SetUniformf("rimOnDark", float(dark))
     uniforms.SetUniformf("stripeSlope", 2.0 * _STRIPE * math.tan(angle / 2.0))

@@ -109,7 +109,7 @@ def count_field(name: str, least: int, most: int, value: int, suffix: str = "") 
 
 
 def add_titled_rows(grid: QGridLayout, rows: Sequence[tuple[str, QLayout]]) -> None:
-    """Fill a grid with rows, each behind its title."""
+    """Fill a grid with rows, each with its title in front."""
     grid.setColumnStretch(1, 1)
     for number, (title, row) in enumerate(rows):
         grid.addWidget(QLabel(title, objectName="heading"), number, 0)

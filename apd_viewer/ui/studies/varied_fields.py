@@ -82,7 +82,7 @@ class QuantityRange(NamedTuple):
 
 
 def varied_quantities(state: State) -> list[VariedQuantity]:
-    """Quantities available for variation on a document, in row order."""
+    """Quantities of a document that a study can vary, in row order."""
     document = state.document
     found = []
     if document.relative_to_rest.is_posed:

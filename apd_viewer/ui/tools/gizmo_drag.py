@@ -257,7 +257,7 @@ class GizmoFrame:
 
     @cached_property
     def pixel_length(self) -> float:
-        """Length of a pixel of the gizmo at the centre, in mesh units; less than a pixel in a small view."""
+        """Length of a pixel of the gizmo at its centre, mesh units; less in a small view."""
         return self.camera.overlay_scale * self.camera.world_per_pixel(self.centre)
 
     @cached_property

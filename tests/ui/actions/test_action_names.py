@@ -23,7 +23,7 @@ shortcuts tour paper copy_diagnostics about panel:readings panel:history panel:p
 """
 
 
-def test_no_two_actions_share_an_icon(window):
+def test_actions_share_no_icon(window):
     images = Counter(entry.image for entry in window.actions_.entries)
     assert [name for name, count in images.items() if count > 1] == []
 
