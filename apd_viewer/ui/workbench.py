@@ -119,7 +119,7 @@ class Workbench(QObject):
             self.parts,
             self.tools.choose_tool,
             self.edits.cancel_drag,
-            self.volume.wall_thickness,
+            self.volume.contact_distance,
         )
         self.edits.nudge_obstacle = self.obstacles.nudge
         self.press = PressController(
@@ -129,7 +129,7 @@ class Workbench(QObject):
             self.parts,
             self.tools.choose_tool,
             self.edits.cancel_drag,
-            lambda: self.panel.measures.wall,
+            lambda: self.panel.measures.wall_fields.value,
             memory,
             notice,
         )

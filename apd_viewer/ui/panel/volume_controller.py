@@ -48,8 +48,8 @@ class VolumeController(QObject):
         self._session = session
         self._walls: WeakKeyDictionary[Mesh, WallText] = WeakKeyDictionary()
         self._texts: dict[float | None, str] = {}
-        panel.measures.wall_entered.connect(self._type)
-        panel.measures.wall_entered.connect(self.update_wall_distance)
+        panel.measures.wall_fields.entered.connect(self._type)
+        panel.measures.wall_fields.entered.connect(self.update_wall_distance)
         panel.method.contact_chosen.connect(self._keep_apart)
         panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
 
@@ -71,7 +71,7 @@ class VolumeController(QObject):
         self._health.show_shape_findings((*exempt, *crossing))
 
     def show_mesh_wall(self, mesh: Mesh) -> None:
-        """Show the remembered wall thickness and density of an opened mesh."""
+        """Show the remembered wall of an opened mesh."""
         if mesh not in self._walls:
             path = user_file(mesh)
             known = {} if path is None else self._memory.walls
@@ -87,8 +87,8 @@ class VolumeController(QObject):
             new.is_safe_from_crossing,
         ):
             self.show_check()
-        thickness, wall = new.document.settings.thickness, self._panel.measures.wall
-        is_typed = thickness == wall.usable_thickness(self._session.store.unit)
+        thickness, wall = new.document.settings.thickness, self._panel.measures.wall_fields.value
+        is_typed = thickness == wall.contact_distance(self._session.store.unit)
         if new.document.settings.contact and thickness != old.document.settings.thickness and not is_typed:
             bare = "" if thickness is None else format_editable(thickness, 12)
             wall = wall._replace(thickness=self._texts.get(thickness, bare))
@@ -109,7 +109,7 @@ class VolumeController(QObject):
         """Copy of a view with the current wall and overlay added."""
         measure = self._heat.measure
         overlay = "" if measure is None else measure.value
-        return replace(view, wall=self._panel.measures.wall, overlay=overlay)
+        return replace(view, wall=self._panel.measures.wall_fields.value, overlay=overlay)
 
     def _type(self, wall: WallText) -> None:
         if (state := self._session.store.state) is None:
@@ -123,7 +123,7 @@ class VolumeController(QObject):
     def update_wall_distance(self) -> None:
         """Update the contact distance to the wall thickness, if contact is on."""
         state = self._session.store.state
-        thickness = self._panel.measures.wall.usable_thickness(self._session.store.unit)
+        thickness = self._panel.measures.wall_fields.value.contact_distance(self._session.store.unit)
         if (
             state is not None
             and state.document.settings.contact
@@ -131,14 +131,14 @@ class VolumeController(QObject):
         ):
             self._keep_apart(True)
 
-    def wall_thickness(self) -> float | None:
+    def contact_distance(self) -> float | None:
         """Typed wall thickness in mesh units; None without one."""
-        return self._panel.measures.wall.usable_thickness(self._session.store.unit)
+        return self._panel.measures.wall_fields.value.contact_distance(self._session.store.unit)
 
     def _keep_apart(self, on: bool) -> None:
         """Turn contact on, at the distance of the wall thickness, or off."""
-        wall, unit = self._panel.measures.wall, self._session.store.unit
-        thickness = wall.usable_thickness(unit)
+        wall, unit = self._panel.measures.wall_fields.value, self._session.store.unit
+        thickness = wall.contact_distance(unit)
         self._texts[thickness] = wall.thickness
         self._session.settings.set_contact(on, thickness)
         self._panel.method.show_settings(self._session.store.required_state().document)

@@ -122,7 +122,7 @@ class PressController(QObject):
     def _put_plates(self, axis: int) -> bool:
         """Put the plates on both sides along an axis, instead of those there."""
         before = self._session.store.required_state().document
-        thickness = self._wall().usable_thickness(self._session.store.unit)
+        thickness = self._wall().contact_distance(self._session.store.unit)
         k = self._session.obstacles.put_press(np.eye(3)[axis], thickness)
         if k is None:
             return False

@@ -200,7 +200,7 @@ def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch)
     pressed(qtbot, window)
     bare = float(reading(window, "Load")[0])
     wall = WallText("0.3mm", material=WALL_MATERIALS[0])
-    monkeypatch.setattr(type(window.panel.measures), "wall", property(lambda _: wall))
+    window.panel.measures.show_wall(wall)
     window.press.refresh()
     state = window.session.store.state
     newtons = window.press.charts.newtons(state)
