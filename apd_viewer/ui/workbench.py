@@ -141,6 +141,9 @@ class Workbench(QObject):
         self.display_options.cards.keep_above(self.edits.text_entries.cards)
         self.notice.keep_above(self.edits.text_entries.cards)
         self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
+        self.panel.measures.wall_fields.entered.connect(self.runs.show_wall)
+        self.runs.wall_requested.connect(self.docks["readings"].show)
+        self.runs.wall_requested.connect(self.panel.focus_wall_fields)
         ghost, dock = self.motion_preview.ghost, self.docks["study"]
         self.case_studies = CaseStudyController(
             shell, dock, memory, session, self.files, self._study_input, notice, ghost
@@ -290,7 +293,7 @@ class Workbench(QObject):
         store = self.session.store
         if store.state is None:
             return None
-        return store.state, self.parts.handle, self.canvas.view.saved_view(store.unit.value)
+        return store.state, self.parts.handle, self.view()
 
     # Display of the session's state
 
