@@ -130,6 +130,7 @@ class Workbench(QObject):
             self.tools.choose_tool,
             self.edits.cancel_drag,
             lambda: self.panel.measures.wall_fields.value,
+            self.volume.wall_settings,
             memory,
             notice,
         )
@@ -226,9 +227,10 @@ class Workbench(QObject):
         signals.status_changed.connect(self.press.refresh)
         self.display_options.cutting_plane.measure_requested.connect(self.measurements.add_section)
         self.parts.changed.connect(self._show_parts)
-        session_signals.connect_settings(self.panel, self.session)
+        session_signals.connect_settings(self.panel, self.session, self.volume.wall_settings)
         session_signals.connect_parts(self.panel, self.session, self.parts)
         self.panel.area.unit.chosen.connect(self.choose_unit)
+        self.panel.area.unit.chosen.connect(self.volume.follow_wall)
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
         self.status.pause_requested.connect(self.session.store.pause_or_resume)

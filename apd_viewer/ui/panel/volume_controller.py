@@ -5,19 +5,25 @@ from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject
 
+from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import resolved_path
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.methods import wall_material as thin_wall_material
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
-from apd_viewer.session.quantities.wall import NO_WALL, WallText
+from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
 from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
 from apd_viewer.ui.overlays.findings_controller import FindingsController
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
+
+_OF_WALL = "wall_thickness", "poisson", "yield_radius"
 
 
 class VolumeController(QObject):
@@ -48,8 +54,11 @@ class VolumeController(QObject):
         self._session = session
         self._walls: WeakKeyDictionary[Mesh, WallText] = WeakKeyDictionary()
         self._texts: dict[float | None, str] = {}
+        self._followed: set[tuple[str, float | None]] = {
+            (name, getattr(DEFAULT_SETTINGS, name)) for name in _OF_WALL
+        }
         panel.measures.wall_fields.entered.connect(self._type)
-        panel.measures.wall_fields.entered.connect(self.update_wall_distance)
+        panel.measures.wall_fields.entered.connect(self.follow_wall)
         panel.method.contact_chosen.connect(self._keep_apart)
         panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
 
@@ -130,6 +139,38 @@ class VolumeController(QObject):
             and state.document.settings.thickness != thickness
         ):
             self._keep_apart(True)
+
+    def follow_wall(self) -> None:
+        """Update the settings that follow from the wall and the unit."""
+        if (state := self._session.store.state) is None:
+            return
+        self.update_wall_distance()
+        settings = state.document.settings
+        names = ["yield_radius"] if settings.yield_radius is not None else []
+        names += ["wall_thickness", "poisson"] if settings.traits.is_wall else []
+        if names and (changes := self.wall_settings(*names)):
+            self._session.settings.change(**changes)
+
+    def wall_settings(self, *names: str) -> dict[str, float | None]:
+        """Settings by name that follow from the wall, but for those typed elsewhere.
+
+        Thickness and Poisson's ratio of the method Wall, and the yield radius; none of a wall that is no
+        quantity or not thin.
+        """
+        state = self._session.store.required_state()
+        try:
+            wall = parse_wall(self._panel.measures.wall_fields.value, self._session.store.unit)
+            thin_wall_material(diagonal(state.document.mesh.V), wall.thickness, wall.nu)
+        except InputError:
+            return {}
+        known = dict(zip(_OF_WALL, (wall.thickness, wall.poisson, wall.yield_radius), strict=True))
+        changes = {
+            name: getattr(DEFAULT_SETTINGS, name) if known[name] is None else known[name]
+            for name in names
+            if (name, getattr(state.document.settings, name)) in self._followed
+        }
+        self._followed.update(changes.items())
+        return changes
 
     def contact_distance(self) -> float | None:
         """Typed wall thickness in mesh units; None without one."""

@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import NO_WALL, WallText
+from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
 from apd_viewer.ui.preferences.preferences import Preferences
 
@@ -109,3 +109,36 @@ def test_volume_controller_remembers_materials_with_the_file_and_keeps_them_in_s
         window.files.open_path(saved)
         idle(qtbot, window)
         assert fields.value == wall
+
+
+def test_method_wall_is_as_thick_as_the_wall_unless_that_is_typed(bottle, fields):
+    method, undo = bottle.panel.method, bottle.actions_.undo.trigger
+
+    def found():
+        settings = document(bottle).settings
+        return settings.wall_thickness, settings.poisson
+
+    choose(fields, PET)
+    steps = len(bottle.session.gestures.history.undo_names)
+    method.changed.emit("method", "wall")
+    assert found() == (pytest.approx(0.03), 0.38)
+    assert len(bottle.session.gestures.history.undo_names) == steps + 1
+    type_into(fields.thickness, "0.2mm")
+    assert found() == (pytest.approx(0.02), 0.38)
+    choose(fields, HDPE)
+    assert found() == (pytest.approx(0.02), 0.42)
+    method.changed.emit("wall_thickness", 0.05)
+    type_into(fields.thickness, "0.1mm")
+    assert found() == (0.05, 0.42), "the settings have their own"
+    undo()
+    undo()
+    assert found() == (pytest.approx(0.02), 0.42)
+
+
+def test_press_takes_creases_from_the_material(bottle, fields):
+    choose(fields, PET)
+    bottle.press.begin()
+    wall = parse_wall(fields.value, CM)
+    assert document(bottle).settings.yield_radius == wall.yield_radius
+    choose(fields, HDPE)
+    assert document(bottle).settings.yield_radius == pytest.approx(0.05 / (2 * HDPE.yield_strain))
