@@ -209,6 +209,16 @@ def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch)
     assert drawn(window.press.charts.load_chart())[1][0].endswith(" N")
 
 
+def test_press_in_view_reads_newtons_of_the_method_wall_as_thick_as_it_is(window):
+    window.session.store.unit = Unit.CENTIMETRE
+    window.panel.measures.show_wall(WallText("0.02", material=WALL_MATERIALS[0]))
+    state = window.session.store.state
+    for thickness in (0.02, 0.04):
+        thin = state.document.with_settings(method="wall", wall_thickness=thickness, poisson=0.38)
+        newtons = window.press.charts.newtons(state.updated(document=thin))
+        assert newtons.matches_wall is (thickness == 0.02)
+
+
 def drawn(chart: Chart):
     return chart.readings
 
