@@ -6,6 +6,7 @@ from weakref import WeakKeyDictionary
 from PySide6.QtCore import QObject
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.samples import sample_of
 from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -17,6 +18,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
+from apd_viewer.session.quantities.wall_material import wall_material
 from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
 from apd_viewer.ui.overlays.findings_controller import FindingsController
@@ -82,9 +84,10 @@ class VolumeController(QObject):
     def show_mesh_wall(self, mesh: Mesh) -> None:
         """Show the remembered wall of an opened mesh."""
         if mesh not in self._walls:
-            path = user_file(mesh)
+            path, sample = user_file(mesh), sample_of(mesh.path)
             known = {} if path is None else self._memory.walls
-            self._walls[mesh] = NO_WALL if path is None else known.get(resolved_path(path), NO_WALL)
+            usual = WallText(material=wall_material(sample.material if sample else ""))
+            self._walls[mesh] = usual if path is None else known.get(resolved_path(path), usual)
         self._panel.measures.show_wall(self._walls[mesh])
 
     def follow(self, old: State | None, new: State) -> None:

@@ -111,6 +111,21 @@ def test_volume_controller_remembers_materials_with_the_file_and_keeps_them_in_s
         assert fields.value == wall
 
 
+def test_open_sample_bottle_is_of_pet_and_keeps_its_contact_distance(qtbot, new_bottle):
+    """Its area is 407.117 cm², its wall 0.3 mm thick, and PET has 1.36 g/cm³."""
+    new_bottle.files.open_sample("bottle")
+    idle(qtbot, new_bottle)
+    room, settings = new_bottle.panel.measures, document(new_bottle).settings
+    assert new_bottle.panel.unit is CM
+    assert room.wall_fields.value == WallText(material=PET)
+    assert room.mass.text() == "16.61\xa0g"
+    assert room.heading.reading == "16.61\xa0g"
+    assert (settings.contact, settings.thickness, settings.yield_radius) == (True, None, None)
+    new_bottle.files.open_sample("duck")
+    idle(qtbot, new_bottle)
+    assert room.wall_fields.value == NO_WALL
+
+
 def test_method_wall_is_as_thick_as_the_wall_unless_that_is_typed(bottle, fields):
     method, undo = bottle.panel.method, bottle.actions_.undo.trigger
 
