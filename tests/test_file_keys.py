@@ -39,6 +39,7 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
 from apd_viewer.session.storage.session_file import save_session
 
 
@@ -202,7 +203,8 @@ def whole_state():
 
 def session(folder, capsys):
     eye = CameraPose((9.0, 3.0, 2.0), (0.0, 0.0, 2.0), (0.0, 0.0, 1.0), 0.5)
-    view = View(eye, "mm?", WallText("0.3mm", "1.3"), "area", UpAxis.PLUS_Z)
+    wall = WallText("0.3mm", "1.3", "2GPa", "0.3", "5mm", WALL_MATERIALS[0])
+    view = View(eye, "mm?", wall, "area", UpAxis.PLUS_Z)
     save_session("whole.apd", whole_state(), view)
     with zipfile.ZipFile(folder / "whole.apd") as archive:
         return keys(json.loads(archive.read("session.json")))
@@ -317,7 +319,7 @@ KEYS = {
         frame.contact: pairs least_gap exempt
         view: camera unit wall overlay unit_is_guess up_axis
         view.camera: position focal up angle
-        view.wall: thickness density
+        view.wall: thickness density young poisson yield_radius material
     """,
 }
 

@@ -52,13 +52,9 @@ def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
     document, view, motion = read_input(options)
     unit = Unit(options.unit or view.unit)
-    text = WallText(
-        options.thickness or view.wall.thickness,
-        options.density or view.wall.density,
-        options.young,
-        options.poisson,
-        material=wall_material(options.material),
-    )
+    given = options.thickness, options.density, options.young, options.poisson, "", options.material
+    wall_material(options.material)  # raises InputError if unknown
+    text = WallText.from_words(*(word or known for word, known in zip(given, view.wall.words, strict=True)))
     wall = deck_wall(text, unit, diagonal(document.mesh.V))
     deck = deck_of(document, wall, options.steps, motion)._replace(element=options.elements)
     write_deck(output, deck)

@@ -28,6 +28,8 @@ class Sample:
         What the handle turns about, mesh units; None is its centre.
     unit : str
         Symbol of the unit of length.
+    material : str
+        Name of the material of the wall; empty where it is not known.
     """
 
     title: str
@@ -35,10 +37,15 @@ class Sample:
     settings: Mapping[str, object] = field(default_factory=dict)
     pivot: tuple[float, float, float] | None = None
     unit: str = "cm"
+    material: str = ""
 
 
 SAMPLES = {
-    "bottle": Sample(tr("PET bottle"), tr("Open the PET bottle, already painted: twist its neck")),
+    "bottle": Sample(
+        tr("PET bottle"),
+        tr("Open the PET bottle, already painted: twist its neck"),
+        material="pet-bottle",
+    ),
     "cloth": Sample(
         tr("Cloth"),
         tr("Open the cloth, already painted: fold it over"),
@@ -67,3 +74,8 @@ def open_sample(name: str) -> tuple[Mesh, np.ndarray]:
     read = open_mesh(resource_path(f"{name}.obj"))
     mesh = Mesh.from_checked(read.V, read.F, read.path, read.origin, unit=SAMPLES[name].unit)
     return mesh, read_selection(resource_path(f"{name}.sel"), len(mesh.V))
+
+
+def sample_of(path: Path | None) -> Sample | None:
+    """Sample in a file; None if it is none."""
+    return next((each for name, each in SAMPLES.items() if resource_path(f"{name}.obj") == path), None)

@@ -1,6 +1,7 @@
 """Editor of obstacles: add, place, move, rename and remove."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -72,16 +73,21 @@ class ObstacleEditor(DocumentEditor):
             tr("Put plates on both sides"), self._side_plates(document, axis, thickness), thickness
         )
 
-    def put_press(self, axis: np.ndarray, thickness: float | None = None) -> int | None:
+    def put_press(self, axis: np.ndarray, thickness: float | None = None, **settings: Any) -> int | None:
         """Put two plates on both sides that press a mesh without base and handles.
 
         A pair of plates that is there goes; walls without stiffness, which would crumple, get one.
+
+        Parameters
+        ----------
+        settings
+            Changed as well.
         """
         document = without_holds(self._gestures.state_without_gesture().document)
         pair = plate_pair(document)
         kept = tuple(each for k, each in enumerate(document.obstacles) if pair is None or k not in pair[:2])
         stiffness = document.settings.stiffness or PROPOSED_STIFFNESS
-        document = replace(document.with_settings(stiffness=stiffness), obstacles=kept)
+        document = replace(document.with_settings(stiffness=stiffness, **settings), obstacles=kept)
         plates = self._side_plates(document, axis, thickness)
         return self._add(tr("Put plates on both sides"), plates, thickness, document)
 

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.state import State
@@ -63,8 +65,20 @@ class SessionSignals(QObject):
         self.status_changed.emit()
 
 
-def connect_settings(panel: Panel, session: Session) -> None:
-    """Connect the settings; each slider drag is one undo step."""
+def connect_settings(panel: Panel, session: Session, wall_settings: Callable[..., dict[str, Any]]) -> None:
+    """Connect the settings; each slider drag is one undo step.
+
+    Parameters
+    ----------
+    wall_settings : callable
+        Settings by name that the method Wall takes from the wall.
+    """
+
+    def change(name: str, value: Any) -> None:
+        is_wall = name == "method" and METHODS[value].is_wall
+        more = wall_settings("wall_thickness", "poisson") if is_wall else {}
+        session.settings.change(**{name: value}, **more)
+
     for chosen, name in (
         (panel.area.target.chosen, "area"),
         (panel.area.keep_toggled, "hold_area"),
@@ -74,7 +88,7 @@ def connect_settings(panel: Panel, session: Session) -> None:
         (panel.method.convergence.chosen, "convergence"),
     ):
         chosen.connect(partial(_change, session, name))
-    panel.method.changed.connect(partial(_change, session))
+    panel.method.changed.connect(change)
     gestures = tr("Change area"), tr("Change volume"), tr("Change stiffness"), tr("Change falloff")
     for dial, gesture in zip(panel.slider_fields, gestures, strict=True):
         dial.drag_began.connect(session.gestures.begin)

@@ -119,7 +119,7 @@ class Workbench(QObject):
             self.parts,
             self.tools.choose_tool,
             self.edits.cancel_drag,
-            self.volume.wall_thickness,
+            self.volume.contact_distance,
         )
         self.edits.nudge_obstacle = self.obstacles.nudge
         self.edits.stop_placing = self.obstacles.placer.cancel
@@ -130,7 +130,8 @@ class Workbench(QObject):
             self.parts,
             self.tools.choose_tool,
             self.edits.cancel_drag,
-            lambda: self.panel.measures.wall,
+            lambda: self.panel.measures.wall_fields.value,
+            self.volume.wall_settings,
             memory,
             notice,
         )
@@ -142,6 +143,9 @@ class Workbench(QObject):
         self.display_options.cards.keep_above(self.edits.text_entries.cards)
         self.notice.keep_above(self.edits.text_entries.cards)
         self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
+        self.panel.measures.wall_fields.entered.connect(self.runs.show_wall)
+        self.runs.wall_requested.connect(self.docks["readings"].show)
+        self.runs.wall_requested.connect(self.panel.focus_wall_fields)
         ghost, dock = self.motion_preview.ghost, self.docks["study"]
         self.case_studies = CaseStudyController(
             shell, dock, memory, session, self.files, self._study_input, notice, ghost
@@ -225,9 +229,10 @@ class Workbench(QObject):
         signals.status_changed.connect(self.press.refresh)
         self.display_options.cutting_plane.measure_requested.connect(self.measurements.add_section)
         self.parts.changed.connect(self._show_parts)
-        session_signals.connect_settings(self.panel, self.session)
+        session_signals.connect_settings(self.panel, self.session, self.volume.wall_settings)
         session_signals.connect_parts(self.panel, self.session, self.parts)
         self.panel.area.unit.chosen.connect(self.choose_unit)
+        self.panel.area.unit.chosen.connect(self.volume.follow_wall)
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
         self.status.pause_requested.connect(self.session.store.pause_or_resume)
@@ -293,7 +298,7 @@ class Workbench(QObject):
         store = self.session.store
         if store.state is None:
             return None
-        return store.state, self.parts.handle, self.canvas.view.saved_view(store.unit.value)
+        return store.state, self.parts.handle, self.view()
 
     # Display of the session's state
 

@@ -35,7 +35,7 @@ GROUPS = (
         "SizeSection",
         _PANEL,
         "Size and mass",
-        "Boxes around the shape, and its mass as a wall. "
+        "Boxes around the shape, its wall and its mass. "
         "See [Read the panel and measure](../howto/measure.md).",
     ),
     Group(
@@ -324,7 +324,6 @@ SENTENCES = {
     "PressDialog/Iterations per step": "Iteration limit for each shape",
     "PressDialog/Method": "Method of the wall",
     "PressDialog/Stiffness": "How strongly the wall resists bending, from cloth to sheet metal",
-    "PressDialog/Material of the wall": "Fills in the moduli and the density of a material",
     "PressDialog/open the plates again, to see what remains": "Opens the plates after the last step, and measures what remains",
     "AnimationDialog/Motion to export": "The motion of the handles so far, or their last step",
     "AnimationDialog/Number of steps": "Frames of the animation after the first one",

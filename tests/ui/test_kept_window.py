@@ -59,8 +59,8 @@ def types_what_is_wrong(qtbot, window, _):
     field.choice.setCurrentIndex(2)
     field.amount.setText("many")
     field.amount.returnPressed.emit()
-    window.panel.measures.thickness.setText("2")
-    window.panel.measures.thickness.editingFinished.emit()
+    window.panel.measures.wall_fields.thickness.setText("2")
+    window.panel.measures.wall_fields.thickness.editingFinished.emit()
 
 
 def types_on_cards(qtbot, window, _):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import comma_separated, tr
+from apd_viewer.notation import editable_number
 from apd_viewer.session.quantities import wall_material
 from apd_viewer.session.quantities.expressions import parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
@@ -32,7 +33,7 @@ class WallText(NamedTuple):
     yield_radius : str
         A length, as the thickness.
     material : WallMaterial or None
-        What is left empty follows from it.
+        What is left empty follows from it, but for the distance that walls in contact keep.
     """
 
     thickness: str = ""
@@ -42,24 +43,45 @@ class WallText(NamedTuple):
     yield_radius: str = ""
     material: wall_material.WallMaterial | None = None
 
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Texts and name of the material, as :meth:`from_words` takes them."""
+        return (*self[:-1], self.material.name if self.material else "")
+
+    @classmethod
+    def from_words(cls, *words: str) -> "WallText":
+        """Wall of some or all of its words; an unknown material is left out."""
+        known = {material.name: material for material in wall_material.WALL_MATERIALS}
+        *texts, name = (*words, *[""] * len(cls._fields))[: len(cls._fields)]
+        return cls._make((*texts, known.get(name)))
+
     def text(self, unit: Unit) -> str:
-        """Thickness and density, with units added to bare numbers; empty if none."""
-        thickness, density = self.thickness.strip(), self.density.strip()
+        """Material, thickness, density and modulus, with units; empty if none."""
+        known = self.material
+        thickness, density, young = (word.strip() for word in self[:3])
         thickness = unit.format_length(thickness) if _is_without_unit(thickness) else thickness
         density = f"{density}\u00a0g/cm³" if _is_without_unit(density) else density
-        return comma_separated(filter(None, (thickness, density)))
+        young = f"{young}\u00a0GPa" if _is_without_unit(young) else young
+        if known is not None:
+            thickness = thickness or f"{editable_number(f'{known.thickness:g}')}\u00a0mm"
+        return comma_separated(filter(None, (known and known.title, thickness, density, young)))
 
     def usable_thickness(self, unit: Unit) -> float | None:
-        """Thickness in mesh units; None without a valid text."""
+        """Thickness in mesh units, typed or of the material; None without a valid one."""
+        known = "" if self.material is None else f"{self.material.thickness} mm"
         with suppress(InputError):
-            return parse_thickness(self.thickness, unit)
+            return parse_thickness(self.thickness.strip() or known, unit)
         return None
 
+    def contact_distance(self, unit: Unit) -> float | None:
+        """Typed thickness in mesh units, which walls in contact keep; None without."""
+        return self._replace(material=None).usable_thickness(unit)
+
     def usable_density(self) -> float | None:
-        """Density in g/cm³; None without a valid text."""
+        """Density in g/cm³, typed or of the material; None without a valid one."""
         with suppress(InputError):
             return wall_material.parse_density(self.density)
-        return None
+        return None if self.density.strip() or self.material is None else self.material.density
 
 
 NO_WALL = WallText()
@@ -168,13 +190,13 @@ def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float |
     InputError
         If one of the two is missing or makes no sense, or the unit of the mesh is not known.
     """
-    if not (text.thickness.strip() or text.density.strip()):
+    if not (text.thickness.strip() or text.density.strip() or text.material):
         return None
     if unit is Unit.NONE:
         raise InputError(tr("The mass needs the unit of the mesh; choose it next to the area."))
     if material_volume is not None:
         text = text._replace(thickness="")
-    elif not text.thickness.strip():
+    elif not (text.thickness.strip() or text.material):
         raise InputError(tr("The mass needs a wall thickness; enter one such as 0.3mm."))
     grams = parse_wall(text, unit).grams(area, material_volume)
     if grams is None:

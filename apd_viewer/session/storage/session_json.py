@@ -31,7 +31,7 @@ from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage import part_json
 
 _POINTS = ("position", "focal", "up")
-_WALL = ("thickness", "density")
+_WALL = WallText._fields
 _AXES = "xyz"
 _NO_OVERLAY = "none"
 # Settings of sessions older than the settings, if different from today's defaults.
@@ -186,7 +186,7 @@ def view_to_json(view: View) -> dict[str, Any]:
     said: dict[str, Any] = {
         "camera": camera,
         "unit": Unit(view.unit).symbol or None,
-        "wall": {name: getattr(view.wall, name) or None for name in _WALL},
+        "wall": _wall_to_json(view.wall),
         "overlay": view.overlay if view.overlay is None else view.overlay or _NO_OVERLAY,
     }
     if Unit(view.unit).is_guess:
@@ -197,7 +197,7 @@ def view_to_json(view: View) -> dict[str, Any]:
 def view_from_json(fields: JsonFields) -> View:
     """View from JSON."""
     unit = _unit(fields)
-    wall = _wall(fields.nested_fields("wall")) if fields.has_value("wall") else WallText()
+    wall = _wall_from_json(fields.nested_fields("wall")) if fields.has_value("wall") else WallText()
     overlay = fields.text("overlay") if fields.has_value("overlay") else None
     overlay = "" if overlay == _NO_OVERLAY else overlay
     up_axis = _up_axis(fields.text("up_axis")) if fields.has_value("up_axis") else None
@@ -226,13 +226,18 @@ def _up_axis(name: str) -> UpAxis:
     return UpAxis(name)
 
 
-def _wall(fields: JsonFields) -> WallText:
+def _wall_to_json(wall: WallText) -> dict[str, str | None]:
+    """Wall as typed; what sessions did not always say is left out where it is empty."""
+    said = dict(zip(_WALL, wall.words, strict=True))
+    return {name: word or None for name, word in said.items() if word or name in ("thickness", "density")}
+
+
+def _wall_from_json(fields: JsonFields) -> WallText:
     """Wall as typed; null fields are empty."""
-    typed = [fields.text(name) if fields.has_value(name) else "" for name in _WALL]
-    if any(len(text) > MOST_CHARACTERS for text in typed):
+    words = [fields.text(name) if fields.has_value(name) else "" for name in _WALL]
+    if any(len(word) > MOST_CHARACTERS for word in words):
         raise ValueError(tr("its “wall” is damaged"))
-    thickness, density = typed
-    return WallText(thickness, density)
+    return WallText.from_words(*words)
 
 
 def _point(numbers: np.ndarray) -> Point3:

@@ -231,6 +231,12 @@ class Panel(QScrollArea):
         field.setFocus(Qt.FocusReason.ShortcutFocusReason)
         field.selectAll()
 
+    def focus_wall_fields(self) -> None:
+        """Unfold the section of the wall and focus the material."""
+        self.measures.reveal()
+        self.window().activateWindow()
+        self.measures.wall_fields.material.setFocus(Qt.FocusReason.ShortcutFocusReason)
+
     @property
     def folded_sections(self) -> list[str]:
         """Names of the folded sections."""

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QGridLayout, QLabel
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import tr
+from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation import readings
-from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, unambiguous_text
+from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import NO_WALL, WallText, typed_mass
-from apd_viewer.ui.widgets.box_layouts import add_parts, row_layout
-from apd_viewer.ui.widgets.fields import TextField, return_focus
+from apd_viewer.session.quantities.wall import WallText, typed_mass
+from apd_viewer.ui.panel.wall_fields import WallFields
+from apd_viewer.ui.widgets.box_layouts import add_parts
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
+from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
@@ -24,22 +24,19 @@ if TYPE_CHECKING:
 
 
 class SizeSection(Section):
-    """Table of dimensions and mass, and fields for wall thickness and density.
+    """Table of dimensions and mass, and fields for the wall.
 
     Attributes
     ----------
-    wall_entered : Signal(WallText)
     box_change, packed_change, compact_change : QLabel
         From rest.
     problem : QLabel
         Why there is no mass.
     """
 
-    wall_entered = Signal(object)
-
     def __init__(self) -> None:
         super().__init__(tr("Size and mass"))
-        self._unit, self._area, self._typed = Unit.NONE, 0.0, NO_WALL
+        self._unit, self._area = Unit.NONE, 0.0
         self._material: float | None = None
         self._found: ShapeCheck | None = None
         self._at_rest: ShapeCheck | None = None
@@ -64,7 +61,9 @@ class SizeSection(Section):
             tr("Compactness"),
             tr("36 π V² / A³ of volume V and area A, for closed surfaces: 1 for a sphere, 0.52 for a cube"),
         )
-        self._add_wall()
+        self.wall_fields = WallFields()
+        self.wall_fields.entered.connect(lambda _: self._show_mass())
+        self._grid.addWidget(self.wall_fields, self._grid.rowCount(), 0, 1, 3)
         self.mass = self._row(tr("Mass"), tr("Area × thickness × density"), wide=True)
         add_parts(self.column, self._grid, 4)
         self.problem = quiet_label(tr("Why there is no mass"), style="unreached")
@@ -91,41 +90,10 @@ class SizeSection(Section):
         self._grid.addWidget(change, self._grid.rowCount() - 1, 2)
         return reading, change
 
-    def _add_wall(self) -> None:
-        row = self._grid.rowCount()
-        tip = tr("Thickness of the wall: 0.3mm, or a number in the unit of the mesh")
-        self.thickness = self._field(tr("thickness"), tip)
-        tip = tr("Density of the material: 1.38 (g/cm³, as for PET), 1380 kg/m³ or 86 lb/ft³")
-        self.density = self._field(tr("density"), tip)
-        label = QLabel(tr("Wall"), objectName="quiet", buddy=self.thickness)
-        line = row_layout((label, 1), (self.thickness, 1), (self.density, 1), spacing=4, margins=(0, 4, 0, 4))
-        self._grid.addLayout(line, row, 0, 1, 3)
-
-    def _field(self, what: str, tip: str) -> QLineEdit:
-        field = TextField(placeholderText=what, toolTip=tip)
-        field.setAccessibleName(tr("Wall, {what}").format(what=what))
-        field.setMaxLength(MOST_CHARACTERS)
-        field.editingFinished.connect(self._type)
-        field.returnPressed.connect(partial(return_focus, field))
-        return field
-
-    @property
-    def wall(self) -> WallText:
-        """Wall thickness and density as typed."""
-        return WallText(self.thickness.text(), self.density.text())
-
     def show_wall(self, wall: WallText) -> None:
-        """Show the wall thickness and density of another mesh."""
-        self.thickness.setText(wall.thickness)
-        self.density.setText(wall.density)
-        self._typed = wall
+        """Show the wall of another mesh."""
+        self.wall_fields.show_wall(wall, self._unit)
         self._show_mass()
-
-    def _type(self) -> None:
-        if self.wall != self._typed:
-            self._typed = self.wall
-            self._show_mass()
-            self.wall_entered.emit(self.wall)
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show compactness and mass of a state's shape."""
@@ -139,6 +107,7 @@ class SizeSection(Section):
             label.setText(text)
         if unit is not self._unit:
             self._unit = unit
+            self.wall_fields.show_unit(unit)
             self._show_boxes()
         self._show_mass()
 
@@ -155,19 +124,31 @@ class SizeSection(Section):
             reading.setText(said[0])
             changed.setText(said[1])
         self.extent.setText(readings.extent(found, self._unit))
-        change = self.packed_change.text()
+        self._show_summary()
+
+    def _show_summary(self) -> None:
+        """Show mass and smallest box in the heading, while it is folded."""
+        change, mass = self.packed_change.text(), self.mass.text()
+        box = tr("smallest box {change}").format(change=change) if change else ""
         self.heading.show_reading(
-            tr("smallest box {change}").format(change=change) if change else "", only_folded=True
+            comma_separated(filter(None, ("" if mass == readings.NO_VALUE else mass, box))), only_folded=True
         )
 
     def _show_mass(self) -> None:
+        wall = self.wall_fields.value
         try:
-            thickness, density = map(unambiguous_text, (self._typed.thickness, self._typed.density))
-            wall = WallText(thickness, density)
+            for word in wall[:-1]:
+                unambiguous_text(word)
             grams, problem = typed_mass(wall, self._area, self._unit, self._material), ""
         except InputError as error:
             grams, problem = None, str(error)
         self.mass.setText(readings.mass(grams, self._unit))
+        self._show_summary()
         if problem != self.problem.text():
             self.problem.setText(problem)
             self.problem.setVisible(bool(problem))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Apply the theme to the headings."""
+        super().set_theme(theme)
+        self.wall_fields.set_theme(theme)

@@ -5,19 +5,27 @@ from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject
 
+from apd_viewer.errors import InputError
+from apd_viewer.files.samples import sample_of
 from apd_viewer.files.storage.atomic_file import resolved_path
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.methods import wall_material as thin_wall_material
+from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
-from apd_viewer.session.quantities.wall import NO_WALL, WallText
+from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
+from apd_viewer.session.quantities.wall_material import wall_material
 from apd_viewer.session.session import Session
 from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
 from apd_viewer.ui.overlays.findings_controller import FindingsController
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
+
+_OF_WALL = "wall_thickness", "poisson", "yield_radius"
 
 
 class VolumeController(QObject):
@@ -48,8 +56,11 @@ class VolumeController(QObject):
         self._session = session
         self._walls: WeakKeyDictionary[Mesh, WallText] = WeakKeyDictionary()
         self._texts: dict[float | None, str] = {}
-        panel.measures.wall_entered.connect(self._type)
-        panel.measures.wall_entered.connect(self.update_wall_distance)
+        self._followed: set[tuple[str, float | None]] = {
+            (name, getattr(DEFAULT_SETTINGS, name)) for name in _OF_WALL
+        }
+        panel.measures.wall_fields.entered.connect(self._type)
+        panel.measures.wall_fields.entered.connect(self.follow_wall)
         panel.method.contact_chosen.connect(self._keep_apart)
         panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
 
@@ -71,11 +82,12 @@ class VolumeController(QObject):
         self._health.show_shape_findings((*exempt, *crossing))
 
     def show_mesh_wall(self, mesh: Mesh) -> None:
-        """Show the remembered wall thickness and density of an opened mesh."""
+        """Show the remembered wall of an opened mesh."""
         if mesh not in self._walls:
-            path = user_file(mesh)
+            path, sample = user_file(mesh), sample_of(mesh.path)
             known = {} if path is None else self._memory.walls
-            self._walls[mesh] = NO_WALL if path is None else known.get(resolved_path(path), NO_WALL)
+            usual = WallText(material=wall_material(sample.material if sample else ""))
+            self._walls[mesh] = usual if path is None else known.get(resolved_path(path), usual)
         self._panel.measures.show_wall(self._walls[mesh])
 
     def follow(self, old: State | None, new: State) -> None:
@@ -87,8 +99,8 @@ class VolumeController(QObject):
             new.is_safe_from_crossing,
         ):
             self.show_check()
-        thickness, wall = new.document.settings.thickness, self._panel.measures.wall
-        is_typed = thickness == wall.usable_thickness(self._session.store.unit)
+        thickness, wall = new.document.settings.thickness, self._panel.measures.wall_fields.value
+        is_typed = thickness == wall.contact_distance(self._session.store.unit)
         if new.document.settings.contact and thickness != old.document.settings.thickness and not is_typed:
             bare = "" if thickness is None else format_editable(thickness, 12)
             wall = wall._replace(thickness=self._texts.get(thickness, bare))
@@ -109,7 +121,7 @@ class VolumeController(QObject):
         """Copy of a view with the current wall and overlay added."""
         measure = self._heat.measure
         overlay = "" if measure is None else measure.value
-        return replace(view, wall=self._panel.measures.wall, overlay=overlay)
+        return replace(view, wall=self._panel.measures.wall_fields.value, overlay=overlay)
 
     def _type(self, wall: WallText) -> None:
         if (state := self._session.store.state) is None:
@@ -123,7 +135,7 @@ class VolumeController(QObject):
     def update_wall_distance(self) -> None:
         """Update the contact distance to the wall thickness, if contact is on."""
         state = self._session.store.state
-        thickness = self._panel.measures.wall.usable_thickness(self._session.store.unit)
+        thickness = self._panel.measures.wall_fields.value.contact_distance(self._session.store.unit)
         if (
             state is not None
             and state.document.settings.contact
@@ -131,14 +143,46 @@ class VolumeController(QObject):
         ):
             self._keep_apart(True)
 
-    def wall_thickness(self) -> float | None:
+    def follow_wall(self) -> None:
+        """Update the settings that follow from the wall and the unit."""
+        if (state := self._session.store.state) is None:
+            return
+        self.update_wall_distance()
+        settings = state.document.settings
+        names = ["yield_radius"] if settings.yield_radius is not None else []
+        names += ["wall_thickness", "poisson"] if settings.traits.is_wall else []
+        if names and (changes := self.wall_settings(*names)):
+            self._session.settings.change(**changes)
+
+    def wall_settings(self, *names: str) -> dict[str, float | None]:
+        """Settings by name that follow from the wall, but for those typed elsewhere.
+
+        Thickness and Poisson's ratio of the method Wall, and the yield radius; none of a wall that is no
+        quantity or not thin.
+        """
+        state = self._session.store.required_state()
+        try:
+            wall = parse_wall(self._panel.measures.wall_fields.value, self._session.store.unit)
+            thin_wall_material(diagonal(state.document.mesh.V), wall.thickness, wall.nu)
+        except InputError:
+            return {}
+        known = dict(zip(_OF_WALL, (wall.thickness, wall.poisson, wall.yield_radius), strict=True))
+        changes = {
+            name: getattr(DEFAULT_SETTINGS, name) if known[name] is None else known[name]
+            for name in names
+            if (name, getattr(state.document.settings, name)) in self._followed
+        }
+        self._followed.update(changes.items())
+        return changes
+
+    def contact_distance(self) -> float | None:
         """Typed wall thickness in mesh units; None without one."""
-        return self._panel.measures.wall.usable_thickness(self._session.store.unit)
+        return self._panel.measures.wall_fields.value.contact_distance(self._session.store.unit)
 
     def _keep_apart(self, on: bool) -> None:
         """Turn contact on, at the distance of the wall thickness, or off."""
-        wall, unit = self._panel.measures.wall, self._session.store.unit
-        thickness = wall.usable_thickness(unit)
+        wall, unit = self._panel.measures.wall_fields.value, self._session.store.unit
+        thickness = wall.contact_distance(unit)
         self._texts[thickness] = wall.thickness
         self._session.settings.set_contact(on, thickness)
         self._panel.method.show_settings(self._session.store.required_state().document)

@@ -146,19 +146,19 @@ class Preferences:
 
     @property
     def walls(self) -> dict[Path, WallText]:
-        """Typed wall thickness and density by file, latest first."""
+        """Typed walls by file, latest first."""
         walls = {}
         for line in self._lines("walls"):
             with contextlib.suppress(ValueError, TypeError):  # ignore damaged entries
-                path, thickness, density = json.loads(line)
-                walls[Path(path)] = WallText(str(thickness), str(density))
+                path, *words = json.loads(line)
+                walls[Path(path)] = WallText.from_words(*map(str, words))
         return walls
 
     def remember_wall(self, path: Path, wall: WallText) -> None:
         """Store ``wall`` as the latest entry, for the file at ``path``."""
         path = resolved_path(path)
         walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
-        lines = [json.dumps([str(other), wall.thickness, wall.density]) for other, wall in walls.items()]
+        lines = [json.dumps([str(other), *wall.words]) for other, wall in walls.items()]
         self._settings.setValue("walls", lines[:MOST_REMEMBERED])
 
     @property

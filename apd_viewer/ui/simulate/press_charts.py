@@ -6,6 +6,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.solver.methods import wall_material
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, linear_axis, rounded_axis
 from apd_viewer.presentation.number_format import format_significant
@@ -56,10 +57,12 @@ class PressCharts:
             return None
         if wall.rigidity is None or unit.metres is None:
             return None
-        material, mesh = document.settings.in_effect.material, document.mesh
-        key = mesh, material, wall
+        settings, mesh = document.settings.in_effect, document.mesh
+        key = mesh, settings, wall
         if self._conversion[0] != key:
-            rest = RestMesh(mesh.V, mesh.F, mesh.weld)
+            rest, material = RestMesh(mesh.V, mesh.F, mesh.weld), settings.material
+            if settings.traits.is_wall:
+                material = wall_material(rest.diagonal, settings.wall_thickness, settings.poisson)
             self._conversion = key, newton_conversion(wall, material, rest)
         return self._conversion[1]
 

@@ -52,6 +52,8 @@ class PressController(QObject):
         Cancels the drag under way.
     wall : callable
         The wall as typed.
+    wall_settings : callable
+        Settings by name that follow from it.
     """
 
     def __init__(
@@ -63,12 +65,14 @@ class PressController(QObject):
         choose_tool: Callable[[Tool], object],
         cancel_drag: Callable[[], bool],
         wall: Callable[[], WallText],
+        wall_settings: Callable[..., dict[str, float | None]],
         preferences: Preferences,
         notice: Notice,
     ) -> None:
         super().__init__(dock)
         self._dock, self._session, self._parts = dock, session, parts
         self._choose_tool, self._give_up, self._wall = choose_tool, cancel_drag, wall
+        self._wall_settings = wall_settings
         self._memory, self._notice, self._viewport = preferences, notice, viewport
         self._axis, self._began = 0, 0.0
         self.charts = PressCharts(session, wall)
@@ -124,8 +128,9 @@ class PressController(QObject):
     def _put_plates(self, axis: int) -> bool:
         """Put the plates on both sides along an axis, instead of those there."""
         before = self._session.store.required_state().document
-        thickness = self._wall().usable_thickness(self._session.store.unit)
-        k = self._session.obstacles.put_press(np.eye(3)[axis], thickness)
+        thickness = self._wall().contact_distance(self._session.store.unit)
+        creases = self._wall_settings("yield_radius")
+        k = self._session.obstacles.put_press(np.eye(3)[axis], thickness, **creases)
         if k is None:
             return False
         if before.label_counts[FREE] < len(before.labels):

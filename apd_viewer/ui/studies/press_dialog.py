@@ -1,24 +1,20 @@
-"""Dialog to press the mesh between two plates, with wall properties and curves."""
+"""Dialog to press the mesh between two plates, with curves."""
 
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import QObject
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
-from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS, plate_travel
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
-from apd_viewer.presentation.number_format import format_editable, format_short
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document_parts import kept_percentages
 from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS
@@ -26,16 +22,15 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall
-from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON, WALL_MATERIALS
+from apd_viewer.session.quantities.wall import WallText, parse_wall
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field
 from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
-from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, TextField
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 
-_AXES = "xyz"
+_AXES, _AIR = "xyz", "1atm"
 
 
 class PressDialog(RunDialog):
@@ -44,8 +39,15 @@ class PressDialog(RunDialog):
     Parameters
     ----------
     view : View
-        With the unit of lengths, as the user reads and types them.
+        With the unit of lengths, as the user reads and types them, and the wall.
+
+    Attributes
+    ----------
+    wall_requested : Signal()
+        The fields of the wall are to be shown.
     """
+
+    wall_requested = Signal()
 
     def __init__(self, window: QWidget, state: State, view: View, preferences: Preferences) -> None:
         document, unit = state.document, Unit(view.unit)
@@ -63,20 +65,19 @@ class PressDialog(RunDialog):
             "load and volume."
         )
         self._cells = memo.cell_stiffness(mesh.V, mesh.joined_F)
-        usual = contact_thickness(diagonal(self._points), None)
-        self.wall = WallFields(self, unit, usual, document.settings.thickness)
         rows = (
             (tr("Direction"), self._make_direction()),
             (tr("End at"), self._make_end()),
             (tr("Steps"), self._make_steps()),
             (tr("Method"), self._make_method()),
+            (tr("Wall"), self._make_wall()),
             (tr("Stiffness"), self._make_stiffness()),
-            *self.wall.rows,
             (tr("Begin with"), self._make_start()),
+            (tr("In the end"), self._make_release()),
+            (tr("Inside"), self._make_air()),
         )
-        self.wall.on_change(self._show_stiffness)
+        self.show_wall(view.wall)
         self.lay_out(about, rows)
-        self.wall.material.currentIndexChanged.connect(lambda _: self._fit(self.width()))
 
     def _make_direction(self) -> QHBoxLayout:
         self.direction = ComboBox(accessibleName=tr("Direction to press in"))
@@ -122,8 +123,19 @@ class PressDialog(RunDialog):
         self.hint = QLabel(objectName="quiet")
         self.stiffness.valueChanged.connect(self._show_stiffness)
         self.method.currentIndexChanged.connect(self._show_stiffness)
-        self._show_stiffness()
         return row_layout(self.stiffness, self.hint, STRETCH)
+
+    def _make_wall(self) -> QHBoxLayout:
+        self.wall = QLabel(accessibleName=tr("Wall"))
+        tip = tr("Shows the wall in the panel, under “Size and mass”")
+        self.change = QPushButton(tr("Change"), toolTip=tip, clicked=lambda: self.wall_requested.emit())
+        return row_layout(self.wall, self.change, STRETCH)
+
+    def show_wall(self, wall: WallText) -> None:
+        """Show a wall, and press with it."""
+        self._wall = wall
+        self.wall.setText(wall.text(self._unit) or tr("not known, so no newtons and no creases"))
+        self._show_stiffness()
 
     def _show_stiffness(self) -> None:
         """Show the expected load excess and the stiffness of the wall."""
@@ -132,7 +144,9 @@ class PressDialog(RunDialog):
         said = [obstacle_readings.excess_phrase(load_excess(material, self._cells))]
         own = None
         with suppress(InputError):
-            own = self.wall.value.model_stiffness(self._state.inspection.area, material.young)
+            own = parse_wall(self._wall, self._unit).model_stiffness(
+                self._state.inspection.area, material.young
+            )
         if own is not None and material.bending > 0.0:
             said.append(tr("this wall has {own:.1g}").format(own=own))
         self.hint.setText("; ".join(said))
@@ -156,6 +170,15 @@ class PressDialog(RunDialog):
         self.from_current.setEnabled(not self._state.is_at_rest)
         return row_layout(self.from_current, STRETCH, spacing=16)
 
+    def _make_release(self) -> QHBoxLayout:
+        self.release = CheckBox(tr("open the plates again, to see what remains"))
+        return row_layout(self.release, STRETCH, spacing=16)
+
+    def _make_air(self) -> QHBoxLayout:
+        self.air = CheckBox(tr("air that cannot leave, an atmosphere of it"))
+        self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
+        return row_layout(self.air, STRETCH, spacing=16)
+
     @property
     def _distance(self) -> float:
         """Final distance of the plates, mesh units."""
@@ -172,14 +195,15 @@ class PressDialog(RunDialog):
         """Start the press with the options chosen."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
-            wall = self.wall.value
-            self._material(wall.yield_radius)
-            plate_travel(self._points, axis, self._distance, wall.thickness)
-            options = self._options | self._targets | self.wall.options
+            options = self._options | self._targets | self._wall_options
+            lengths = "--yield-radius", "--thickness"
+            radius, apart = (float(options[name]) if name in options else None for name in lengths)
+            self._material(radius)
+            plate_travel(self._points, axis, self._distance, apart)
         except InputError as error:
             self.run.show_failure(str(error))
             return
-        opens = self.wall.release.isChecked()
+        opens = self.release.isChecked()
         flags = ["--release"] if opens else []
         self.run.mesh = self._crushed if opens else self._pressed
         from_current = self.from_current.isChecked()
@@ -226,128 +250,35 @@ class PressDialog(RunDialog):
             "--shear-stiffness": repr(self._document.settings.shear_stiffness),
         }
 
-
-_DIGITS, _AIR = 3, "1atm"
-_OWN = tr("your own numbers")
-
-
-class WallFields(QObject):
-    """Fields for material, thickness, elasticity and creases of a wall.
-
-    A material fills in the other fields; where one of them is typed, it is a material of the user's own.
-
-    Parameters
-    ----------
-    unit : Unit
-        Of the mesh.
-    default_thickness : float
-        Distance that walls keep where no thickness is typed, mesh units.
-    thickness : float or None
-        Thickness at first, mesh units.
-    """
-
-    def __init__(self, owner: QObject, unit: Unit, default_thickness: float, thickness: float | None) -> None:
-        super().__init__(owner)
-        self._unit = unit
-        self.material = ComboBox(accessibleName=tr("Material of the wall"))
-        self.material.addItem(tr("Custom"), None)
-        for material in WALL_MATERIALS:
-            self.material.addItem(material.title, material)
-        tip = tr(
-            "Thickness of the wall, and distance that walls keep: 0.3mm, or a number in the unit of the mesh"
-        )
-        usual = unit.format_length(format_short(default_thickness))
-        self.thickness = _entry(tr("Wall thickness"), tip, usual)
-        self.thickness.setText("" if thickness is None else format_editable(thickness, 12))
-        tip = tr("Walls bent to a smaller radius keep a crease: 6mm, or a number in the unit of the mesh")
-        self.radius = _entry(tr("Yield radius"), tip, tr("no creases"))
-        self.release = CheckBox(tr("open the plates again, to see what remains"))
-        self.air = CheckBox(tr("air that cannot leave, an atmosphere of it"))
-        self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
-        self.young = _entry(tr("Young's modulus"), tr("For loads in newtons: 2.8GPa"), tr("no newtons"))
-        self.poisson = _entry(tr("Poisson's ratio"), tr("From 0 to 0.5"), format_short(DEFAULT_POISSON))
-        self.density = _entry(tr("Density"), tr("For the mass: 1.38 g/cm³"), tr("no mass"))
-        self.source = QLabel(_OWN, objectName="quiet", wordWrap=True)
-        self.material.currentIndexChanged.connect(self._fill)
-        for field in (self.thickness, self.radius, self.young, self.poisson, self.density):
-            field.textEdited.connect(self._choose_own_material)
-
     @property
-    def rows(self) -> tuple[tuple[str, QHBoxLayout], ...]:
-        """Titled rows of fields for a dialog."""
-        ratio, heavy = QLabel(tr("Poisson's ratio")), QLabel(tr("Density"))
-        return (
-            (tr("Material"), row_layout(self.material, STRETCH, spacing=16)),
-            (tr("Source"), row_layout((self.source, 1))),
-            (tr("Wall thickness"), row_layout(self.thickness, STRETCH, spacing=16)),
-            (
-                tr("Young's modulus"),
-                row_layout(self.young, ratio, self.poisson, heavy, self.density, STRETCH),
-            ),
-            (tr("Yield radius"), row_layout(self.radius, self.release, STRETCH, spacing=16)),
-            (tr("Inside"), row_layout(self.air, STRETCH, spacing=16)),
-        )
-
-    def on_change(self, callback: Callable[[], object]) -> None:
-        """Register a callback for edits of thickness, Young's modulus or Poisson's ratio."""
-        for field in (self.thickness, self.young, self.poisson):
-            field.textChanged.connect(lambda _: callback())
-
-    @property
-    def value(self) -> Wall:
-        """Wall as typed; raises InputError."""
-        fields = (self.thickness, self.density, self.young, self.poisson, self.radius)
-        thickness, density, young, poisson, radius = (
-            unambiguous_text(field.text().strip()) for field in fields
-        )
-        text = WallText(thickness, density, young, poisson if young else "", radius)
-        wall = parse_wall(text, self._unit)
-        if young and wall.thickness is None:
-            raise InputError(tr("Newtons need the thickness of the wall as well; enter one such as 0.3mm."))
-        if young and self._unit is Unit.NONE:
-            raise InputError(tr("Newtons need the unit of the mesh; choose it next to the area."))
-        return wall
-
-    @property
-    def options(self) -> dict[str, str]:
+    def _wall_options(self) -> dict[str, str]:
         """Command options of the wall; raises InputError."""
-        wall, young = self.value, self.young.text().strip()
-        if self.air.isChecked() and not young:
+        text, wall = self._wall, parse_wall(self._wall, self._unit)
+        for word in text[:-1]:
+            unambiguous_text(word)
+        if text.young and wall.thickness is None:
+            raise InputError(tr("Newtons need the thickness of the wall as well; enter one such as 0.3mm."))
+        if text.young and self._unit is Unit.NONE:
+            raise InputError(tr("Newtons need the unit of the mesh; choose it next to the area."))
+        if self.air.isChecked() and wall.young is None:
             raise InputError(
                 tr("Air inside needs the wall in newtons; choose a material or type its modulus.")
             )
+        apart = text.contact_distance(self._unit) or (
+            None if text.material else self._document.settings.thickness
+        )
         said = {
             "--unit": self._unit.symbol,
-            "--thickness": _number_text(wall.thickness),
-            "--yield-radius": _number_text(wall.yield_radius),
-            "--young": young,
-            "--poisson": self.poisson.text().strip() if young else "",
+            "--material": text.words[-1],
+            "--thickness": _number_text(apart),
+            "--density": text.density and _number_text(wall.density),
+            "--young": text.young.strip(),
+            "--poisson": text.poisson.strip() if text.young else "",
+            "--yield-radius": text.yield_radius and _number_text(wall.yield_radius),
             "--gas": _AIR if self.air.isChecked() else "",
-            "--density": _number_text(wall.density),
-            "--material": getattr(self.material.currentData(), "name", ""),
         }
-        return {option: text for option, text in said.items() if text}
-
-    def _fill(self) -> None:
-        """Fill the fields with the properties of the chosen material."""
-        material = self.material.currentData()
-        self.source.setText(_OWN if material is None else material.source)
-        if material is None:
-            return
-        radius = material.yield_radius(material.thickness)
-        self.thickness.setText(f"{format_editable(material.thickness)}mm")
-        self.radius.setText("" if radius is None else f"{format_editable(radius, _DIGITS)}mm")
-        self.young.setText("" if material.young is None else f"{format_editable(material.young)}GPa")
-        self.poisson.setText("" if material.poisson is None else format_editable(material.poisson))
-        self.density.setText("" if material.density is None else f"{format_editable(material.density)} g/cm³")
-
-    def _choose_own_material(self) -> None:
-        self.material.setCurrentIndex(0)
+        return {option: word for option, word in said.items() if word}
 
 
 def _number_text(number: float | None) -> str:
     return "" if number is None else repr(number)
-
-
-def _entry(name: str, tip: str, usual: str) -> TextField:
-    return TextField(toolTip=tip, placeholderText=usual, accessibleName=name, maximumWidth=110)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QDialog, QWidget
 
 from apd_viewer.language import tr
@@ -13,6 +13,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.regripping import gesture_motion
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.session import Session
 from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.preferences.preferences import Preferences
@@ -35,7 +36,14 @@ class RunController(QObject):
         What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
     show_failure : callable
         Says a sentence.
+
+    Attributes
+    ----------
+    wall_requested : Signal()
+        The fields of the wall are to be shown.
     """
+
+    wall_requested = Signal()
 
     def __init__(
         self,
@@ -99,7 +107,14 @@ class RunController(QObject):
         unit = Unit(view.unit)
         leave_for, show = self._filing.run_after_save_prompt, self._show_pressed
         dialog.run.mesh_requested.connect(lambda path: leave_for(partial(show, path, unit)))
+        dialog.wall_requested.connect(self.wall_requested)
         return dialog
+
+    def show_wall(self, wall: WallText) -> None:
+        """Show another wall in an open dialog that presses."""
+        dialog = self.dialogs.get("press")
+        if isinstance(dialog, PressDialog):
+            dialog.show_wall(wall)
 
     def _show_pressed(self, path: Path, unit: Unit) -> None:
         """Close the press dialog, and open the pressed mesh in the window."""

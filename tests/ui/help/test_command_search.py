@@ -13,7 +13,7 @@ WISHES = {
     "mirror": "Mirror: Along X",
     "make the bottle smaller": "Enter motion",
     "make the brush smaller": "Smaller brush",
-    "thickness of the wall": "Wall, thickness",
+    "thickness of the wall": "Wall thickness",
     "save as stl": "Export",
     "screenshot": "Save picture",
     "wireframe": "Edges",
@@ -114,9 +114,9 @@ def test_command_search_shows_a_control_and_gives_it_the_keys(qtbot, bottle, sea
     bottle.docks["readings"].hide()
     qtbot.keyClicks(search.search, "density")
     qtbot.keyClick(search.search, Qt.Key.Key_Return)
-    qtbot.waitUntil(lambda: bottle.shell.focusWidget() is bottle.panel.measures.density)
+    qtbot.waitUntil(lambda: bottle.shell.focusWidget() is bottle.panel.measures.wall_fields.density)
     assert not bottle.panel.measures.is_folded
-    qtbot.waitUntil(lambda: not bottle.panel.measures.density.visibleRegion().isEmpty())
+    qtbot.waitUntil(lambda: not bottle.panel.measures.wall_fields.density.visibleRegion().isEmpty())
 
 
 def test_command_search_opens_a_setting(qtbot, bottle, search):

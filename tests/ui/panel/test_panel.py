@@ -98,7 +98,7 @@ def test_method_section_shows_the_settings_that_matter_for_each_method(bottle):
 
 
 def test_method_section_offers_contact_where_it_can_and_keeps_the_wall_thickness(qtbot, bottle):
-    box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
+    box, thickness = bottle.panel.method.contact, bottle.panel.measures.wall_fields.thickness
     bottle.session.settings.set_contact(False)
     for method, may in (("paper", False), ("sr-arap", False), ("local", True), ("exact", True)):
         choose(bottle, method)
@@ -129,7 +129,7 @@ def test_method_section_offers_contact_where_it_can_and_keeps_the_wall_thickness
 
 
 def test_set_contact_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bottle):
-    box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
+    box, thickness = bottle.panel.method.contact, bottle.panel.measures.wall_fields.thickness
     bottle.session.settings.set_contact(True)
     before = document(bottle)
     qtbot.keyClicks(thickness, "3")
@@ -165,7 +165,7 @@ def test_set_contact_ends_a_twist_without_a_crossing(qtbot, bottle):
 
 
 def test_size_section_counts_a_thickness_with_a_unit_once_that_of_the_mesh_is_known(bottle):
-    thickness = bottle.panel.measures.thickness
+    thickness = bottle.panel.measures.wall_fields.thickness
     bottle.session.settings.set_contact(True)
     thickness.setText("0.3mm")
     thickness.editingFinished.emit()

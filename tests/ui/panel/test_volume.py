@@ -207,18 +207,18 @@ def type_into(qtbot, field, text):
 def test_size_section_weighs_a_typed_wall_as_area_times_thickness_times_density(qtbot, bottle):
     room = bottle.panel.measures
     room.is_folded = False
-    type_into(qtbot, room.thickness, "0.3mm")
+    type_into(qtbot, room.wall_fields.thickness, "0.3mm")
     assert room.mass.text() == "–"
     assert "needs the unit of the mesh" in room.problem.text()
     bottle.choose_unit(CM)
     assert "needs a density" in room.problem.text()
-    type_into(qtbot, room.density, "1380 kg/m3")
+    type_into(qtbot, room.wall_fields.density, "1380 kg/m3")
     assert room.problem.isHidden()
     grams = bottle.session.store.state.frame.area * 0.03 * 1.38
     assert room.mass.text() == f"{grams:.2f}\u00a0g"
     bottle.choose_unit(Unit.METRE)
     assert room.mass.text() == f"{bottle.session.store.state.frame.area * 3e-4 * 1380:.1f}\u00a0kg"
-    type_into(qtbot, room.thickness, "thin")
+    type_into(qtbot, room.wall_fields.thickness, "thin")
     assert "“thin” is unknown" in room.problem.text()
 
 
@@ -229,8 +229,8 @@ def test_size_section_weighs_the_material_of_a_vessel_with_two_walls(qtbot, wind
     room, wall = window.panel.measures, window.session.store.state.inspection.double_wall
     room.is_folded = False
     window.choose_unit(CM)
-    type_into(qtbot, room.thickness, "0.5mm")
-    type_into(qtbot, room.density, "1.36")
+    type_into(qtbot, room.wall_fields.thickness, "0.5mm")
+    type_into(qtbot, room.wall_fields.density, "1.36")
     assert room.mass.text() == f"{1000 * 1.36 * wall.material:.4g}\u00a0mg"
     assert room.two_walls.isVisible()
     assert f"holds {wall.capacity:.4g}\u00a0ml" in room.two_walls.text()
@@ -252,19 +252,19 @@ def test_volume_controller_remembers_the_wall_with_the_file_and_keeps_it_in_sess
         idle(qtbot, window)
 
     open_(paths[0])
-    type_into(qtbot, room.thickness, wall.thickness)
-    type_into(qtbot, room.density, wall.density)
+    type_into(qtbot, room.wall_fields.thickness, wall.thickness)
+    type_into(qtbot, room.wall_fields.density, wall.density)
     open_(paths[1])
-    assert room.wall == NO_WALL
+    assert room.wall_fields.value == NO_WALL
     open_(paths[0])
-    assert room.wall == wall
+    assert room.wall_fields.value == wall
     assert Preferences(settings).walls == {paths[0].resolve(): wall}
     saved = tmp_path / "s.apd"
     window.session.files.save(saved, replace(window.view(), unit=CM.value))
     idle(qtbot, window)
-    type_into(qtbot, room.thickness, "2mm")
+    type_into(qtbot, room.wall_fields.thickness, "2mm")
     open_(saved)
-    assert room.wall == wall
+    assert room.wall_fields.value == wall
     assert window.session.store.unit is CM
     assert document(window).mesh.path == paths[0]
 

@@ -70,9 +70,9 @@ def twisted(qtbot, window, file):
     window.session.files.open_result("bottle", lambda: initial_state(open_mesh(file), labels))
     idle(qtbot, window)
     window.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
-    window.panel.measures.thickness.setText("0.3mm")
-    window.panel.measures.density.setText("1.38")
-    window.panel.measures.density.editingFinished.emit()
+    window.panel.measures.wall_fields.thickness.setText("0.3mm")
+    window.panel.measures.wall_fields.density.setText("1.38")
+    window.panel.measures.wall_fields.density.editingFinished.emit()
     window.session.parts.rename_handle(0, "<script>neck & 'cap'</script>")
     window.session.parts.add_region()
     wanted = window.session.store.state.document.mesh.V[:, 1] > 12.0

@@ -207,13 +207,23 @@ def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch)
     pressed(qtbot, window)
     bare = float(reading(window, "Load")[0])
     wall = WallText("0.3mm", material=WALL_MATERIALS[0])
-    monkeypatch.setattr(type(window.panel.measures), "wall", property(lambda _: wall))
+    window.panel.measures.show_wall(wall)
     window.press.refresh()
     state = window.session.store.state
     newtons = window.press.charts.newtons(state)
     assert reading(window, "Load")[0].endswith(" N")
     assert float(reading(window, "Load")[0][:-2]) == pytest.approx(newtons.newtons_per_load * bare, 0.01)
     assert drawn(window.press.charts.load_chart())[1][0].endswith(" N")
+
+
+def test_press_in_view_reads_newtons_of_the_method_wall_as_thick_as_it_is(window):
+    window.session.store.unit = Unit.CENTIMETRE
+    window.panel.measures.show_wall(WallText("0.02", material=WALL_MATERIALS[0]))
+    state = window.session.store.state
+    for thickness in (0.02, 0.04):
+        thin = state.document.with_settings(method="wall", wall_thickness=thickness, poisson=0.38)
+        newtons = window.press.charts.newtons(state.updated(document=thin))
+        assert newtons.matches_wall is (thickness == 0.02)
 
 
 def drawn(chart: Chart):

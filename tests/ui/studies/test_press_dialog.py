@@ -12,9 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from driving import document, idle, work_off
+from driving import document, idle
 from meshes import box, sphere, tube
 from PySide6.QtCore import QSize, Qt
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish
 
@@ -26,6 +27,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import NO_WALL, WallText
+from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.studies import run_dialog
@@ -44,13 +47,13 @@ def asked(window, qtbot, tmp_path, monkeypatch):
     """Open the dialog of a mesh; and the options that it would run the command with."""
     dialogs = []
 
-    def ask(V, F, unit="", **changes):
+    def ask(V, F, unit="", wall=NO_WALL, **changes):
         state_of = window.session.store
         window.session.files.open_mesh(Mesh(V, F))
         idle(qtbot, window)
         changed = state_of.state.document.with_settings(**changes)
         state = state_of.state.updated(document=changed)
-        dialog = PressDialog(window.shell, state, View(unit=unit), window.preferences)
+        dialog = PressDialog(window.shell, state, View(unit=unit, wall=wall), window.preferences)
         dialogs.append(dialog)
         dialog.show()
         return dialog
@@ -128,7 +131,7 @@ def test_press_dialog_knows_the_mesh_and_its_unit(qtbot, window):
     assert "2.000\xa0cm apart" in dialog.distance.text()
     dialog.to.setValue(25)
     assert "1.000\xa0cm apart" in dialog.distance.text()
-    assert dialog.wall.thickness.placeholderText() == "0.00458\xa0cm"
+    assert dialog.wall.text() == "not known, so no newtons and no creases"
 
 
 def test_press_dialog_leaves_loose_vertices_out_of_the_extent(asked):
@@ -198,7 +201,7 @@ def test_press_dialog_offers_only_methods_that_keep_walls_apart(method, asked):
     [("9 mm2", "is unknown"), ("0", "greater than 0"), ("-1", "greater than 0"), ("7", "check the unit")],
 )
 def test_press_dialog_refuses_at_once_a_wall_that_cannot_be(typed, words, ball):
-    ball.wall.thickness.setText(typed)
+    ball.show_wall(WallText(typed))
     click(ball.run.start)
     assert words in ball.run.message.text()
     assert not ball.run.running
@@ -295,7 +298,7 @@ def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_field
     end_run(ball, written, tmp_path / "scratch")
     qtbot.waitUntil(lambda: ball.height() <= low.height())
     height = ball.figure.height()
-    for field in (ball.to, ball.wall.thickness, ball.wall.young, ball.wall.radius):
+    for field in (ball.to, ball.steps, ball.stiffness):
         assert field.height() >= field.minimumSizeHint().height()
     ball.figure.shrink_by(0)
     natural = ball.figure.heightForWidth(ball.figure.width())
@@ -344,7 +347,7 @@ def test_press_dialog_ends_the_run_when_closed(qtbot, window, ball):
     assert not scratch.exists()
 
 
-def test_wall_fields_hand_creases_and_release_to_the_command(asked):
+def test_press_dialog_hands_creases_and_release_to_the_command(asked):
     ask, options = asked
     dialog = ask(*box(1, 2, 4))
     plain = options(dialog)
@@ -352,8 +355,8 @@ def test_wall_fields_hand_creases_and_release_to_the_command(asked):
     assert not plain.release
     assert plain.crushed is None
     assert dialog.run.mesh == "pressed.obj"
-    dialog.wall.radius.setText("6")
-    dialog.wall.release.click()
+    dialog.show_wall(WallText(yield_radius="6"))
+    dialog.release.click()
     creased = options(dialog)
     assert float(creased.yield_radius) == pytest.approx(6.0)
     assert creased.release
@@ -364,66 +367,50 @@ def test_wall_fields_hand_creases_and_release_to_the_command(asked):
     ("typed", "stiffness", "words"), [("0", 0.001, "greater than 0"), ("2", 0.0, "stiffness")]
 )
 def test_press_dialog_refuses_at_once_a_yield_radius_that_cannot_be(typed, stiffness, words, ball):
-    ball.wall.radius.setText(typed)
+    ball.show_wall(WallText(yield_radius=typed))
     ball.stiffness.setValue(stiffness)
     click(ball.run.start)
     assert not ball.run.running
     assert words in ball.run.message.text()
 
 
-def chosen(dialog, name):
-    field = dialog.wall.material
-    names = [getattr(field.itemData(k), "name", None) for k in range(field.count())]
-    field.setCurrentIndex(names.index(name))
+PET = WallText(material=WALL_MATERIALS[0])
 
 
-def test_wall_fields_are_filled_in_by_a_material_and_name_its_source(asked):
+def test_press_dialog_presses_with_the_material_of_the_panel(asked):
     ask, options = asked
-    dialog = ask(*box(1, 2, 4), unit="cm")
-    assert dialog.wall.source.text() == "your own numbers"
-    chosen(dialog, "pet-bottle")
-    wall = dialog.wall
-    assert (wall.thickness.text(), wall.radius.text()) == ("0.3mm", "8.57mm")
-    assert (wall.young.text(), wall.poisson.text(), wall.density.text()) == ("3.4GPa", "0.38", "1.36 g/cm³")
-    assert "Callister" in wall.source.text()
-    assert wall.source.height() >= wall.source.heightForWidth(wall.source.width()), "nothing is cut off"
+    dialog = ask(*box(1, 2, 4), unit="cm", wall=PET)
+    assert dialog.wall.text() == "PET, wall of a bottle, 0.3\xa0mm"
     own = 0.03**2 / (6.0 * (1.0 - 0.38**2) * 28.0)
     assert f"this wall has {own:.1g}" in dialog.hint.text()
     dialog.method.setCurrentIndex(dialog.method.findData("local"))
     assert f"this wall has {1.1825 / 4.0 * own:.1g}" in dialog.hint.text()
     said = options(dialog)
-    assert (said.material, said.unit, said.young) == ("pet-bottle", "cm", "3.4GPa")
-    assert float(said.thickness) == pytest.approx(0.03)
-    assert float(said.yield_radius) == pytest.approx(0.857)
-    chosen(dialog, "fabric")
-    assert (wall.radius.text(), wall.young.text()) == ("", "")
+    assert (said.material, said.unit) == ("pet-bottle", "cm")
+    assert said.thickness is said.young is said.yield_radius is None, "they follow from the material"
+    dialog.show_wall(PET._replace(thickness="0.4mm"))
+    assert float(options(dialog).thickness) == pytest.approx(0.04)
 
 
-def test_wall_fields_cut_no_source_off(qtbot, asked):
-    dialog = asked[0](*box(1, 2, 4), unit="cm")
-    source = dialog.wall.source
-    dialog.show()
-    work_off()
-    heights = set()
-    for k in range(dialog.wall.material.count()):
-        dialog.wall.material.setCurrentIndex(k)
-        work_off()
-        heights.add(source.heightForWidth(source.width()))
-        assert source.height() >= source.heightForWidth(source.width())
-    assert len(heights) > 1
-
-
-def test_wall_fields_make_a_material_of_the_users_own_of_what_is_typed(qtbot, asked):
+def test_press_dialog_presses_with_a_wall_of_the_users_own(asked):
     ask, options = asked
-    dialog = ask(*box(1, 2, 4), unit="cm")
-    chosen(dialog, "hdpe")
-    dialog.wall.thickness.clear()
-    qtbot.keyClicks(dialog.wall.thickness, "0.4mm")
-    assert dialog.wall.material.currentText() == "Custom"
-    assert dialog.wall.source.text() == "your own numbers"
-    said = options(dialog)
+    wall = WallText("0.4mm", "0.96 g/cm³", "1.08GPa", "0.42", "9.26mm")
+    said = options(ask(*box(1, 2, 4), unit="cm", wall=wall))
     assert said.material is None
-    assert (float(said.thickness), said.young) == (pytest.approx(0.04), "1.08GPa")
+    assert (said.young, said.poisson) == ("1.08GPa", "0.42")
+    lengths = [float(text) for text in (said.thickness, said.density, said.yield_radius)]
+    assert lengths == pytest.approx([0.04, 0.96, 0.926])
+
+
+def test_press_dialog_leads_to_the_fields_of_the_wall_and_takes_what_is_chosen_there(qtbot, window, ball):
+    fields = window.panel.measures.wall_fields
+    window.panel.measures.is_folded = True
+    click(ball.change)
+    qtbot.waitUntil(lambda: not fields.material.visibleRegion().isEmpty())
+    fields.material.setFocus()
+    QTest.keyClick(fields.material, Qt.Key.Key_Down)
+    assert ball.wall.text().startswith("PET, wall of a bottle")
+    window.panel.measures.is_folded = True
 
 
 @pytest.mark.parametrize(
@@ -436,8 +423,7 @@ def test_wall_fields_make_a_material_of_the_users_own_of_what_is_typed(qtbot, as
     ],
 )
 def test_press_dialog_refuses_at_once_a_material_that_cannot_be(typed, words, ball):
-    for name, text in typed.items():
-        getattr(ball.wall, name).setText(text)
+    ball.show_wall(WallText(**typed))
     click(ball.run.start)
     assert not ball.run.running
     assert words in ball.run.message.text()
@@ -445,15 +431,13 @@ def test_press_dialog_refuses_at_once_a_material_that_cannot_be(typed, words, ba
 
 def test_press_dialog_needs_newtons_for_air_inside(asked, ball):
     ask, options = asked
-    ball.wall.air.click()
+    ball.air.click()
     click(ball.run.start)
     assert not ball.run.running
     assert "in newtons" in ball.run.message.text()
-    dialog = ask(*sphere(2), unit="cm")
-    chosen(dialog, "pet-bottle")
-    dialog.wall.radius.clear()
+    dialog = ask(*sphere(2), unit="cm", wall=PET)
     assert options(dialog).gas is None
-    dialog.wall.air.click()
+    dialog.air.click()
     assert options(dialog).gas == "1atm"
 
 

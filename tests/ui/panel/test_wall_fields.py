@@ -1,0 +1,159 @@
+"""The wall in the panel: chosen once, and used by all that knows a wall."""
+
+from dataclasses import replace
+
+import pytest
+from driving import document, idle
+from meshes import sphere
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
+from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
+from apd_viewer.ui.preferences.preferences import Preferences
+
+CM, MM = Unit.CENTIMETRE, Unit.MILLIMETRE
+PET, _, HDPE, *_ = WALL_MATERIALS
+
+
+@pytest.fixture
+def fields(bottle):
+    """The fields, unfolded, of a bottle in centimetres."""
+    bottle.choose_unit(CM)
+    bottle.panel.measures.is_folded = False
+    return bottle.panel.measures.wall_fields
+
+
+def choose(fields, material):
+    """Choose a material with keys; None is one of the user's own."""
+    fields.material.setFocus()
+    QTest.keyClick(fields.material, Qt.Key.Key_Home)
+    for _ in range(fields.material.findData(material)):
+        QTest.keyClick(fields.material, Qt.Key.Key_Down)
+
+
+def type_into(field, text):
+    field.setFocus()
+    field.selectAll()
+    QTest.keyClicks(field, text)
+    QTest.keyClick(field, Qt.Key.Key_Return)
+
+
+def texts(fields):
+    return [field.text() for field in (fields.density, fields.young, fields.poisson, fields.yield_radius)]
+
+
+def test_wall_fields_give_the_mass_as_soon_as_a_material_is_chosen(bottle, fields):
+    room, area = bottle.panel.measures, bottle.session.store.state.frame.area
+    assert fields.density.isVisible(), "of one's own material"
+    choose(fields, PET)
+    assert room.mass.text() == f"{area * 0.03 * 1.36:.2f}\xa0g"
+    assert fields.thickness.placeholderText() == "0.3\xa0mm"
+    assert texts(fields) == ["1.36 g/cm³", "3.4GPa", "0.38", "0.857cm"]
+    assert "Callister" in fields.source.text()
+    assert not fields.density.isVisible(), "they follow from the material"
+    type_into(fields.thickness, "0.25mm")
+    assert room.mass.text() == f"{area * 0.025 * 1.36:.2f}\xa0g"
+    assert fields.value == WallText("0.25mm", material=PET)
+    assert fields.yield_radius.text() == "0.714cm"
+    bottle.choose_unit(MM)
+    assert fields.yield_radius.text() == "7.14mm"
+
+
+def test_wall_fields_make_a_material_of_the_users_own_of_what_is_typed(bottle, fields):
+    choose(fields, HDPE)
+    fields.heading.click()
+    type_into(fields.density, "1.2")
+    assert fields.material.currentText() == "Custom"
+    assert fields.value == WallText("0.5mm", "1.2", "1.08GPa", "0.42", "0.926cm")
+    assert not fields.source.isVisible()
+    choose(fields, PET)
+    assert fields.value == WallText(material=PET), "nobody has typed the thickness"
+
+
+def test_wall_fields_leave_a_wall_of_the_users_own_as_it_stands(fields):
+    choose(fields, PET)
+    choose(fields, None)
+    assert fields.value == WallText("0.3mm", "1.36 g/cm³", "3.4GPa", "0.38", "0.857cm")
+    assert fields.density.isVisible()
+
+
+def test_wall_fields_keep_the_contact_distance_where_no_thickness_is_typed(bottle, fields):
+    bottle.session.settings.set_contact(True)
+    before = document(bottle)
+    choose(fields, PET)
+    assert document(bottle) is before
+    type_into(fields.thickness, "0.2mm")
+    assert document(bottle).settings.thickness == pytest.approx(0.02)
+
+
+def test_volume_controller_remembers_materials_with_the_file_and_keeps_them_in_sessions(
+    qtbot, new_bottle, settings, tmp_path
+):
+    window, path, saved = new_bottle, tmp_path / "ball.obj", tmp_path / "ball.apd"
+    save_mesh(Mesh(*sphere(2)), sphere(2)[0], path)
+    fields, own = window.panel.measures.wall_fields, WallText("0.4mm", "1", "2GPa", "0.3", "5mm")
+    for wall in (WallText("0.25mm", material=PET), own):
+        window.files.open_path(path)
+        idle(qtbot, window)
+        window.panel.measures.show_wall(wall)
+        fields.entered.emit(wall)
+        assert Preferences(settings).walls == {path.resolve(): wall}
+        window.session.files.save(saved, replace(window.view(), unit=CM.value))
+        idle(qtbot, window)
+        window.panel.measures.show_wall(NO_WALL)
+        fields.entered.emit(NO_WALL)
+        window.files.open_path(saved)
+        idle(qtbot, window)
+        assert fields.value == wall
+
+
+def test_open_sample_bottle_is_of_pet_and_keeps_its_contact_distance(qtbot, new_bottle):
+    """Its area is 407.117 cm², its wall 0.3 mm thick, and PET has 1.36 g/cm³."""
+    new_bottle.files.open_sample("bottle")
+    idle(qtbot, new_bottle)
+    room, settings = new_bottle.panel.measures, document(new_bottle).settings
+    assert new_bottle.panel.unit is CM
+    assert room.wall_fields.value == WallText(material=PET)
+    assert room.mass.text() == "16.61\xa0g"
+    assert room.heading.reading == "16.61\xa0g"
+    assert (settings.contact, settings.thickness, settings.yield_radius) == (True, None, None)
+    new_bottle.files.open_sample("duck")
+    idle(qtbot, new_bottle)
+    assert room.wall_fields.value == NO_WALL
+
+
+def test_method_wall_is_as_thick_as_the_wall_unless_that_is_typed(bottle, fields):
+    method, undo = bottle.panel.method, bottle.actions_.undo.trigger
+
+    def found():
+        settings = document(bottle).settings
+        return settings.wall_thickness, settings.poisson
+
+    choose(fields, PET)
+    steps = len(bottle.session.gestures.history.undo_names)
+    method.changed.emit("method", "wall")
+    assert found() == (pytest.approx(0.03), 0.38)
+    assert len(bottle.session.gestures.history.undo_names) == steps + 1
+    type_into(fields.thickness, "0.2mm")
+    assert found() == (pytest.approx(0.02), 0.38)
+    choose(fields, HDPE)
+    assert found() == (pytest.approx(0.02), 0.42)
+    method.changed.emit("wall_thickness", 0.05)
+    type_into(fields.thickness, "0.1mm")
+    assert found() == (0.05, 0.42), "the settings have their own"
+    undo()
+    undo()
+    assert found() == (pytest.approx(0.02), 0.42)
+
+
+def test_press_takes_creases_from_the_material(bottle, fields):
+    choose(fields, PET)
+    bottle.press.begin()
+    wall = parse_wall(fields.value, CM)
+    assert document(bottle).settings.yield_radius == wall.yield_radius
+    choose(fields, HDPE)
+    assert document(bottle).settings.yield_radius == pytest.approx(0.05 / (2 * HDPE.yield_strain))
