@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
-from driving import Mouse, settle, work_off
+from driving import Mouse, idle, settle, work_off
 from grid_figures import figures
 from PySide6.QtCore import QPointF, QRect, QSize
 from PySide6.QtWidgets import QDialog, QToolButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 
 @pytest.fixture
@@ -149,3 +151,18 @@ def test_resize_on_screen_keeps_a_window_that_grows_on_the_screen(qtbot):
     resize_on_screen(window, 2 * screen.size())
     qtbot.waitUntil(lambda: screen.contains(window.frameGeometry()))
     assert np.prod(window.size().toTuple()) > 0.8 * np.prod(screen.size().toTuple())
+
+
+def test_status_bar_shows_the_hint_before_the_pace_in_a_narrow_window(qtbot, bottle):
+    bottle.shell.resize(800, 640)
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "10deg", 0)
+    idle(qtbot, bottle)
+    hint, pace = bottle.status.findChildren(ElidedLabel)
+    bottle.status.show_hint("A hint that is longer than there is room. " * 5)
+    work_off()
+    count, _, rate = pace.text().partition(",")
+    assert rate.endswith("ms per iteration")
+    assert pace.fontMetrics().horizontalAdvance(f"{count}…") <= pace.width() - 16
+    assert pace.width() < pace.sizeHint().width()
+    assert pace.toolTip() == pace.text()
+    assert hint.width() > pace.width()

@@ -22,11 +22,11 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.compare.linked_views import LinkedViews, SharedScale
 from apd_viewer.ui.compare.method_table import PIXEL_RATIO, ComparisonShape, MethodTable, write_comparison
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.panel.status_bar import ConvergenceProgress
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
+from apd_viewer.ui.widgets.convergence_progress import ConvergenceProgress
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen

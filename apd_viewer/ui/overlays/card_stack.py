@@ -139,6 +139,13 @@ class CardStack(QWidget):
                 fit_into(min(least, room), room)
 
 
+def free_span(canvas: Viewport) -> tuple[int, int]:
+    """Left end and width of what the bars at the left edge of the canvas leave free."""
+    bars = [bar.geometry().right() + 1 for bar in canvas.findChildren(ModeBar) if not bar.isHidden()]
+    left = max(bars, default=0)
+    return left, canvas.width() - left
+
+
 def moved_above(rect: QRect, below: Sequence[QWidget]) -> QRect:
     """Rectangle moved up until it covers no visible widget."""
     shown = [other for other in below if not other.isHidden()]

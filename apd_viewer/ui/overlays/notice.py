@@ -14,9 +14,10 @@ from apd_viewer.files.samples import SAMPLES
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.filing.file_requests import FileRequests
-from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, moved_above
+from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, free_span, moved_above
 from apd_viewer.ui.preferences.shortcuts import with_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.tool_modes import Tool
@@ -175,7 +176,8 @@ class Notice(QFrame):
         buttons.adjustSize()
         aside = 0 if buttons.isHidden() else buttons.width() + 8
         self._row.setContentsMargins(12, 8, 8 + _CLOSE + aside, 8)
-        room = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN - 80 - aside))
+        start, span = free_span(canvas)
+        room = max(120, min(_WIDEST, span - 2 * _MARGIN - 80 - aside))
         width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
         # heightForWidth() would return at least the minimum height set for the previous text.
         self._text.setMinimumSize(0, 0)
@@ -183,9 +185,9 @@ class Notice(QFrame):
         self._text.setFixedSize(width, self._text.heightForWidth(width))
         self._row.activate()
         self.adjustSize()
-        left = (canvas.width() - self.width()) // 2
-        room = QRect(QPoint(left, canvas.height() - self.height() - 2 * _MARGIN), self.size())
-        self.setGeometry(moved_above(room, self._below))
+        left = start + (span - self.width()) // 2
+        place = QRect(QPoint(left, canvas.height() - self.height() - 2 * _MARGIN), self.size())
+        self.setGeometry(moved_above(place, self._below))
         self.close_button.setFixedSize(_CLOSE, _CLOSE)
         beside = self.geometry().right() - _CLOSE - 4
         middle = self.geometry().center().y()
@@ -260,6 +262,10 @@ class EmptyState(QWidget):
 
 _TWIST = tr("Drag a ring to rotate, an arrow to move")
 _PUSH = tr("Drag an arrow of the obstacle, or enter a distance, to push the surface")
+_PUSH_PLATE = tr(
+    "Drag the arrow of the plate, or enter a distance, to push the surface; "
+    "turn the view where the arrow points at you"
+)
 _SELECT = tr("Click an obstacle to move it")
 _WAITS = tr("Preview: the surface follows once enough is compiled for this computer ({percent} %)")
 
@@ -342,7 +348,9 @@ class NextStepHint:
             return ""
         if tool is not Tool.MOVE:
             return with_keys(tr("Now move an obstacle"), self._tools[Tool.MOVE])
-        return _SELECT if obstacle is None else _PUSH
+        if obstacle is None:
+            return _SELECT
+        return _PUSH_PLATE if document.obstacles[obstacle].kind is ObstacleKind.PLATE else _PUSH
 
 
 def may_change_next_step(before: Document, after: Document) -> bool:

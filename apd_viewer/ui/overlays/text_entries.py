@@ -13,6 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import format_editable
 from apd_viewer.session.session import Session
+from apd_viewer.ui.overlays.card_stack import free_span
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
@@ -232,7 +233,8 @@ class TextEntryCard(QFrame):
         self._place()
 
     def _place(self) -> None:
-        self.setFixedWidth(min(_WIDTH, self._canvas.width() - 2 * _MARGIN))
+        start, span = free_span(self._canvas)
+        self.setFixedWidth(min(_WIDTH, span - 2 * _MARGIN))
         # heightForWidth() would return at least the minimum height set for the previous text.
         self.message_label.setMinimumHeight(0)
         edges = self._column.contentsMargins()
@@ -241,7 +243,7 @@ class TextEntryCard(QFrame):
         )
         self._column.activate()
         self.adjustSize()
-        self.move((self._canvas.width() - self.width()) // 2, self._canvas.height() - self.height() - 64)
+        self.move(start + (span - self.width()) // 2, self._canvas.height() - self.height() - 64)
 
 
 class _Line(QLineEdit):

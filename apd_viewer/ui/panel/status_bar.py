@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
 
-from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import format_short
-from apd_viewer.presentation.time_left import TimeLeftEstimate, time_left_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.brush_tool import BrushSize
 from apd_viewer.ui.widgets.box_layouts import row_layout
+from apd_viewer.ui.widgets.convergence_progress import PROGRESS_WIDTH, ConvergenceProgress
 from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar
 
 if TYPE_CHECKING:
@@ -63,9 +60,9 @@ class StatusBar(QStatusBar):
         self.compiling = CompilingProgress()
         self.progress = ConvergenceProgress(is_waiting=self.compiling.isVisible)
         self._job, self._pace, self.extent = QLabel(), ElidedLabel(), QLabel()
-        # Gives way first: it may be elided, as its tooltip has the full text.
-        self.hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.addWidget(self.hint, 1)
+        # Both may be elided, as their tooltips have the full texts; the pace gives way first.
+        self.hint.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self.addWidget(self.hint)
         for widget in (
             self._job,
             self._cancel,
@@ -116,8 +113,12 @@ class StatusBar(QStatusBar):
         pace = 1e3 * session.store.seconds_per_iteration
         # No rate to show for an opened or restored shape that this window has not iterated.
         measured = tr("iteration {iteration:,}, {pace:.1f} ms per iteration")
-        words = measured if pace else tr("iteration {iteration:,}")
-        self._pace.show_text(words.format(iteration=iteration, pace=pace) if iteration else "")
+        count = tr("iteration {iteration:,}").format(iteration=iteration) if iteration else ""
+        text = measured.format(iteration=iteration, pace=pace) if iteration and pace else count
+        self._pace.show_text(text)
+        room = self._pace.fontMetrics().horizontalAdvance(f"{count}…") + 16 if count else 0
+        if room > self._pace.minimumWidth() or not count:  # it never jumps while it counts
+            self._pace.setMinimumWidth(room)
 
     def _press_pause(self) -> None:
         (self.restart_requested if self._silence else self.pause_requested).emit()
@@ -148,16 +149,13 @@ def _extent(state: State, unit: Unit) -> str:
     )
 
 
-_WIDTH = 88
-
-
 class CompilingProgress(QWidget):
     """Thin bar shown while kernels are being compiled."""
 
     def __init__(self) -> None:
         super().__init__(toolTip=tr("The first shapes may have to wait; later starts do not."))
         self.bar = ThinBar()
-        self.bar.setFixedWidth(_WIDTH)
+        self.bar.setFixedWidth(PROGRESS_WIDTH)
         text = QLabel(tr("compiling for this computer, only once…"))
         bar = self.bar, 0, Qt.AlignmentFlag.AlignVCenter
         row_layout(bar, text, spacing=0, margins=(8, 0, 0, 0), parent=self)
@@ -168,65 +166,3 @@ class CompilingProgress(QWidget):
         self.setVisible(fraction is not None and fraction < 1.0)
         if fraction is not None:
             self.bar.show_fraction(fraction)
-
-
-# Faster convergence needs no progress bar; during a drag of a handle the solver restarts constantly.
-_PATIENCE = 2.0  # s
-_TICK = 500  # ms; updates the time left even without new frames
-_UNKNOWN, _SEARCHING = tr("estimating the time left…"), tr("looking for a lower energy…")
-
-
-class ConvergenceProgress(QWidget):
-    """Thin bar with the time left, shown if the solver takes longer than 2 s.
-
-    Parameters
-    ----------
-    clock : callable
-        The time in seconds.
-    is_waiting : callable
-        Whether the solver waits for its kernels: until then no time left can be told.
-    """
-
-    def __init__(
-        self, clock: Callable[[], float] = time.monotonic, is_waiting: Callable[[], bool] = lambda: False
-    ) -> None:
-        super().__init__(toolTip=tr("Estimated from how fast the shape converges"))
-        self._clock, self._waits = clock, is_waiting
-        self._forecast: TimeLeftEstimate | None = None
-        self._frame: Frame | None = None
-        self._iteration = 0
-        self.bar = ThinBar()
-        self.bar.setFixedWidth(_WIDTH)
-        self.time_left = QLabel()
-        bar = self.bar, 0, Qt.AlignmentFlag.AlignVCenter
-        row_layout(bar, self.time_left, spacing=0, margins=(8, 0, 0, 0), parent=self)
-        self._timer = QTimer(self, interval=_TICK, timeout=self._show)
-        self.hide()
-
-    def follow(self, frame: Frame | None, solving: bool) -> None:
-        """Update from a solver's frame; ``solving`` is True while it works."""
-        if not solving or frame is None:
-            self._forecast = self._frame = None
-            self._timer.stop()
-            self.hide()
-            return
-        now = self._clock()
-        if self._forecast is None or (frame is not self._frame and frame.iteration <= self._iteration):
-            # Until the first iteration, the shape on screen belongs to the previous motion.
-            self._forecast, self._iteration = TimeLeftEstimate(now), 0
-            self._timer.start()
-        elif frame is not self._frame:
-            self._forecast.add_gap(now, frame.gap, frame.seconds_left)
-            self._iteration = frame.iteration
-        self._frame = frame
-        self._show()
-
-    def _show(self) -> None:
-        forecast, now = self._forecast, self._clock()
-        assert forecast is not None
-        assert self._frame is not None
-        gap, left = self._frame.gap, forecast.seconds_left(now)
-        rests = self._iteration > 0 and gap is not None and gap <= 1.0
-        self.bar.show_fraction(1.0 if rests else forecast.elapsed_fraction(now))
-        self.time_left.setText(_SEARCHING if rests else _UNKNOWN if left is None else time_left_text(left))
-        self.setVisible(now - forecast.start_moment >= _PATIENCE and not self._waits())

@@ -15,6 +15,7 @@ from apd_viewer.session.quantities.expressions import check_unambiguous, unambig
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 _UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to users
+_MOST_IN_SIGHT = 24  # entries of a list
 _QUOTED = 20  # characters quoted from invalid input
 
 
@@ -22,7 +23,7 @@ class ComboBox(QtWidgets.QComboBox):
     """Combo box ignoring the wheel, so that a panel can scroll over it."""
 
     def __init__(self, **properties: Any) -> None:
-        super().__init__(**properties)
+        super().__init__(maxVisibleItems=_MOST_IN_SIGHT, **properties)
         self.setItemDelegate(QtWidgets.QStyledItemDelegate(self))  # the style's own ignores the style sheet
         ignore_wheel(self)
 

@@ -445,7 +445,7 @@ def test_next_step_hint_knows_that_obstacles_suffice(qtbot, kept_window):
     kept_window.tools.choose_tool(Tool.BASE)
     assert "base" in kept_window.invitation.text()
     kept_window.actions_.simulate.obstacles.floor.trigger()
-    assert "obstacle" in kept_window.invitation.text()
+    assert "turn the view" in kept_window.invitation.text(), "from above its arrow cannot be dragged"
     kept_window.parts.choose_obstacle(None)
     assert kept_window.invitation.text() == "Click an obstacle to move it"
     kept_window.tools.choose_tool(Tool.BASE)

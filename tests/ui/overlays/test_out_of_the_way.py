@@ -62,10 +62,14 @@ def test_notice_offers_to_open_the_file_that_it_tells_of_and_no_other(qtbot, bot
 def test_notice_covers_nothing_else(qtbot, bottle, size):
     bottle.shell.resize(*size)
     show_area(qtbot, bottle)
+    bottle.tools.choose_tool(Tool.BASE)
     bottle.notice.show_failure("The mesh was not exported: the disk is full; free some space and try again.")
     bottle.actions_.select.by_expression.trigger()
     work_off()
-    for other in (bottle.invitation, bottle.display_options.cards, bottle.edits.text_entries.vertices):
+    card, bar = bottle.edits.text_entries.vertices, bottle.mode_bar
+    assert bar.isVisible()
+    assert not card.geometry().intersects(bar.geometry())
+    for other in (bottle.invitation, bottle.display_options.cards, card, bar):
         assert other.isHidden() or not bottle.notice.geometry().intersects(other.geometry())
     assert bottle.canvas.viewport.rect().contains(bottle.notice.geometry())
 

@@ -64,6 +64,9 @@ def test_plan_dialog_estimates_the_time_of_the_cases_from_the_shape_that_was_sol
         dialog.engine.processes.setValue(1)
         return dialog, dialog.message.text()
 
+    state = bar.session.store.state
+    bar.session.files.open_result("mesh", lambda: state)
+    idle(qtbot, bar)
     dialog, opened = said()
     assert opened == "", "the pace of a shape that was only opened is not known"
     dialog.close()

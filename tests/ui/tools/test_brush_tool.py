@@ -147,7 +147,7 @@ def test_brush_tool_says_that_a_stroke_has_begun_closely_beside_the_surface(view
     low = view.camera_controller.camera.project(surface.U)[:, 0].min()
     for x, expected in ((low - 60, 0), (low - 8, 1), (low + 30, 1)):
         at = QPointF(x, view.height() / 2)
-        assert (surface.hit(at) is not None) is (x > low)
+        assert (surface.hit(at) is not None) == (x > low)
         mouse(view).drag(at, at)
         assert len(missed) == expected
 

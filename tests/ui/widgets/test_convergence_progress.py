@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMainWindow
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.ui.panel.status_bar import ConvergenceProgress
+from apd_viewer.ui.widgets.convergence_progress import ConvergenceProgress
 
 
 class Solving:
