@@ -286,8 +286,8 @@ class Workbench(QObject):
             self.status.show_session(self.session)
 
     def _escape(self) -> None:
-        entries = self.edits.text_entries
-        if not (self.help.close() or self.findings.close() or entries.close() or self.notice.dismiss()):
+        closings = self.help.close, self.findings.close, self.edits.text_entries.close
+        if not any(close() for close in (*closings, self.notice.dismiss_failure)):
             self.tools.choose_tool(Tool.ORBIT)
 
     def view(self) -> View:

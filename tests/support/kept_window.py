@@ -166,7 +166,11 @@ class KeptWindow:
         for each, on in sorted(self._checked.items(), key=lambda item: -item[1]):  # of one of several the one
             if isValid(each) and each.isChecked() != on:
                 each.setChecked(on)
-        window.display_options.overlay.scales.clear()
+        looks = window.display_options  # its switches are off where the mesh has nothing of the kind
+        looks.show_file_colors(False)
+        looks.show_textures(False)
+        looks.show_target(True)
+        looks.overlay.scales.clear()
         Mouse(window.display_options.legend).double_click((0, 0))  # puts the cards back
         window.actions_.display.no_overlay.trigger()
         window.display_options.cutting_plane.slider.setValue(

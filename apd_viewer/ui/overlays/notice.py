@@ -141,10 +141,11 @@ class Notice(QFrame):
         elif self.text == before:
             self.hide()
 
-    def dismiss(self) -> bool:
-        """Hide the message; True if there was one."""
-        shown = not self.isHidden()
-        self.hide()
+    def dismiss_failure(self) -> bool:
+        """Hide a failure, which stays until then; True if there was one."""
+        shown = not self.isHidden() and self._kind == "failure"
+        if shown:
+            self.hide()
         return shown
 
     def set_theme(self, theme: Theme) -> None:

@@ -117,9 +117,9 @@ class WallFields(QWidget):
         typed = self.value.usable_thickness(self._unit)
         across, symbol = (known.thickness, "mm") if typed is None else (typed, self._unit.symbol)
         amounts = known.density, known.young, known.poisson, known.yield_radius(across)
-        for field, amount, unit in zip(self._own, amounts, (" g/cm³", "GPa", "", symbol), strict=True):
+        for field, amount, unit in zip(self._own, amounts, ("g/cm³", "GPa", "", symbol), strict=True):
             digits = _DIGITS if field is self.yield_radius else 6
-            field.setText("" if amount is None else f"{format_editable(amount, digits)}{unit}")
+            field.setText("" if amount is None else f"{format_editable(amount, digits)} {unit}".strip())
 
     def _choose(self) -> None:
         is_custom = self.material.currentData() is None
@@ -138,7 +138,7 @@ class WallFields(QWidget):
         """Make the usual thickness of the former material a typed one."""
         known = self._typed.material
         if known is not None and not self.thickness.text().strip():
-            self._kept = f"{format_editable(known.thickness)}mm"
+            self._kept = f"{format_editable(known.thickness)} mm"
             self.thickness.setText(self._kept)
 
     def _enter(self) -> None:

@@ -197,9 +197,10 @@ class PlanDialog(QDialog):
         rate = self.engine.local_processes / self._step_seconds if self._step_seconds else 0.0
         if not cases or not rate:
             return ""
-        seconds = float(f"{cases * self.steps.value() / rate:.1g}")
-        said = tr("Roughly {time}, judged by the shape on screen.")
-        return said.format(time=duration_text(seconds))
+        seconds = cases * self.steps.value() / rate
+        unit = next(unit for unit in (1.0, 60.0, 3600.0) if seconds < 100.0 * unit or unit == 3600.0)
+        said = tr("Roughly {time}, if each step takes as long as the shape on screen did.")
+        return said.format(time=duration_text(unit * float(f"{seconds / unit:.1g}")))
 
     def _preview_end(self, name: str, upper: bool) -> None:
         """Preview one end of a range on the mesh."""

@@ -52,15 +52,15 @@ def test_wall_fields_give_the_mass_as_soon_as_a_material_is_chosen(bottle, field
     choose(fields, PET)
     assert room.mass.text() == f"{area * 0.03 * 1.36:.2f}\xa0g"
     assert fields.thickness.placeholderText() == "0.3\xa0mm"
-    assert texts(fields) == ["1.36 g/cm³", "3.4GPa", "0.38", "0.857cm"]
+    assert texts(fields) == ["1.36 g/cm³", "3.4 GPa", "0.38", "0.857 cm"]
     assert "Callister" in fields.source.text()
     assert not fields.density.isVisible(), "they follow from the material"
     type_into(fields.thickness, "0.25mm")
     assert room.mass.text() == f"{area * 0.025 * 1.36:.2f}\xa0g"
     assert fields.value == WallText("0.25mm", material=PET)
-    assert fields.yield_radius.text() == "0.714cm"
+    assert fields.yield_radius.text() == "0.714 cm"
     bottle.choose_unit(MM)
-    assert fields.yield_radius.text() == "7.14mm"
+    assert fields.yield_radius.text() == "7.14 mm"
 
 
 def test_wall_fields_make_a_material_of_the_users_own_of_what_is_typed(bottle, fields):
@@ -68,7 +68,7 @@ def test_wall_fields_make_a_material_of_the_users_own_of_what_is_typed(bottle, f
     fields.heading.click()
     type_into(fields.density, "1.2")
     assert fields.material.currentText() == "Custom"
-    assert fields.value == WallText("0.5mm", "1.2", "1.08GPa", "0.42", "0.926cm")
+    assert fields.value == WallText("0.5 mm", "1.2", "1.08 GPa", "0.42", "0.926 cm")
     assert not fields.source.isVisible()
     choose(fields, PET)
     assert fields.value == WallText(material=PET), "nobody has typed the thickness"
@@ -77,7 +77,7 @@ def test_wall_fields_make_a_material_of_the_users_own_of_what_is_typed(bottle, f
 def test_wall_fields_leave_a_wall_of_the_users_own_as_it_stands(fields):
     choose(fields, PET)
     choose(fields, None)
-    assert fields.value == WallText("0.3mm", "1.36 g/cm³", "3.4GPa", "0.38", "0.857cm")
+    assert fields.value == WallText("0.3 mm", "1.36 g/cm³", "3.4 GPa", "0.38", "0.857 cm")
     assert fields.density.isVisible()
 
 

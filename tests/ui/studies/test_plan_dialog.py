@@ -15,7 +15,6 @@ from study_driving import click, finished, press_row, tick
 from apd_viewer.cases.case_file import read_case
 from apd_viewer.cases.local_pool import core_count
 from apd_viewer.errors import InputError
-from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.studies.engine_fields import SchedulerCheck, host_and_port
 from apd_viewer.ui.studies.study_run import PLAN_FILE, RUN_FILE, scheduler_option, stored_options
@@ -73,9 +72,11 @@ def test_plan_dialog_estimates_the_time_of_the_cases_from_the_shape_that_was_sol
     bar.session.handles.move_by(MOTIONS["TWIST"], "10deg", 0)
     idle(qtbot, bar)
     dialog, solved = said()
-    assert re.fullmatch("Roughly .+, judged by the shape on screen.", solved)
+    pattern = r"Roughly (\d)0* (s|min|h)( 0 min)?, if each step takes as long as the shape on screen did\."
+    digit, unit, _ = re.fullmatch(pattern, solved).groups()
     seconds = bar.session.store.state.frame.iteration * bar.session.store.seconds_per_iteration
-    assert duration_text(float(f"{1000 * 10 * seconds:.1g}")) in solved
+    exact = 1000 * 10 * seconds / {"s": 1, "min": 60, "h": 3600}[unit]
+    assert f"{exact:.1g}"[0] == digit
     dialog.steps.setValue(1)
     assert dialog.message.text() != solved
     dialog.engine.where.setCurrentIndex(1)

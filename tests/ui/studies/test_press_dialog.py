@@ -395,11 +395,14 @@ def test_press_dialog_presses_with_the_material_of_the_panel(asked):
 def test_press_dialog_presses_with_a_wall_of_the_users_own(asked):
     ask, options = asked
     wall = WallText("0.4mm", "0.96 g/cm³", "1.08GPa", "0.42", "9.26mm")
-    said = options(ask(*box(1, 2, 4), unit="cm", wall=wall))
+    dialog = ask(*box(1, 2, 4), unit="cm", wall=wall)
+    said = options(dialog)
     assert said.material is None
     assert (said.young, said.poisson) == ("1.08GPa", "0.42")
     lengths = [float(text) for text in (said.thickness, said.density, said.yield_radius)]
     assert lengths == pytest.approx([0.04, 0.96, 0.926])
+    dialog.method.setCurrentIndex(dialog.method.findData("wall"))
+    assert options(dialog).yield_radius is None, "that method keeps no creases"
 
 
 def test_press_dialog_leads_to_the_fields_of_the_wall_and_takes_what_is_chosen_there(qtbot, window, ball):
