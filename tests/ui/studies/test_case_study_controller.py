@@ -267,11 +267,11 @@ def test_case_study_controller_asks_about_work_that_is_not_in_the_study_before_o
     bar.session.gestures.undo()
     assert bar.session.store.state.document is own
     bar.session.handles.move_by(MOTIONS["TWIST"], "5deg", 0)
-    before = bar.session.store.state
+    before = bar.session.store.state.document
     press_row(results, 1)
     work_off()
     assert asked == [1]
-    assert bar.session.store.state is before
+    assert bar.session.store.state.document is before
 
 
 def test_results_panel_opens_the_case_of_a_clicked_dot_and_adds_curves_by_control(qtbot, bar, results):
