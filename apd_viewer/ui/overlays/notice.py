@@ -180,8 +180,7 @@ class Notice(QFrame):
         start, span = free_span(canvas)
         room = max(120, min(_WIDEST, span - 2 * _MARGIN - 80 - aside))
         width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
-        # heightForWidth() would return at least the minimum height set for the previous text.
-        self._text.setMinimumSize(0, 0)
+        self._text.setMinimumSize(0, 0)  # heightForWidth() returns at least the minimum height
         self._text.setMaximumSize(_UNBOUNDED, _UNBOUNDED)
         self._text.setFixedSize(width, self._text.heightForWidth(width))
         self._row.activate()
@@ -224,6 +223,7 @@ class CanvasHint(QLabel):
         canvas = self._canvas
         words = self.fontMetrics().horizontalAdvance(self.text())
         width = min(words + 2 * _INVITATION_PADDING, canvas.width() - 2 * _MARGIN)
+        self.setMinimumSize(0, 0)  # heightForWidth() returns at least the minimum height
         self.setFixedSize(width, self.heightForWidth(width))
         self.move((canvas.width() - width) // 2, canvas.height() - self.height() - 2 * _MARGIN)
 
