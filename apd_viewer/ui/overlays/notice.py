@@ -32,6 +32,7 @@ _CLOSE = 34  # px: size of a notice's close button
 SECTION_PROPERTY = "manualSection"  # property that names the manual section of a detached widget
 _UNBOUNDED = 16_777_215  # QWIDGETSIZE_MAX, Qt's largest widget size
 _INVITATION_PADDING = 20
+_NARROWEST = 120  # px: room that a sentence has at least
 _READING_TIME = 7000  # ms a message is shown; failures stay until dismissed
 
 
@@ -66,7 +67,7 @@ class Notice(QFrame):
         )
         self.close_button.setProperty(SECTION_PROPERTY, type(self).__name__)
         self.close_button.clicked.connect(self.hide)
-        self._file = Path()
+        self._file, self._offers_file = Path(), False
         self._file_buttons = self._make_file_buttons(canvas)
         self._row = row_layout(self._symbol, (self._text, 1), margins=(12, 8, 8 + _CLOSE, 8), parent=self)
         self.timer = QTimer(self, singleShot=True, interval=_READING_TIME, timeout=self.hide)
@@ -120,10 +121,9 @@ class Notice(QFrame):
 
     def offer_file(self, path: Path) -> None:
         """Offer to open the file that the message on screen tells of, or its folder."""
-        self._file = path
-        self._file_buttons.show()
-        self._file_buttons.raise_()
+        self._file, self._offers_file = path, True
         self._place()
+        self._file_buttons.raise_()
 
     def show_failure(self, sentence: str) -> None:
         """Show and log a failure until dismissed or replaced."""
@@ -159,7 +159,7 @@ class Notice(QFrame):
         self._text.setText(sentence)
         set_style_property(self, "kind", kind)
         self._draw_symbol()
-        self._file_buttons.hide()
+        self._offers_file = False
         self.show()
         self.close_button.show()
         self.raise_()
@@ -174,11 +174,13 @@ class Notice(QFrame):
         if self.isHidden():
             return
         canvas, buttons = self._canvas, self._file_buttons
+        start, span = free_span(canvas)
+        room = span - 2 * _MARGIN - 80
+        buttons.setVisible(self._offers_file and room - buttons.sizeHint().width() >= _NARROWEST)
         buttons.adjustSize()
         aside = 0 if buttons.isHidden() else buttons.width() + 8
         self._row.setContentsMargins(12, 8, 8 + _CLOSE + aside, 8)
-        start, span = free_span(canvas)
-        room = max(120, min(_WIDEST, span - 2 * _MARGIN - 80 - aside))
+        room = max(_NARROWEST, min(_WIDEST, room - aside))
         width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
         self._text.setMinimumSize(0, 0)  # heightForWidth() returns at least the minimum height
         self._text.setMaximumSize(_UNBOUNDED, _UNBOUNDED)

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QGridLayout, QLabel
 
 from apd_viewer.errors import InputError
-from apd_viewer.language import comma_separated, tr
+from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
@@ -127,12 +127,10 @@ class SizeSection(Section):
         self._show_summary()
 
     def _show_summary(self) -> None:
-        """Show mass and smallest box in the heading, while it is folded."""
+        """Show the mass, or else the smallest box, in the heading while it is folded."""
         change, mass = self.packed_change.text(), self.mass.text()
         box = tr("smallest box {change}").format(change=change) if change else ""
-        self.heading.show_reading(
-            comma_separated(filter(None, ("" if mass == readings.NO_VALUE else mass, box))), only_folded=True
-        )
+        self.heading.show_reading(box if mass == readings.NO_VALUE else mass, only_folded=True)
 
     def _show_mass(self) -> None:
         wall = self.wall_fields.value
