@@ -119,6 +119,7 @@ def test_timeline_player_measures_later_regions_on_earlier_steps(plates):
     assert plates.gestures.history.undo_names == undo
 
 
+@pytest.mark.night
 def test_timeline_player_goes_on_where_a_wall_gives_way_once_it_has_come_to_rest(empty):
     tall = Mesh(*tube(16, 12))
     empty.show_now(tall)

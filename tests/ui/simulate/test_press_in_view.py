@@ -167,6 +167,7 @@ def test_press_in_view_pauses_goes_on_and_stops(qtbot, window):
     assert len(steps(window)) < 50
 
 
+@pytest.mark.night
 def test_press_in_view_opens_the_plates_and_keeps_the_crushed_shape(qtbot, window):
     panel = pressed(qtbot, window)
     crushed = window.session.store.state
