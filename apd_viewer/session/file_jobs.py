@@ -1,6 +1,6 @@
 """Opening and writing files in the background."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -143,15 +143,18 @@ class FileJobs:
 
         self._write(path, write)
 
-    def export_timeline(self, path: str | Path, timeline: Timeline) -> None:
-        """Export the steps of a timeline as a table or an animation, in the background."""
+    def export_timeline(self, path: str | Path, timeline: Timeline, newtons: Sequence[float]) -> None:
+        """Export a timeline as a table or an animation, in the background.
+
+        ``newtons`` are those per load, for each step; NaN where unknown.
+        """
         path = Path(path)
 
         def write() -> str:
             # Imported here so that the first picture does not wait for numba.
             from apd_viewer.session.storage.timeline_file import write_timeline
 
-            write_timeline(timeline, path)
+            write_timeline(timeline, path, newtons)
             return tr("Saved {name}.").format(name=path.name)
 
         self._write(path, write)

@@ -1,6 +1,7 @@
 """Files of a timeline: its readings as a table, its shapes as an animation."""
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +13,22 @@ from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 
-_COLUMNS = "step", "distance", "deflection", "load_low", "load_high", "volume", "area_error", "settled"
-
-
+# Named as those of a press.
+_COLUMNS = (
+    *("step", "distance", "deflection", "load_low", "load_high", "volume", "volume_capped"),
+    *("area_error", "settled", "load_low_newton", "load_high_newton"),
+)
 _TABLE = ".csv"
 TIMELINE_FORMATS = (_TABLE, *ANIMATION_FORMATS)
 
 
-def write_timeline(timeline: Timeline, path: Path) -> None:
+def write_timeline(timeline: Timeline, path: Path, newtons: Sequence[float]) -> None:
     """Write readings or shapes of all steps, in the format of the suffix.
+
+    Parameters
+    ----------
+    newtons : sequence of float
+        Per load, for each step; NaN where unknown.
 
     Raises
     ------
@@ -28,7 +36,9 @@ def write_timeline(timeline: Timeline, path: Path) -> None:
         If the file cannot be written.
     """
     if path.suffix.lower() == _TABLE:
-        write_table(path, _COLUMNS, [[k, *_row(step.state)] for k, step in enumerate(timeline.steps)])
+        pairs = zip(timeline.steps, newtons, strict=True)
+        rows = [[k, *_row(step.state, each)] for k, (step, each) in enumerate(pairs)]
+        write_table(path, _COLUMNS, rows)
         return
     check_animation(path)
     last = timeline.steps[-1].state.document
@@ -40,9 +50,9 @@ def write_timeline(timeline: Timeline, path: Path) -> None:
         write_animation(Animation(last.mesh, last.labels, last.member, files, times), path)
 
 
-def _row(state: State) -> list[float]:
-    """Readings of a step; NaN for those unknown."""
+def _row(state: State, newtons: float) -> list[float | None]:
+    """Readings of a step; None or NaN for those unknown."""
     pair, frame = plate_pair(state.document), state.frame
-    volume = frame.volume_capped if state.inspection.volume_capped is not None else frame.volume
-    plates = [np.nan] * 4 if pair is None else pair.reading(state)
-    return [*plates, np.nan if volume is None else volume, frame.area_error, float(frame.settled)]
+    plates = [np.nan] * 4 if pair is None else list(pair.reading(state))
+    forces = [newtons * load for load in plates[-2:]]
+    return [*plates, frame.volume, frame.volume_capped, frame.area_error, float(frame.settled), *forces]

@@ -225,7 +225,9 @@ class PressController(QObject):
         proposed = self._memory.last_folder / f"{mesh.stem}-timeline.csv"
         path = file_dialogs.ask_for_format(self.panel, tr("Export timeline"), proposed, TIMELINE_FORMATS)
         if path is not None:
-            self._session.files.export_timeline(path, self._timeline)
+            found = [self.charts.newtons(step.state) for step in self._timeline.steps]
+            newtons = [np.nan if each is None else each.newtons_per_load for each in found]
+            self._session.files.export_timeline(path, self._timeline, newtons)
 
     # Display
 

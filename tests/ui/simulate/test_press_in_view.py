@@ -190,6 +190,8 @@ def test_press_in_view_refuses_what_plates_cannot_do(qtbot, window):
 
 
 def test_press_in_view_exports_a_table_and_an_animation(qtbot, window, tmp_path, monkeypatch):
+    window.session.store.unit = Unit.CENTIMETRE
+    window.panel.measures.show_wall(WallText("0.3mm", material=WALL_MATERIALS[0]))
     panel = pressed(qtbot, window)
     for name in ("steps.csv", "steps.glb"):
         path = tmp_path / name
@@ -200,6 +202,10 @@ def test_press_in_view_exports_a_table_and_an_animation(qtbot, window, tmp_path,
     readings = [plate_pair(step.state.document).reading(step.state) for step in steps(window)]
     assert [float(row["load_low"]) for row in rows] == [one.load_low for one in readings]
     assert [float(row["volume"]) for row in rows] == [step.state.frame.volume for step in steps(window)]
+    factor = window.press.charts.newtons(steps(window)[-1].state).newtons_per_load
+    newtons = [float(row["load_high_newton"]) for row in rows]
+    assert newtons == pytest.approx([factor * one.load_high for one in readings])
+    assert {row["volume_capped"] for row in rows} == {""}, "the mesh is closed"
     assert (tmp_path / "steps.glb").stat().st_size > 10_000
 
 
