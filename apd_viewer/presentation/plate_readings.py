@@ -62,7 +62,7 @@ def _load(state: State, newtons: NewtonConversion | None) -> ReadingText:
     if newtons is None:
         return ReadingText(tr("Load"), format_significant(load, 4), note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
     text = tr("{force} N").format(force=format_significant(newtons.newtons_per_load * load, 3))
-    off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(0.0))
+    off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor())
     return ReadingText(tr("Load"), text, off or note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
 
 

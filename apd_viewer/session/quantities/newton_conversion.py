@@ -58,13 +58,14 @@ class NewtonConversion:
         """True if the model bends and stretches like the wall itself."""
         return math.isclose(self.pressed_stiffness, self.stiffness, rel_tol=1e-6)
 
-    def underestimate_factor(self, stretching: float) -> float:
+    def underestimate_factor(self, stretching: float = _ROOT) -> float:
         """Largest factor by which newtons may be too low; less than 1 if too high.
 
         It is 1 where a shape need not stretch. Where it has to, loads are in proportion to the root of
         ``D E t`` or so: that of a sphere is [Reissner 1946]; sharp folds stretch less, and a tube along its
         axis, while it is straight, more. So the power of the ratio of the two stiffnesses is a half, or the
-        share ``stretching`` of the energy, at the stiffness of the model, if that is more.
+        share ``stretching`` of the energy, at the stiffness of the model, if that is more. Where the share is
+        not known, what cannot be unrolled counts as stretched.
         """
         forced = self.curvature > _CURVED and stretching > _STRETCHED
         if not (forced or stretching > _ROOT):

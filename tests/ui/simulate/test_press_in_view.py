@@ -221,6 +221,10 @@ def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch)
     assert reading(window, "Load")[0].endswith(" N")
     assert float(reading(window, "Load")[0][:-2]) == pytest.approx(newtons.newtons_per_load * bare, 0.01)
     assert drawn(window.press.charts.load_chart())[1][0].endswith(" N")
+    # A closed shape cannot be unrolled, so a wall much thinner than its cells is much stiffer.
+    factor = newtons.underestimate_factor()
+    assert factor > 2.0
+    assert reading(window, "Load")[1] == f"up to {factor:.2g} times too low"
 
 
 def test_press_in_view_reads_newtons_of_the_method_wall_as_thick_as_it_is(window):
