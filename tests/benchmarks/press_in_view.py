@@ -14,7 +14,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from PySide6.QtCore import QSettings
+from PySide6.QtCore import QEventLoop, QSettings
 
 from apd_viewer.files.samples import resource_path
 from apd_viewer.ui.application import make_application
@@ -40,11 +40,16 @@ class Press:
 
     def until(self, done) -> None:
         while not done():
-            self.application.processEvents()
+            self.handle_events()
+
+    def handle_events(self) -> None:
+        """Sleep until there are events, as a window does, and handle them."""
+        self.application.processEvents(QEventLoop.ProcessEventsFlag.WaitForMoreEvents)
 
     def wait(self, seconds: float) -> None:
         end = time.perf_counter() + seconds
-        self.until(lambda: time.perf_counter() > end)
+        while time.perf_counter() < end:
+            self.application.processEvents()
 
     def press(self, steps: int) -> None:
         drawn, last, store = 0, None, self.window.session.store
@@ -52,7 +57,7 @@ class Press:
         began, draws = time.perf_counter(), self.view.draw_count
         self.panel.press.click()
         while self.player.is_playing:
-            self.application.processEvents()
+            self.handle_events()
             if self.view.draw_count != draws:
                 drawn += store.state.frame.U is not last
                 last, draws = store.state.frame.U, self.view.draw_count

@@ -44,8 +44,14 @@ class ThinBar(QProgressBar):
 
     def show_fraction(self, fraction: float | None) -> None:
         """Show the completed fraction of the work; None if unknown."""
-        self.setMaximum(0 if fraction is None else _SCALE)
-        self.setValue(round(_SCALE * (fraction or 0.0)))
+        maximum, value = (0, 0) if fraction is None else (_SCALE, round(_SCALE * fraction))
+        if (maximum, value) == (self.maximum(), self.value()):
+            return
+        # QProgressBar draws each new value at once, and the whole window is composed once more for it.
+        self.setUpdatesEnabled(False)
+        self.setMaximum(maximum)
+        self.setValue(value)
+        self.setUpdatesEnabled(True)
 
     def event(self, event: QEvent) -> bool:
         """Stop the busy animation once progress is known; slow it if cursors do not blink."""
