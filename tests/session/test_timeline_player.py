@@ -12,7 +12,7 @@ from apd_viewer.session.state_store import Activity
 
 pytestmark = pytest.mark.usefixtures("processes")
 X = np.eye(3)[0]
-STIFFNESS, STEPS, TO = 0.001, 3, 1.4
+STIFFNESS, STEPS, TO = 0.001, 3, 1.7
 
 
 @pytest.fixture

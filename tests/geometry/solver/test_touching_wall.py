@@ -84,10 +84,9 @@ def section(U, T):
     return 0.5 * abs((middle * normals).sum() - ((middle @ axis) * (normals @ axis)).sum())
 
 
-@pytest.mark.parametrize("kind", RINGS)
-def test_press_flattens_a_thin_ring_with_the_load_of_theory(kind):
+def test_press_flattens_a_thin_ring_with_the_load_of_theory():
     """At a radius of 100 thicknesses cells would carry 1.4 to 1.75 times as much, by how the rows lie."""
-    check_ring(*RINGS[kind](60), 100, 1.0, 3, load=0.02, volume=0.005)
+    check_ring(*RINGS["irregular"](60), 100, 1.0, 3, load=0.02, volume=0.005)
 
 
 @pytest.mark.night
