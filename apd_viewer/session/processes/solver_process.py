@@ -117,6 +117,7 @@ class SolverProcess:
         if self.is_alive:  # if the process has just ended, the listening thread reports it
             self._process.send_messages(message)
         if not self.is_alive:
+            self.join()  # it may be reading the shared memory until it has ended
             self._discard_shared_arrays()
         return self.is_alive
 

@@ -18,8 +18,10 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import targets_of
 from apd_viewer.session.model.handles_and_regions import Handle, NamedRegion
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.processes import solver_worker as worker_module
+from apd_viewer.session.processes import array_pipe, solver_worker as worker_module
+from apd_viewer.session.processes.child_process import ChildProcess
 from apd_viewer.session.processes.request_and_reply import Reply, Request
+from apd_viewer.session.processes.shared_memory import SharedArraysReader
 from apd_viewer.session.processes.solver_process import SolverProcess
 from apd_viewer.session.processes.solver_worker import SolverWorker
 
@@ -233,3 +235,32 @@ def test_solver_worker_ends_with_targets_that_come_later_where_it_would_with_ear
     assert first.converged
     assert np.allclose(later.regions, first.regions, rtol=1e-9)
     assert np.abs(later.U - first.U).max() < 2e-2
+
+
+def test_solver_process_keeps_what_was_sent_until_its_process_has_ended(monkeypatch):
+    """It may be ended while it reads: what lies in shared memory stays until then."""
+    reading, read = threading.Event(), []
+
+    def read_late(name):
+        reading.set()
+        eventually(lambda: process.is_dismissed)
+        time.sleep(0.1)
+        read.append(SharedArraysReader(name))
+        return read[0]
+
+    monkeypatch.setattr(array_pipe, "SharedArraysReader", read_late)
+    monkeypatch.setattr(array_pipe, "LEAST_SHARED_BYTES", 1)
+    process = SolverProcess(*[lambda *_: None] * 5)
+    send_messages = ChildProcess.send_messages
+
+    def send_and_end(child, *messages):
+        sent = send_messages(child, *messages)
+        reading.wait(LONG)
+        process.dismiss()
+        eventually(lambda: not process.is_alive)
+        return sent
+
+    monkeypatch.setattr(ChildProcess, "send_messages", send_and_end)
+    assert not process.send_request(request(), ())
+    process.join()
+    assert len(read) == 1
