@@ -219,6 +219,7 @@ def test_mutants_that_are_killed_and_survivors_are_told_apart(tiny, change, func
     assert verdict_on(tiny, change, function) == (outcome, test)
 
 
+@pytest.mark.night
 def test_mutants_that_hang_are_ended(tiny):
     assert verdict_on(tiny, "!= -> ==", "sign", seconds=2.0)[0] == "broken off"
 

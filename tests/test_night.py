@@ -111,6 +111,7 @@ def suite(text):
     git("commit", "--quiet", "--message", "A suite")
 
 
+@pytest.mark.night
 def test_night_that_has_passed_writes_its_results(folder):
     suite(SUITE)
     assert run("lint", "suite") == 0

@@ -48,6 +48,7 @@ def test_case_session_shows_results_as_they_were(old):
         assert state.document.settings.contact is False
 
 
+@pytest.mark.night
 def test_study_goes_on_from_half_done_to_what_it_would_have_given(old, capsys):
     before = rows(old / "results.csv")
     plan = old / "plan.csv"

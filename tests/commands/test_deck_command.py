@@ -52,7 +52,9 @@ def where_ours_are(path):
 
 
 @needs_ccx
-@pytest.mark.parametrize(("element", "size"), [("S3", (24, 26)), ("S6", (10, 4))])
+@pytest.mark.parametrize(
+    ("element", "size"), [pytest.param("S3", (24, 26), marks=pytest.mark.night), ("S6", (10, 4))]
+)
 def test_deck_of_a_tube_twisted_in_two_steps_is_computed_by_calculix(deck, tmp_path, element, size):
     V, F = tube(*size)
     mesh = bar(tmp_path, V, F)

@@ -19,12 +19,12 @@ STROKES = [
 ]
 
 SOME_STROKES = {"rabbit": slice(None), "seams": slice(6), "bare": slice(3, 6)}
-
-
+OUTLINES = SelectionMode.BOX, SelectionMode.LASSO, SelectionMode.POLYGON, SelectionMode.SLAB
 LONG = {
     *(("bent", mode) for mode in SelectionMode if mode is not SelectionMode.BRUSH),
     ("cup", SelectionMode.LASSO),
     ("cup", SelectionMode.POLYGON),
+    *((name, mode) for name in ("seams", "pieces", "bare") for mode in OUTLINES[1:]),
 }
 
 

@@ -128,6 +128,7 @@ def begin(dialog, folder, count=CASES):
     click(dialog.start)
 
 
+@pytest.mark.night
 def test_case_study_controller_runs_a_study(qtbot, bar, dialog, home):
     cases, studied = bar.case_studies, home / "mesh-study"
     shutil.rmtree(studied, ignore_errors=True)  # of a test before
