@@ -18,6 +18,7 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
+from apd_viewer.ui.scene.surface_shading import Finish
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.brush_tool import DEFAULT_RADIUS
@@ -173,6 +174,7 @@ class KeptWindow:
         looks.overlay.scales.clear()
         Mouse(window.display_options.legend).double_click((0, 0))  # puts the cards back
         window.actions_.display.no_overlay.trigger()
+        window.actions_.display.finishes[Finish.CLAY].trigger()
         window.display_options.cutting_plane.slider.setValue(
             window.display_options.cutting_plane.slider.maximum() // 2
         )

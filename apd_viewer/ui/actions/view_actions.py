@@ -17,7 +17,7 @@ from apd_viewer.ui.actions.window_menus import WindowMenus
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
-from apd_viewer.ui.scene.surface_shading import Shading
+from apd_viewer.ui.scene.surface_shading import Finish, Shading
 from apd_viewer.ui.tools.canvas import Canvas
 
 _SCHEMES = (
@@ -113,6 +113,14 @@ class ViewActions:
         self._menu.insertSeparator(self._appearance.menuAction())
 
 
+_FINISHES = (
+    (tr("&Clay"), Finish.CLAY, tr("Show the mesh as if it were made of clay")),
+    (tr("&PET"), Finish.PET, tr("Show the mesh as if it were made of clear PET, with its inside")),
+    (tr("&Foil"), Finish.FOIL, tr("Show the mesh as if it were made of foil")),
+    (tr("F&abric"), Finish.FABRIC, tr("Show the mesh as if it were made of fabric")),
+)
+
+
 _VIEWS = (
     (trc("view", "Front"), "look-front", tr("View the mesh from the front"), "1", "front"),
     (trc("view", "Right"), "look-right", tr("View the mesh from the right"), "3", "side"),
@@ -194,6 +202,12 @@ class DisplayActions:
         self._looks = display_options
         self._make_measures(maker)
         self._make_checkable_actions(maker)
+        self.finishes = {}
+        for title, finish, tip in _FINISHES:
+            name = f"finish:{finish.value}"
+            choose = partial(display_options.choose_finish, finish)
+            self.finishes[finish] = maker.make(name, title, name.replace(":", "-"), tip, None, choose)
+        maker.make_exclusive(self.finishes.values())
         self._follow()
 
     def _make_measures(self, maker: ActionMaker) -> None:
@@ -276,6 +290,7 @@ class DisplayActions:
         for each, action in self.measures.items():
             action.setEnabled(each in offered)
         (self.no_overlay if measure is None else self.measures[measure]).setChecked(True)
+        self.finishes[self._looks.finish].setChecked(True)
 
     def fill(self, menu: QMenu) -> None:
         """Add these actions and a submenu of them to a menu."""
@@ -285,3 +300,6 @@ class DisplayActions:
         self.overlay.addActions(self.extremes)
         menu.addSeparator()
         menu.addActions(list(self.switches.values()))
+        finish = menu.addMenu(tr("F&inish"))
+        finish.addActions(list(self.finishes.values()))
+        finish.setToolTipsVisible(True)

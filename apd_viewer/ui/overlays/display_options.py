@@ -19,7 +19,7 @@ from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
-from apd_viewer.ui.scene.surface_shading import AMBER_GLASS_SHADER
+from apd_viewer.ui.scene.surface_shading import AMBER_GLASS_SHADER, Finish
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.turntable import Turntable
 from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
@@ -96,6 +96,16 @@ class DisplayOptions:
         self._canvas.surface.texture = self._texture if on else None
         self._keep()
 
+    @property
+    def finish(self) -> Finish:
+        """Finish of the mesh."""
+        return self._canvas.surface.finish
+
+    def choose_finish(self, finish: Finish) -> None:
+        """Show the mesh in a finish."""
+        self._canvas.surface.set_finish(finish)
+        self._keep()
+
     def set_turntable_running(self, on: bool) -> None:
         """Start or stop the turntable."""
         self.turntable.running = on
@@ -140,6 +150,8 @@ class DisplayOptions:
         self.ground.visible = looks.get("ground") == "on"
         self.shows_file_colors = looks.get("file_colors") == "on"
         self.shows_textures = looks.get("textures") == "on"
+        if looks.get("finish") in {finish.value for finish in Finish}:
+            self._canvas.surface.set_finish(Finish(looks["finish"]))
         self._canvas.coloring.show_file_colors(self.shows_file_colors)
 
     def _keep(self) -> None:
@@ -153,6 +165,7 @@ class DisplayOptions:
             "ground": "on" if self.ground.visible else "",
             "file_colors": "on" if self.shows_file_colors else "",
             "textures": "on" if self.shows_textures else "",
+            "finish": self.finish.value,
         }
         for scale in self.overlay.scales.values():
             if scale.fits_any_size:

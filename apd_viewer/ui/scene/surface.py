@@ -13,7 +13,7 @@ from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.presentation.color_maps import ColorMap
 from apd_viewer.ui.scene import surface_shading
-from apd_viewer.ui.scene.surface_shading import Shading, SurfaceArrays
+from apd_viewer.ui.scene.surface_shading import Finish, Shading, SurfaceArrays
 from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ class Surface:
         Positions as shown, read-only; what picking uses.
     color_map : ColorMap or None
         In which values are shown instead of the paint.
+    finish : Finish
+        In which the paint is shown.
     revision : int
         Counts changes of ``surface_index`` and ``U``.
     shape_revision : int
@@ -63,7 +65,7 @@ class Surface:
         self._box: tuple[float, ...] = ()
         self._boxes: np.ndarray | None = None  # boxes for picking, computed at the first ray
         self.arrays = SurfaceArrays(_NOTHING, np.zeros((1, 4), dtype=np.uint8))
-        self._shading = Shading.FILE
+        self._shading, self.finish = Shading.FILE, Finish.CLAY
         self._texture: Texture | None = None
         self._mapper = vtkPolyDataMapper()
         self._mapper.SetScalarModeToUsePointFieldData()
@@ -79,6 +81,7 @@ class Surface:
         self.color_map: ColorMap | None = None
         surface_shading.shade(self._actor)
         viewport.pre_draw.append(self._match_view)
+        self._inside = surface_shading.InsideActor(viewport.renderer, self._actor)
         viewport.renderer.AddActor(self._actor)
         viewport.renderer.AddLight(surface_shading.headlight())
         viewport.pick_point = self.point_under
@@ -206,8 +209,16 @@ class Surface:
         self._shade()
         self._viewport.update()
 
+    def set_finish(self, finish: Finish) -> None:
+        """Show the surface in a finish, unless values are shown."""
+        self.finish = finish
+        self._shade()
+        self._viewport.update()
+
     def _shade(self) -> None:
-        surface_shading.shade(self._actor, self.color_map, inside=self._cut is not None)
+        finish = self.finish if self.color_map is None else Finish.CLAY
+        surface_shading.shade(self._actor, self.color_map, self._cut is not None, finish)
+        self._inside.set_finish(finish)
 
     @property
     def has_normals(self) -> bool:
@@ -250,7 +261,9 @@ class Surface:
 
     def _match_view(self) -> None:
         camera = self._viewport.renderer.GetActiveCamera()
-        surface_shading.match_view(self._actor, self._viewport.is_dark, np.deg2rad(camera.GetViewAngle()))
+        angle = np.deg2rad(camera.GetViewAngle())
+        surface_shading.match_view(self._actor, self._viewport.is_dark, angle)
+        self._inside.match_view(self._viewport.is_dark, angle)
 
     @property
     def picking_index(self) -> SurfaceIndex | None:
@@ -301,11 +314,6 @@ class Surface:
             assert skin is not None
             self._boxes = skin.block_boxes(self.U)
         return self._boxes
-
-    @property
-    def normals(self) -> np.ndarray:
-        """Drawn vertex normals (n, 3); zero at vertices without a face."""
-        return self.arrays.normals
 
     def point_under(self, position: QPointF) -> np.ndarray | None:
         """Visible surface point (3,) at a position in the viewport, or None."""

@@ -10,7 +10,7 @@ import numpy as np
 import pyvista as pv
 from PySide6.QtCore import QTimer
 from pyvistaqt import QtInteractor
-from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkTexture
+from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkRenderer, vtkTexture
 
 from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
@@ -19,6 +19,15 @@ from apd_viewer.presentation.palette import FREE_COLOR
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.picking.render_mesh import RenderMesh
+
+
+class Finish(Enum):
+    """Finish of a surface: the material that it resembles."""
+
+    CLAY = "clay"
+    PET = "pet"  # clear, so that its inside is seen as well
+    FOIL = "foil"
+    FABRIC = "fabric"
 
 
 class Shading(Enum):
@@ -46,10 +55,39 @@ _SHADING = """
   float gloss = clamp(dot(n, normalize(key + v)), 0.0, 1.0);
   gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss;
   vec3 shaded = diffuseColor * (0.42 + 0.10 * sky + 0.64 * wrapped);
+  float cover = OPACITY;
+  FINISH
+  gl_FragData[0] = vec4(shaded, cover);
+"""
+
+# Foil mirrors a studio of a dark floor, a bright sky and windows on both sides; fabric scatters light at its
+# outline; PET is clear where it faces the viewer, mirrors the lamp, and keeps its paint.
+_FINISHES = {
+    Finish.CLAY: """
   shaded += 0.07 * gloss + rim * (rimOnDark * (0.05 + 0.17 * sky) * mix(vec3(1.0), diffuseColor, 0.35)
                                   - (1.0 - rimOnDark) * 0.30 * diffuseColor);
-  gl_FragData[0] = vec4(shaded, OPACITY);
-"""
+""",
+    Finish.PET: """
+  vec3 hue = diffuseColor - FREE;
+  float painted = clamp(50.0 * dot(hue, hue) - 0.125, 0.0, 1.0);
+  vec3 clear = mix(vec3(0.30, 0.36, 0.44), vec3(0.86, 0.92, 1.0), rimOnDark);
+  float mirrored = smoothstep(0.55, 0.75, dot(reflect(-v, n), normalize(vec3(-0.35, 0.75, 0.55))));
+  shaded = mix(clear * (0.75 + 0.25 * sky), shaded, painted) + 0.8 * gloss + 0.45 * mirrored;
+  cover = mix(0.14 + 0.07 * rimOnDark + 0.62 * rim, 0.62 + 0.3 * rim, painted);
+  cover = clamp(cover + 0.7 * gloss + 0.28 * mirrored, 0.0, 1.0);
+""",
+    Finish.FOIL: """
+  vec3 seen = reflect(-v, n);
+  float aside = abs(seen.x + 0.15);
+  float studio = 0.38 + 0.34 * smoothstep(-0.35, 0.25, seen.y) + 0.30 * smoothstep(0.45, 0.6, seen.y)
+               + 0.42 * smoothstep(0.38, 0.52, aside) * (1.0 - smoothstep(0.74, 0.90, aside));
+  shaded = diffuseColor * (0.16 + 0.92 * studio) + vec3(0.9 * gloss + 0.25 * rim);
+""",
+    Finish.FABRIC: """
+  shaded = diffuseColor * (0.50 + 0.12 * sky + 0.46 * wrapped);
+  shaded += 0.34 * turned * turned * (0.4 + 0.6 * sky) * mix(vec3(1.0), diffuseColor, 0.5);
+""",
+}
 
 # Stripe period, as a fraction of the picture height: about sixty stripes fit above each other.
 _STRIPE = 0.0157
@@ -122,13 +160,19 @@ _INSIDE = """
 """
 
 
-def shade(actor: vtkActor, color_map: ColorMap | None = None, inside: bool = False) -> None:
-    """Set the shader of ``actor`` for its colour map, edges and texture.
+def shade(
+    actor: vtkActor,
+    color_map: ColorMap | None = None,
+    inside: bool = False,
+    finish: Finish = Finish.CLAY,
+) -> None:
+    """Set the shader of ``actor`` for its colour map, edges, texture and finish.
 
     With ``color_map`` the opacities of its vertices are values on a scale; with ``inside`` its back
     is darker.
     """
     code = _SHADING.replace("OPACITY", "opacity" if color_map is None else "1.0")
+    code = code.replace("FINISH", _FINISHES[finish])
     if inside:
         code = _INSIDE + code
     textured = actor.GetTexture() is not None
@@ -147,6 +191,45 @@ def shade(actor: vtkActor, color_map: ColorMap | None = None, inside: bool = Fal
         # Omit VTK's own texturing, which would multiply both the light and the paint by the texture.
         shader.AddFragmentShaderReplacement("//VTK::TCoord::Impl", True, "", False)
     match_view(actor, False, math.pi / 6.0)
+
+
+class InsideActor:
+    """Inside of a surface in a clear finish, drawn before its outside.
+
+    Parameters
+    ----------
+    renderer : vtkRenderer
+    outside : vtkActor
+    """
+
+    def __init__(self, renderer: vtkRenderer, outside: vtkActor) -> None:
+        self._renderer, self._outside = renderer, outside
+        self._actor = vtkActor()
+        self._actor.SetMapper(outside.GetMapper())
+        self._actor.ForceTranslucentOn()
+
+    def set_finish(self, finish: Finish) -> None:
+        """Draw the inside in a clear finish, and nothing in others."""
+        clear, look = finish is Finish.PET, self._outside.GetProperty()
+        self._outside.SetForceOpaque(not clear)
+        self._outside.SetForceTranslucent(clear)
+        look.SetBackfaceCulling(clear)
+        self._renderer.RemoveActor(self._actor)
+        if clear:
+            self._actor.SetTexture(self._outside.GetTexture())
+            self._actor.GetProperty().DeepCopy(look)
+            self._actor.GetProperty().SetBackfaceCulling(False)
+            self._actor.GetProperty().SetFrontfaceCulling(True)
+            shade(self._actor, finish=finish)
+            self._renderer.RemoveActor(self._outside)  # translucent actors are drawn in their order
+            self._renderer.AddActor(self._actor)
+            self._renderer.AddActor(self._outside)
+
+    def match_view(self, dark: bool, angle: float) -> None:
+        """Adapt the shader to the background and the view angle in radians."""
+        match_view(self._actor, dark, angle)
+        self._actor.SetPosition(*self._outside.GetPosition())
+        self._actor.SetVisibility(self._outside.GetVisibility())
 
 
 def make_texture(image: np.ndarray) -> vtkTexture:

@@ -313,7 +313,7 @@ class MeshView:
         points = U[vertices] if len(vertices) else U
         low, high = U.min(axis=0), U.max(axis=0)
         if len(vertices):
-            normals, size = self._surface.normals[vertices], float(np.linalg.norm(high - low))
+            normals, size = self._surface.arrays.normals[vertices], float(np.linalg.norm(high - low))
             look.camera = unobstructed_camera(look.camera, points, normals, size, self._surface.distances)
         if not is_in_view(look.camera, points, covered):
             shift = uncovering_shift(look.camera, covered)

@@ -152,11 +152,11 @@ def test_set_points_keeps_positions_as_they_are_given_and_written_by_nobody(view
 
 def test_shading_is_smooth_across_seams(view, surface):
     F, U = surface.surface_index.F.copy(), surface.U.copy()
-    expected = np.array(surface.normals)[F.ravel()]
+    expected = np.array(surface.arrays.normals)[F.ravel()]
     loose = np.arange(F.size).reshape(F.shape)  # as an STL file has it
     first = np.unique(F, return_index=True)[1][F]
     surface.set_mesh(SurfaceIndex.from_triangles(loose, F.size, first), U[F.ravel()], grey(F.size))
-    np.testing.assert_allclose(surface.normals, expected, atol=1e-6)
+    np.testing.assert_allclose(surface.arrays.normals, expected, atol=1e-6)
 
 
 def test_surface_shades_and_colors_sharp_edges_like_the_sides_that_meet_there(view, surface):
@@ -166,7 +166,7 @@ def test_surface_shades_and_colors_sharp_edges_like_the_sides_that_meet_there(vi
     view.camera_controller.frame(V)
     sharp = view.screenshot().copy()
     data = surface.arrays.data
-    assert len(data.points) > len(V) == len(surface.normals) == len(surface.shades)
+    assert len(data.points) > len(V) == len(surface.arrays.normals) == len(surface.shades)
     surface.set_colors(np.tile(np.array([250, 0, 0, 255], dtype=np.uint8), (3, 1)), np.arange(3))
     surface.shades[3] = 7
     surface.update_shades()
