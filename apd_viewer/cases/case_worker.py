@@ -37,7 +37,7 @@ from apd_viewer.session.processes.freed_memory import keep_freed_memory, release
 
 # One case at a time: memory is measured per process, and kernels run one at a time anyway.
 _ONE_CASE = threading.Lock()
-# Number of cases between releases of freed memory; fragments of it would grow over hundreds of cases.
+# Number of cases between releases of freed memory, which would get fragmented over hundreds of cases.
 _TRIMMED = 5
 _ended = count(1)
 _sent: dict[str, bytes] = {}

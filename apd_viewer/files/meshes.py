@@ -141,7 +141,7 @@ _Key = TypeVar("_Key")
 
 _HEAD = 4096  # bytes searched at the start and the end of a file
 _SHOWN = 40  # maximum number of characters quoted from a text
-# Patterns at the start of files in readable formats: OBJ last, whose lines others may have, too.
+# Patterns at the start of files in readable formats: OBJ last, as other formats may have such lines, too.
 _OPENED = {suffix: MESH_FORMATS[suffix].opening for suffix in reversed(MESH_FORMATS)}
 _COMPRESSED = {
     "gzip": rb"\x1f\x8b",

@@ -77,5 +77,5 @@ def open_sample(name: str) -> tuple[Mesh, np.ndarray]:
 
 
 def sample_of(path: Path | None) -> Sample | None:
-    """Sample in a file; None if it is none."""
+    """Sample stored in a file; None for any other file."""
     return next((each for name, each in SAMPLES.items() if resource_path(f"{name}.obj") == path), None)

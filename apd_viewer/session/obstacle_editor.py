@@ -74,9 +74,9 @@ class ObstacleEditor(DocumentEditor):
         )
 
     def put_press(self, axis: np.ndarray, thickness: float | None = None, **settings: Any) -> int | None:
-        """Put two plates on both sides that press a mesh without base and handles.
+        """Put a plate on either side to press a mesh without base and handles.
 
-        A pair of plates that is there goes; walls without stiffness, which would crumple, get one.
+        Replaces the last pair of facing plates; walls without stiffness, which would crumple, get one.
 
         Parameters
         ----------

@@ -67,7 +67,7 @@ _ALL_OCTAVES = np.concatenate([-_OCTAVES[:0:-1], _OCTAVES])
 
 
 def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
-    """Area changes of ``F`` (m, 3) at ``U`` (n, 3) relative to ``rest`` (m,)."""
+    """Area changes of triangles ``F`` at ``U`` (n, 3), with ``rest`` areas (m,)."""
     parts = np.zeros((_PARTS, 2, _BINS + 1))
     found = np.zeros((_PARTS, 2))
     with cores_for(len(U)):

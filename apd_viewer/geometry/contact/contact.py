@@ -118,7 +118,7 @@ class Contact:
         self.obstacles = [ObstaclePairs(V, self._F, E, obstacle, self.thickness) for obstacle in obstacles]
 
     def can_start_at(self, U: np.ndarray, shifts: np.ndarray | None = None) -> bool:
-        """True if ``U`` (n, 3) intersects no obstacle, and itself only as at rest.
+        """True if ``U`` (n, 3) meets no obstacle, and itself only where it does at rest.
 
         Parameters
         ----------
@@ -135,7 +135,7 @@ class Contact:
         return all(pairs.clearance(placed, shift) > 0.0 for pairs, shift in at_each)
 
     def _may_cross_so(self, U: np.ndarray) -> bool:
-        """True if ``U`` (n, 3) intersects itself only as at rest."""
+        """True if ``U`` (n, 3) intersects itself only where the rest shape does."""
         pairs = crossing_pairs(self.followers.with_followers(U), self._F) if len(self._F) else None
         if pairs is None:
             return True

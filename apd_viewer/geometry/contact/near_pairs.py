@@ -25,8 +25,8 @@ _FARTHEST = 1.0
 _LONGEST = 1.5
 # Margin above the range, in mean edge lengths, within which exact gaps replace lower bounds.
 _MARGIN = 0.1
-_CORNER = 3.0**0.5  # bound of a vector's length by its largest coordinate
-# Fraction of the look-ahead below which a bound triggers a search ahead of need.
+_CORNER = 3.0**0.5  # largest ratio of a vector's length to its largest coordinate
+# Fraction of the look-ahead: a search starts early once a bound falls below it.
 _SOON = 0.5
 # Smallest gap after a step: the least of these fractions of the range, the pair's range and its listed gap.
 _FLOOR, _FLOOR_OF_RANGE, _FLOOR_OF_GAP = 5e-3, 0.1, 0.5

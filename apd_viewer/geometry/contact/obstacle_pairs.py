@@ -18,7 +18,7 @@ _LEFT = 0.5
 _MARGIN = 0.5
 # Distance ahead of an obstacle within which vertices move along, in lengths of its step.
 _CARRIED = 8.0
-_CORNER = 3.0**0.5  # bound of a vector's length by its largest coordinate
+_CORNER = 3.0**0.5  # largest ratio of a vector's length to its largest coordinate
 
 
 class ObstaclePairs:

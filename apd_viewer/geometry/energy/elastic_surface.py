@@ -194,7 +194,7 @@ class ElasticSurface(HeldSurface):
         return residual
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
         current, q = self.U, self.q.copy()
         self.local_step(U)
         residual = self.residual(targets)
@@ -223,7 +223,7 @@ class ElasticSurface(HeldSurface):
         self._follow_creases()
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Make ``U`` (n, 3) current; return its energy without rotation coupling."""
+        """Do a local step at ``U`` (n, 3); return its energy without rotation coupling."""
         q, self.U = self.q, U
         if self.membrane is not None:
             self.membrane.local_step(U)

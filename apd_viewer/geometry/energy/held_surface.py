@@ -54,7 +54,7 @@ class HeldSurface(ABC):
         self.place[fixed] = -1 - np.arange(len(fixed))
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        """Positions (n, 3), with free vertices at ``X`` and held ones at ``targets``."""
         return parallel_ops.scattered_rows(self.U, self.place, X, targets)
 
     def positions_along(
@@ -86,7 +86,7 @@ class HeldSurface(ABC):
 
     @abstractmethod
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
 
     def commit_creases(self) -> None:  # noqa: B027 (optional)
         """Make the plastic flow at the current positions permanent, if any."""

@@ -145,7 +145,7 @@ class WallSurface(HeldSurface):
         return self._quarter_gradient(self.U, self._energy_and_gradient[1], targets)
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
         return self._quarter_gradient(U, self._energy_and_gradient_at(U)[1], targets)
 
     def _quarter_gradient(self, U: np.ndarray, g: np.ndarray, targets: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from apd_viewer.geometry.mesh.weighted_areas import row_nonzeros
 # Relative to the value at rest; ten times tighter than documented.
 GOAL_TOLERANCE = 1e-10
 _NEWTON_STEPS = 8
-# Bound of the relative change of slopes per relative miss, measured as about 1.
+# Bound of the relative change of slopes per relative violation of the goals, measured as about 1.
 _CURVED = 4.0
 # Steps whose change is below this fraction of the expected one, or of opposite sign, do not update slopes.
 _PLAUSIBLE = 0.1

@@ -33,7 +33,7 @@ _STEADY = 0.5
 _LARGEST_GROWTH = 0.5
 _LARGEST_PRESSURE = 2.0
 _DAMPINGS = (1.0, 0.25, 0.0625)
-# Goals are given up after this many iterations without reducing the worst miss by a hundredth.
+# Goals are given up after this many iterations without reducing the largest violation by a hundredth.
 _PATIENCE = 60
 _REDUCTION = 0.99
 # Steps over which convergence is judged, by the fraction of the energy that they remove together.
@@ -140,7 +140,7 @@ class ConstrainedDescent:
         return Equilibrium(self.elastic, self._projection, self.multipliers, self.held_positions, solve)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten steps reduce the energy by at most this fraction."""
+        """Set the tolerance on the relative energy reduction by ten steps."""
         self._tolerance = tolerance
 
     def has_stalled(self, tolerance: float) -> bool:

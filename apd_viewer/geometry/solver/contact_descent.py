@@ -268,7 +268,7 @@ class ContactDescent:
         return inner._replace(surface=surface, projection=projection)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten steps reduce the energy by at most this fraction."""
+        """Set the tolerance on the relative energy reduction by ten steps."""
         self._tolerance = tolerance
         if self._inner:
             self._inner.set_tolerance(tolerance)

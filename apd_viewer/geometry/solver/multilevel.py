@@ -24,9 +24,9 @@ _ALONE = 4 * FEWEST_COARSE_VERTICES
 _COARSE_TOLERANCE = 1e-4
 # Iterations of the coarsest level per iteration of the next finer one; both take about as long.
 _COARSEST_ITERATIONS = 16
-# Rotations of a coarser level leave a stiff surface rough: angles up to 8 times those at rest, 3.3 times
-# after three iterations without them, and 2.7 times after six. Fabric gets three: after six a preview of a
-# bent bar crossed itself, and contact blocked all further steps until the factor was ready.
+# Coarse rotations leave a stiff surface rough: dihedral angles are up to 8 times those at rest, 3.3 times
+# after three fine iterations, and 2.7 times after six. Fabric gets only three: after six, the preview of a
+# bent bar crossed itself, and contact blocked all further steps until the matrix was factored.
 _SMOOTHING, _SMOOTHING_OF_FABRIC = 6, 3
 # The iterations of a coarse level double from step to step up to this factor: the first step must be quick,
 # since the targets may soon move again.
@@ -149,7 +149,7 @@ class MultilevelDescent:
         return self.fine.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten fine steps reduce the energy by at most this fraction."""
+        """Set the tolerance on the relative energy reduction by ten fine steps."""
         self.fine.set_tolerance(tolerance)
 
     def has_stalled(self, tolerance: float) -> bool:

@@ -31,7 +31,7 @@ class DescentSurface(ElasticResponse, Protocol):
         """A quarter of the gradient on the free vertices, (f, 3)."""
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
 
     def positions_along(
         self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
@@ -42,7 +42,7 @@ class DescentSurface(ElasticResponse, Protocol):
         """Fit the rotations to ``U`` (n, 3) and make it the current shape."""
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Do a local step at ``U`` (n, 3) and return the energy of the new current shape."""
+        """Do a local step at ``U`` (n, 3), and return the energy there."""
 
 
 class Equilibrium(NamedTuple):

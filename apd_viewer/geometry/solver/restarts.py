@@ -108,7 +108,7 @@ class Restarts:
         return self.inner.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Accept a minimum once ten steps reduce the energy by at most this fraction."""
+        """Set the tolerance of a minimum on the relative energy reduction by ten steps."""
         self._end_trial()
         self.inner.set_tolerance(tolerance)
         self._reset()

@@ -85,13 +85,13 @@ class TouchingSurface(ABC):
         return residual
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
         residual = self._with_contact(self.elastic.residual_near(U, targets), U)
         self.contact.gradient(self.U)  # contact readings belong to the last gradient of the contact
         return residual
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        """Positions (n, 3), with free vertices at ``X`` and held ones at ``targets``."""
         return self.elastic.all_positions(X, targets)
 
     def positions_along(

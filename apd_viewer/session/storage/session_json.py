@@ -227,7 +227,7 @@ def _up_axis(name: str) -> UpAxis:
 
 
 def _wall_to_json(wall: WallText) -> dict[str, str | None]:
-    """Wall as typed; what sessions did not always say is left out where it is empty."""
+    """Wall as typed; empty fields unknown to older sessions are left out."""
     said = dict(zip(_WALL, wall.words, strict=True))
     return {name: word or None for name, word in said.items() if word or name in ("thickness", "density")}
 

@@ -167,7 +167,7 @@ class HelpController(QObject):
         return True
 
     def _marked_place(self) -> ManualPlace | None:
-        """Manual location of the entry selected in the search, if it has the focus."""
+        """Location in the manual of the entry selected in the search, if it has the focus."""
         marked = self.search.marked_entry if self.search.isAncestorOf(self._window.focusWidget()) else None
         return None if marked is None else marked.place
 
