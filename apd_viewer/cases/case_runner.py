@@ -48,8 +48,8 @@ class Engine(Protocol):
     def start(self, task: CaseTask) -> Future[CaseAnswer]:
         """Start a case."""
 
-    def check_workers(self) -> None:
-        """Stop overdue cases; raises InputError if the workers are lost."""
+    def supervise_workers(self) -> None:
+        """Stop overdue cases; raises InputError if all workers are lost."""
 
     def close(self, at_once: bool) -> None:
         """End local worker processes, or release shared workers."""
@@ -107,7 +107,7 @@ class CaseRunner:
                 self._finish(key, future)
             self._tick(self._engine.running_count())
             if time.monotonic() - looked > _TICK:
-                self._engine.check_workers()
+                self._engine.supervise_workers()
                 looked = time.monotonic()
 
     def _fill(self) -> None:

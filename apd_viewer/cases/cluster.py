@@ -73,7 +73,7 @@ class Cluster:
         future.add_done_callback(self._futures.discard)
         return future
 
-    def check_workers(self) -> None:
+    def supervise_workers(self) -> None:
         """Raise InputError once the scheduler has been unreachable for too long."""
         now = time.monotonic()
         self._gone_since = None if self._alive else self._gone_since or now

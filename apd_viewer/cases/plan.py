@@ -13,7 +13,7 @@ from apd_viewer.cases import plan_columns
 from apd_viewer.cases.study_case import CaseSetting, InputFiles, StudyCase
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_content
-from apd_viewer.files.tables import cell_text
+from apd_viewer.files.tables import unescaped_cell
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_VERTICES_IN_CONTACT
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
 from apd_viewer.language import tr
@@ -229,7 +229,7 @@ def _lines(text: str, path: Path) -> Iterator[tuple[int, tuple[str, ...]]]:
                             name=path.name, most=MOST_ROWS
                         )
                     )
-                yield line, tuple(cell_text(cell.strip()) for cell in cells)
+                yield line, tuple(unescaped_cell(cell.strip()) for cell in cells)
     except csv.Error as error:
         raise InputError(
             tr("{name} is not a table: line {line} cannot be read ({reason}).").format(

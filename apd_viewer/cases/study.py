@@ -232,7 +232,7 @@ class StudyStore:
         self._base.close()
         self._lock.remove()
 
-    def _safely(self, act: Callable[[], T]) -> T:
+    def _run_on_database(self, act: Callable[[], T]) -> T:
         """Run a database operation, rebuilding a damaged database; raises InputError."""
         try:
             return act()
@@ -265,9 +265,9 @@ class StudyStore:
             Whether failed cases count as not done.
         """
         self._plan = plan
-        done = self._safely(lambda: self._store_plan(plan))
+        done = self._run_on_database(lambda: self._store_plan(plan))
         if retry_failed:  # results of failed cases stay until replaced
-            known = self._safely(lambda: database.case_rows(self._base))
+            known = self._run_on_database(lambda: database.case_rows(self._base))
             done -= {key for key in done if known[key].status == case_file.FAILED}
         return done
 
@@ -307,13 +307,13 @@ class StudyStore:
 
         A case whose file is damaged is not among them, and no longer finished.
         """
-        found = self._safely(lambda: {key: self._reread_case(key) for key in sorted(keys)})
+        found = self._run_on_database(lambda: {key: self._reread_case(key) for key in sorted(keys)})
         self.commit()
         return {key: result.curves for key, result in found.items() if result is not None}
 
     def results(self) -> ResultTable:
         """Table of the results so far."""
-        return self._safely(lambda: read_result_table(self._base))
+        return self._run_on_database(lambda: read_result_table(self._base))
 
     def _remove_cases(self, keys: Iterable[str]) -> None:
         for key in keys:
@@ -330,12 +330,12 @@ class StudyStore:
         """
         result = case_file.case_from_bytes(content, with_shape=False)
         case_file.write_case(self._path(result.key), content)
-        self._safely(lambda: database.write_result(self._base, result, len(content)))
+        self._run_on_database(lambda: database.write_result(self._base, result, len(content)))
         if time.monotonic() - self._committed > _COMMIT:
             self.commit()
         return result
 
     def commit(self) -> None:
         """Commit the results added so far."""
-        self._safely(lambda: self._base.commit())
+        self._run_on_database(lambda: self._base.commit())
         self._committed = time.monotonic()

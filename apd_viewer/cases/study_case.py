@@ -202,7 +202,7 @@ class InputFiles:
         if suffix != SESSION_SUFFIX:
             return self._copy(content, path)
         source = self._source(content, path)
-        if not _opens(source.path):
+        if not _can_be_opened(source.path):
             # Saved with its mesh embedded, as the session may refer to a file elsewhere.
             state, view = open_session(path)
             if self._keep:
@@ -223,7 +223,7 @@ class InputFiles:
         return InputFile(digest, path.suffix.lower(), input_path(self._folder, digest, path.name))
 
 
-def _opens(path: Path) -> bool:
+def _can_be_opened(path: Path) -> bool:
     """True if a session file exists and can be opened."""
     try:
         return bool(open_session(path))

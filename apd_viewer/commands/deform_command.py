@@ -131,7 +131,7 @@ def _deform(options: argparse.Namespace) -> None:
         shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
         regions=regions,
         weld=options.weld,
-        progress=result_output.show_progress_line(*last) if sys.stderr.isatty() else None,
+        progress=result_output.progress_line_callback(*last) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
     with ExitStack() as beside:  # output files are replaced together, the mesh before the files beside it

@@ -68,7 +68,7 @@ def _replay(options: argparse.Namespace) -> None:
     result_output.check_scalar_options(options)
     _check_animations(options.animation)
     check_files([output, options.report, *result_output.scalar_files(options), *options.animation])
-    progress = result_output.show_progress_line(None) if sys.stderr.isatty() else None
+    progress = result_output.progress_line_callback(None) if sys.stderr.isatty() else None
     with animation_files.replacing_series(options.animation), ExitStack() as beside:
         shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None
         document, result = replay_session(

@@ -46,7 +46,7 @@ def write_result(
     return save_mesh(mesh, result.U, output)
 
 
-def show_progress_line(
+def progress_line_callback(
     iterations: int | None, most_iterations: int = DEFAULT_CONVERGENCE.most_iterations
 ) -> Callable[[Frame], None]:
     """Callback to show the progress of the iterations on one terminal line."""

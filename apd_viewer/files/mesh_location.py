@@ -114,7 +114,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
         If what was written down is damaged.
     """
     name, digest = _file_name(description), description.text("digest")
-    places, problems = _places(description, session, name), []
+    places, problems = _candidate_paths(description, session, name), []
     there = [path for path in places if os.path.isfile(path)]  # noqa: PTH113  # Path raises on long names
     for path in there:
         stamp = file_stamp(path)
@@ -148,7 +148,7 @@ def _file_name(description: JsonFields) -> str:
     return name
 
 
-def _places(description: JsonFields, session: Path, name: str) -> list[Path]:
+def _candidate_paths(description: JsonFields, session: Path, name: str) -> list[Path]:
     """Candidate paths of the mesh's file."""
     folder = Path(os.path.abspath(session.parent))  # noqa: PTH100
     places = [Path(description.text("path"))] if description.has_value("path") else []

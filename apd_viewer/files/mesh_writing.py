@@ -156,7 +156,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
         )
     from apd_viewer.geometry.mesh.operators import area  # imported late, since it is slow to load
 
-    metre = _metre(mesh, path, mesh.unit if unit is None else unit)
+    metre = _metre_factor(mesh, path, mesh.unit if unit is None else unit)
     content = _content(mesh, metre * U, path)
     try:
         V, F, *_ = parsed_mesh(content, path)
@@ -174,7 +174,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
     return WrittenMesh(area(V, F), dropped_contents(mesh, path))
 
 
-def _metre(mesh: Mesh, path: Path, unit: str) -> float:
+def _metre_factor(mesh: Mesh, path: Path, unit: str) -> float:
     """Metres per unit for a new file in metres; else 1."""
     is_new = mesh.origin is None or mesh.origin.suffix != path.suffix.lower()
     return METRES.get(unit, 1.0) if is_new and MESH_FORMATS[path.suffix.lower()].is_in_metres else 1.0

@@ -20,7 +20,7 @@ from apd_viewer.presentation.number_format import (
     format_signed,
     format_significant,
 )
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.status_text import caps_phrase
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def _now_and_rest(now: float, rest: float, unit: Unit, power: int) -> str:
 def area_verdict(state: State) -> str:
     """Change of the total area, compared with its target."""
     document, change = state.document, format_signed(100 * state.frame.area_error, 3)
-    asked = kept_percentages(document)[0]
+    asked = goal_percentages(document)[0]
     if asked is None:
         return f"{change} %"
     wanted = asked / 100.0

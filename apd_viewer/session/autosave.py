@@ -25,7 +25,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.state_store import Activity, Listener, StateStore
-from apd_viewer.session.storage.recovery_file import RecoveryFile, claim_path, make_private, remove_with_lock
+from apd_viewer.session.storage.recovery_file import RecoveryFile, claim_path, make_private, remove_and_unlock
 from apd_viewer.session.storage.session_file import save_session
 
 # A step waits until its copy is written: 5 ms, or 0.1 s for a million vertices. If writing takes longer
@@ -246,7 +246,7 @@ class AutosaveWriter:
 
     def _remove(self) -> None:
         if self._mine is not None:
-            remove_with_lock(*self._mine)
+            remove_and_unlock(*self._mine)
             self._mine = None
 
     def _write(self, copy: AutosaveCopy) -> Path:

@@ -69,7 +69,7 @@ class HandleEditor(DocumentEditor):
         amount = kind.parse(
             unambiguous_text(text), self._store.unit, document.mesh.named_lengths, now.at_rest
         )
-        amount = kind.remaining(amount, motion, now) if is_total else amount
+        amount = kind.remaining_amount(amount, motion, now) if is_total else amount
         return motion_path.MotionStep(k, motion, (amount,), line)
 
     def move_by(

@@ -11,7 +11,7 @@ from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import next_name, unique_name, without_holds
+from apd_viewer.session.model.document_parts import next_name, unique_name, without_base_and_handles
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS, plate_pair
 from apd_viewer.session.model.state import State
@@ -83,7 +83,7 @@ class ObstacleEditor(DocumentEditor):
         settings
             Changed as well.
         """
-        document = without_holds(self._gestures.state_without_gesture().document)
+        document = without_base_and_handles(self._gestures.state_without_gesture().document)
         pair = plate_pair(document)
         kept = tuple(each for k, each in enumerate(document.obstacles) if pair is None or k not in pair[:2])
         stiffness = document.settings.stiffness or PROPOSED_STIFFNESS

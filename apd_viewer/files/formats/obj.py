@@ -223,7 +223,7 @@ def parse_faces(text: bytes) -> ObjFaces:
     ValueError
         If an ``f`` line cannot be understood; the message says which.
     """
-    alike = _faces_alike(text)
+    alike = _uniform_faces(text)
     if alike is not None:
         return alike
     corners = list(_corners(text))
@@ -234,7 +234,7 @@ def parse_faces(text: bytes) -> ObjFaces:
     return ObjFaces(Polygons.from_faces([face[0] for face in corners]), normal, texture)
 
 
-def _faces_alike(text: bytes) -> ObjFaces | None:
+def _uniform_faces(text: bytes) -> ObjFaces | None:
     """Fast path for faces all written in one form; None for mixed forms."""
     face = None if b"\\\n" in text or b"\\\r\n" in text else _FACE.search(text)
     corners = face[1].split() if face else []

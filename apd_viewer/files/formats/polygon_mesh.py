@@ -198,13 +198,13 @@ def _projected_corners(X: np.ndarray) -> np.ndarray:
 def _is_ear(x: np.ndarray, left: np.ndarray, k: int) -> bool:
     own = left[[k - 1, k, (k + 1) % len(left)]]
     a, b, c = x[own]
-    if _turn(a, b, c) <= 0.0:
+    if _side(a, b, c) <= 0.0:
         return False
     others = x[np.setdiff1d(left, own)]
-    inside = (_turn(a, b, others) >= 0.0) & (_turn(b, c, others) >= 0.0) & (_turn(c, a, others) >= 0.0)
+    inside = (_side(a, b, others) >= 0.0) & (_side(b, c, others) >= 0.0) & (_side(c, a, others) >= 0.0)
     return not inside.any()
 
 
-def _turn(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
+def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Twice the signed area of plane triangles a, b, p; positive for p on the left."""
     return (b[0] - a[0]) * (p[..., 1] - a[1]) - (b[1] - a[1]) * (p[..., 0] - a[0])

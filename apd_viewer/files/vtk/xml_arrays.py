@@ -241,7 +241,7 @@ class XmlArrays:
         """File content of an array's span with new ``values`` (k,)."""
         if stored.header is None:
             return with_replaced_values(self.content[stored.start : stored.end], stored.values, values)
-        new = retyped_array(stored.values, values)
+        new = updated_array(stored.values, values)
         coded = _EncodedBytes(b"", element.attributes.get("format") != "appended" or not self._is_raw)
         return self._packed_bytes(coded, stored, new.tobytes())
 
@@ -259,8 +259,8 @@ class XmlArrays:
         return coded.encode(head) + coded.encode(b"".join(blocks))
 
 
-def retyped_array(old: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Copy of ``old`` (k,) in its type, with ``values`` where they differ."""
+def updated_array(old: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Copy of ``old`` (k,) in its type, updated to ``values`` where they differ."""
     changed, new = values != old, old.copy()
     with np.errstate(all="ignore"):  # overflow is detected when the file is read back
         new[changed] = values[changed]

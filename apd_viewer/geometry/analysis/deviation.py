@@ -19,7 +19,7 @@ from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarc
 
 
 class Deviation:
-    """Comparison of shapes of a mesh with its rest shape.
+    """Deviations of a mesh's shapes from its rest shape or a target shape.
 
     Parameters
     ----------

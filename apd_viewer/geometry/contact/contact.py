@@ -80,7 +80,7 @@ class Contact:
     start : (n, 3) float array
         Where ways begin.
     touching_pairs : int
-        Pairs in touch at the last :meth:`gradient`.
+        Pairs in touch at the last :meth:`quarter_gradient`.
     least_gap : float
         Their least gap; infinite without any.
     examined_parts : int
@@ -126,7 +126,7 @@ class Contact:
         shifts : (o, 3) float array, optional
             Of the obstacles; without, where they are.
         """
-        return self.is_clear(U, self.shifts if shifts is None else shifts) and self._may_cross_so(U)
+        return self.is_clear(U, self.shifts if shifts is None else shifts) and self._crosses_as_at_rest(U)
 
     def is_clear(self, U: np.ndarray, shifts: np.ndarray) -> bool:
         """True if ``U`` (n, 3) intersects no obstacle displaced by ``shifts`` (o, 3)."""
@@ -134,7 +134,7 @@ class Contact:
         at_each = zip(self.obstacles, shifts, strict=True)
         return all(pairs.clearance(placed, shift) > 0.0 for pairs, shift in at_each)
 
-    def _may_cross_so(self, U: np.ndarray) -> bool:
+    def _crosses_as_at_rest(self, U: np.ndarray) -> bool:
         """True if ``U`` (n, 3) intersects itself only where the rest shape does."""
         pairs = crossing_pairs(self.followers.with_followers(U), self._F) if len(self._F) else None
         if pairs is None:
@@ -213,13 +213,13 @@ class Contact:
             Where the obstacles go; without, they stay.
         """
         start, before, self.examined_parts = self.start, self.shifts, 0
-        if self._goes(W, before if shifts is None else shifts):
+        if self._move_in_substeps(W, before if shifts is None else shifts):
             return True
-        if not self._goes(start, before):
+        if not self._move_in_substeps(start, before):
             self.start_at(start, before)
         return False
 
-    def _goes(self, W: np.ndarray, shifts: np.ndarray) -> bool:
+    def _move_in_substeps(self, W: np.ndarray, shifts: np.ndarray) -> bool:
         """Move straight to ``W`` in substeps; return False once one is blocked."""
         start, before, done, part = self.start, self.shifts, 0.0, 1.0
         while done < 1.0:
@@ -241,7 +241,7 @@ class Contact:
         """Energy at either end of the last collision-free step, in elastic energy units."""
         return 4.0 * self._stiffness * (self._energy_ahead if U is self._ahead else self._energy)
 
-    def gradient(self, U: np.ndarray) -> np.ndarray:
+    def quarter_gradient(self, U: np.ndarray) -> np.ndarray:
         """A quarter of the gradient (n, 3) of the contact energy."""
         placed = self._placed_at(U)
         g, self.touching_pairs, self.least_gap = self._pairs.gradient(placed)
@@ -258,7 +258,7 @@ class Contact:
 
     @property
     def loads(self) -> np.ndarray:
-        """Forces (o, 3) on the obstacles at the last :meth:`gradient`, energy per length."""
+        """Forces (o, 3) on the obstacles at the last gradient, energy per length."""
         forces = np.array([pairs.force for pairs in self.obstacles]).reshape(-1, 3)
         return -4.0 * self._stiffness * forces
 

@@ -21,7 +21,7 @@ def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dic
         How far the obstacles have come.
     """
     contact.accept_shape(U)
-    contact.gradient(U)
+    contact.quarter_gradient(U)
     least = float(contact.least_gap) if contact.touching_pairs else None
     carried = np.flatnonzero((contact.followers.exempt_groups > 0).any(axis=0))
     touch = FrameContact(

@@ -7,7 +7,7 @@ positions and its matrix is always the same:
 
     grad E = 4 (K U - b),        K factored once, b from the local step.
 
-Where there is bending, triangles that collapse push back (:class:`AreaBarrier`): a force of the gradient
+Where there is bending, triangles that collapse push back (:class:`AreaPenalty`): a force of the gradient
 that b knows nothing of, as without a line search a global step would follow it too far.
 Springs draw some vertices to places of their own; they add to K and to b, and know no local step.
 """
@@ -189,7 +189,7 @@ class ElasticSurface(HeldSurface):
         residual = parallel_ops.matrix_product(self.K_ff, parallel_ops.gathered_rows(self.U, self.free))
         parallel_ops.add_combination(residual, _MINUS, self.right_hand_side(targets)[None])
         if self._bending is not None:
-            collapsing = self.rest.area_barrier.gradient(self.U)[self.free]
+            collapsing = self.rest.area_penalty.gradient(self.U)[self.free]
             residual += 0.25 * self.material.bending * collapsing
         return residual
 
@@ -278,7 +278,7 @@ class ElasticSurface(HeldSurface):
         """Energy at ``U`` (n, 3) of bending, springs and ``cells``, with rotations ``q``."""
         E = self.material.rigidity * cells
         if self._bending is not None:
-            E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))
+            E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_penalty.energy(U))
         if len(self.soft.ids):
             away = U[self.soft.ids] - self._targets[len(self.fixed) :]
             E += 2.0 * parallel_ops.inner_product(self.spring_constants, (away * away).sum(axis=1))

@@ -133,12 +133,12 @@ class PlasticBending:
         if not np.array_equal(q, self._q):
             self._q, self._means, self._sizes = q.copy(), np.empty((len(q), 3, 3)), np.empty(len(q))
             ring = b.patch.start, b.patch.corner, b.weight, b.inverse, b.mean, b.normals
-            change_sizes(*ring, self._creased, self.committed_flow, D, q, self._means, self._sizes)
+            write_means_and_changes(*ring, self._creased, self.committed_flow, D, q, self._means, self._sizes)
         return self._sizes
 
 
 @parallel(fastmath={"contract"})
-def change_sizes(
+def write_means_and_changes(
     start: np.ndarray,
     corner: np.ndarray,
     weight: np.ndarray,

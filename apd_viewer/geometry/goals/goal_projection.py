@@ -72,10 +72,10 @@ class GoalProjection:
     @property
     def has_met_goals(self) -> bool:
         """True if all goals are met at the last positions."""
-        return self.largest_miss <= GOAL_TOLERANCE
+        return self.largest_violation <= GOAL_TOLERANCE
 
     @property
-    def largest_miss(self) -> float:
+    def largest_violation(self) -> float:
         """Largest goal violation at the last positions, relative to rest."""
         return _largest_violation(self.values, self._target, self._unit)
 
@@ -154,7 +154,7 @@ class GoalProjection:
                 break
             missing = self._target - self.values
             step = share * (self._inverse @ missing)
-            there = parallel_ops.plus_combination(U, step, self._y)
+            there = parallel_ops.with_added_combination(U, step, self._y)
             if foreseen <= GOAL_TOLERANCE:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step

@@ -90,8 +90,8 @@ class Goal:
         """Fraction of every triangle included in the goal, (m,) float32 array."""
         return triangle_weights(self.patch.F, self.weight, self.is_smooth)
 
-    def relative_miss(self, value: float) -> float:
-        """Signed deviation of a value from the target, relative to the rest value."""
+    def relative_deviation(self, value: float) -> float:
+        """Signed deviation of a value from its target, relative to the rest value."""
         return (value - self.target) / abs(self.rest)
 
     def shortfall_sentence(self, value: float) -> str:

@@ -124,12 +124,12 @@ class SurfaceTurns:
         last = quaternion(base.T @ end)
         made, jumps, arm = self._path_turns(HANDLE + k, requested.axis, last)
         held = [
-            self._by_arm(requested, made[arm == each], jumps[arm == each], last) for each in np.unique(arm)
+            self._arm_turn(requested, made[arm == each], jumps[arm == each], last) for each in np.unique(arm)
         ]
         known = [each for each in held if each is not None]
         return max(known, key=lambda each: abs(each - requested.angle), default=None)
 
-    def _by_arm(
+    def _arm_turn(
         self, requested: RequestedTurn, made: np.ndarray, jumps: np.ndarray, last: np.ndarray
     ) -> float | None:
         """Turn held by an arm, from the sums (a,) of turns and of sign jumps along it."""

@@ -273,7 +273,7 @@ class ConstrainedDescent:
 
     def _give_up_stalled(self) -> None:
         """Give up the goals after a long stall, and restore the best shape."""
-        worst = self._projection.largest_miss
+        worst = self._projection.largest_violation
         if worst <= GOAL_TOLERANCE or worst < _REDUCTION * self._nearest[0]:
             self._nearest, self._waited = (worst, self.elastic.U), 0
             return

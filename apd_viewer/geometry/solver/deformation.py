@@ -42,7 +42,7 @@ from apd_viewer.geometry.solver.held_vertices import (
     checked_shifts,
     checked_soft_targets,
     checked_start,
-    solve_constraints,
+    soft_solve_constraints,
 )
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver, SolverProgress
 from apd_viewer.geometry.solver.loose_components import GO, LooseComponents
@@ -52,8 +52,8 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_POISSON,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
-    check_method,
     check_wall_size,
+    checked_method,
     method_material,
     wall_material,
 )
@@ -186,9 +186,9 @@ class Deformation:
         needs_contact = gas is not None or yield_radius is not None
         if needs_contact and not contact:
             raise InputError(tr("Creases and gas need contact; switch it on, or omit them."))
-        self._traits = check_method(method, handle_of, len(obstacles) > 0)
+        self._traits = checked_method(method, handle_of, len(obstacles) > 0)
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
-        self._soft, self._drawn = solve_constraints(soft, rest, held)
+        self._soft, self._drawn = soft_solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
         if self._traits.is_wall and yield_radius is not None:
             raise InputError(tr("The method Wall keeps no creases; omit the yield radius."))
@@ -287,7 +287,7 @@ class Deformation:
         Aim with ``U`` then: without, the surface begins at rest. Raises InputError without contact.
         """
         check_obstacles(obstacles, self.contact is not None)
-        check_method(self.method, self._held.handle_of, len(obstacles) > 0)
+        checked_method(self.method, self._held.handle_of, len(obstacles) > 0)
         with cores_for(len(self.rest.solve_mesh.V)):
             if self.contact is not None:
                 self.contact.replace_obstacles(shifted_obstacles(obstacles, -self.rest.centre))
@@ -392,7 +392,7 @@ class Deformation:
     def settled(self) -> bool:
         """True if further iterations would change nothing."""
         # Stability is examined only at the targets, not where contact stops the handles on the way.
-        looked = not self._stability.is_open or self.share_reached < 1.0
+        looked = not self._stability.is_pending or self.share_reached < 1.0
         return self.solver.progress.stuck or (self._is_at_rest and looked)
 
     @property

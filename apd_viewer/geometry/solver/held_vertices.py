@@ -132,7 +132,7 @@ def checked_rest_mesh(rest: RestMesh | None, V: np.ndarray, F: np.ndarray, weld:
     return rest
 
 
-def solve_constraints(
+def soft_solve_constraints(
     soft: SoftConstraints, rest: RestMesh, solve_ids: np.ndarray
 ) -> tuple[SoftConstraints, tuple[np.ndarray, int]]:
     """Soft vertices of the solve, with their rows in ``soft`` and its length.

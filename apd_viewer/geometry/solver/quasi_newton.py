@@ -67,13 +67,13 @@ class Equilibrium(NamedTuple):
     solve: Callable[[np.ndarray], np.ndarray]
     is_definite: bool | None = None
 
-    def slope(self, U: np.ndarray) -> np.ndarray:
+    def quarter_gradient(self, U: np.ndarray) -> np.ndarray:
         """Quarter of the Lagrangian's gradient (f, 3) at ``U`` (n, 3) near the shape."""
         G = self.surface.residual_near(U, self.held_positions)
         self.projection.evaluate(U)
         return self.projection.lagrangian_gradient(G, self.multipliers, self.projection.g)
 
-    def along(self, way: np.ndarray) -> np.ndarray:
+    def moved_along(self, way: np.ndarray) -> np.ndarray:
         """Positions (n, 3) displaced by ``way`` (f, 3)."""
         return self.surface.positions_along(self.surface.U, 1.0, way, self.held_positions)
 

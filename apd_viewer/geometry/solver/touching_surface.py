@@ -66,9 +66,9 @@ class TouchingSurface(ABC):
     @property
     def energy(self) -> float:
         """Energy of the current positions."""
-        return self._whole(self.elastic.energy)
+        return self._total_energy(self.elastic.energy)
 
-    def _whole(self, elastic: float) -> float:
+    def _total_energy(self, elastic: float) -> float:
         """Total energy of the current positions, given the ``elastic`` energy."""
         gas = self.gas.energy(self.elastic.U) if self.gas else 0.0
         return elastic + self.contact.energy_at(self.elastic.U) + gas
@@ -79,7 +79,7 @@ class TouchingSurface(ABC):
 
     def _with_contact(self, residual: np.ndarray, U: np.ndarray) -> np.ndarray:
         """Elastic ``residual`` (f, 3) plus those of gaps and gas at ``U`` (n, 3)."""
-        residual += self.contact.gradient(U)[self.free]
+        residual += self.contact.quarter_gradient(U)[self.free]
         if self.gas:
             residual += 0.25 * self.gas.gradient(U)[self.free]
         return residual
@@ -87,7 +87,7 @@ class TouchingSurface(ABC):
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """Residual at ``U`` (n, 3); the current positions stay."""
         residual = self._with_contact(self.elastic.residual_near(U, targets), U)
-        self.contact.gradient(self.U)  # contact readings belong to the last gradient of the contact
+        self.contact.quarter_gradient(self.U)  # contact readings belong to the last gradient of the contact
         return residual
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
@@ -106,7 +106,7 @@ class TouchingSurface(ABC):
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
         """Make ``U`` (n, 3) current; return its energy."""
-        return self._whole(self.elastic.energy_after_local_step(U))
+        return self._total_energy(self.elastic.energy_after_local_step(U))
 
     @property
     def is_definite(self) -> bool | None:
@@ -138,7 +138,7 @@ class TouchingSurface(ABC):
             Their Lagrange multipliers, for metrics that know the curvature of the goals.
         """
 
-    def outdate_metric(self) -> bool:
+    def request_new_metric(self) -> bool:
         """Request a new metric for the next step; False if it would not change."""
         return False
 
@@ -149,10 +149,10 @@ class TouchingSurface(ABC):
         """Continue with a material closer to the requested one; False if already reached."""
         return False
 
-    def draw_to(self, targets: np.ndarray) -> None:  # noqa: B027 (optional)
+    def attach_springs(self, targets: np.ndarray) -> None:  # noqa: B027 (optional)
         """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
 
-    def is_gentle(self, _: np.ndarray) -> bool:
+    def has_wide_gaps(self, _: np.ndarray) -> bool:
         """True if the gaps at positions (n, 3) are wide enough to continue from there."""
         return True
 
@@ -273,7 +273,7 @@ class CollisionFreeProjection(GoalProjection):
         start, self._is_free = self._contact.start, False
         W, mu = super().project(U)
         for attempt in range(_ATTEMPTS + 1):
-            if self.largest_miss > GOAL_TOLERANCE:
+            if self.largest_violation > GOAL_TOLERANCE:
                 break
             shares = self._contact.trial_shares(W)
             self._is_free = shares is None
@@ -317,12 +317,12 @@ class OverallRotation:
     def without_rotation(self, step: np.ndarray) -> np.ndarray:
         """``step`` (n, 3), or the shape itself, without its overall rotation."""
         turn = self._per_moment @ _moment(self._first, step)
-        return step - self._away @ _turned_by(turn)
+        return step - self._away @ _cross_matrix(turn)
 
     def without_torque(self, force: np.ndarray) -> np.ndarray:
         """``force`` (n, 3) without its torque: transpose of :meth:`without_rotation`."""
         turn = self._per_moment.T @ _moment(self._away, force)
-        return force - self._first @ _turned_by(turn)
+        return force - self._first @ _cross_matrix(turn)
 
 
 def _moment(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -331,7 +331,7 @@ def _moment(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     return np.array([P[1, 2] - P[2, 1], P[2, 0] - P[0, 2], P[0, 1] - P[1, 0]])
 
 
-def _turned_by(turn: np.ndarray) -> np.ndarray:
+def _cross_matrix(turn: np.ndarray) -> np.ndarray:
     """Matrix (3, 3) mapping a row vector to ``turn x row``."""
     return np.cross(turn, _AXES)
 

@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.state import State
 
 TRACE_COLUMNS = (
@@ -130,7 +130,7 @@ class Trace:
 
 def _readings(document: Document, frame: Frame) -> list[float]:
     """Readings of a frame, in column order starting with the area."""
-    wanted = (kept_percentages(document)[0] or 100.0) / 100.0
+    wanted = (goal_percentages(document)[0] or 100.0) / 100.0
     miss = abs((1.0 + frame.area_error) / wanted - 1.0)
     known = frame.volume, frame.energy
     volume, energy = (np.nan if value is None else value for value in known)

@@ -125,11 +125,11 @@ class AmountKind(Enum):
             case AmountKind.ANGLE | AmountKind.LENGTH | AmountKind.LENGTH_OR_PERCENT | AmountKind.NUMBER:
                 return False
 
-    def at(self, amount: float, share: float) -> float:
+    def amount_at(self, amount: float, share: float) -> float:
         """Amount at fraction ``share`` of a motion."""
         return float(amount**share) if self.is_factor else share * amount
 
-    def remaining(self, total: float, motion: Motion, now: MotionReference) -> float:
+    def remaining_amount(self, total: float, motion: Motion, now: MotionReference) -> float:
         """Amount still missing to reach a total measured from rest.
 
         The total of a rotation is its part about the axis of the motion, that of a shift its part along it.
@@ -195,7 +195,7 @@ class MotionKind:
         return bool(self.preposition) and not self.may_omit_axis
 
     @property
-    def is_one_amount(self) -> bool:
+    def takes_single_amount(self) -> bool:
         """True if the amount alone is a complete motion text."""
         return not (self.needs_axis or self.has_all_axes)
 

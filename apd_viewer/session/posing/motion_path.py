@@ -65,7 +65,7 @@ class MotionStep:
     def pose_at(self, document: Document, share: float) -> np.ndarray:
         """Pose (4, 4) of the handle at fraction ``share``; raises InputError."""
         amount = self.motion.kind.amount
-        return self._pose(document, [amount.at(each, share) for each in self.amounts])
+        return self._pose(document, [amount.amount_at(each, share) for each in self.amounts])
 
     def _pose(self, document: Document, amounts: Sequence[float]) -> np.ndarray:
         return self.motion.pose_after(MotionReference(document, self.handle, self.line), amounts)

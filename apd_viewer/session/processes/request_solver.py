@@ -98,7 +98,7 @@ class RequestSolver:
 
     def answer(self, request: Request) -> None:
         """Answer a request, or prepare for the next one."""
-        self.turn_to(request.document.mesh)
+        self.switch_to_mesh(request.document.mesh)
         if request.document.paint_problem:
             # Such requests are sent during painting, for preparations alone.
             if request.with_cost:  # a comparison of methods waits for an answer
@@ -117,7 +117,7 @@ class RequestSolver:
         else:
             self._begin_factorizations()
 
-    def turn_to(self, mesh: Mesh) -> None:
+    def switch_to_mesh(self, mesh: Mesh) -> None:
         """Discard preparations if they were made for a different mesh."""
         if self._rest is not None and self._rest[0] is not mesh:
             self._drop()

@@ -171,7 +171,7 @@ class SolverWorker:
                 return None
             try:
                 self._child = SolverProcess(
-                    self._publish, self._store, self._show_share, self._silence, self._end
+                    self._publish, self._store, self._show_progress, self._silence, self._end
                 )
             except OSError as error:
                 self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
@@ -219,7 +219,7 @@ class SolverWorker:
     def _store(self, mesh: Mesh, decimations: tuple[Decimation, ...]) -> None:
         self._known = mesh, decimations
 
-    def _show_share(self, share: float) -> None:
+    def _show_progress(self, share: float) -> None:
         self.compiled_share = share
         self._wake()
 

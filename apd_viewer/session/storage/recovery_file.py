@@ -66,7 +66,7 @@ class RecoveryFile:
 
     def discard(self) -> None:
         """Delete the file and its lock."""
-        remove_with_lock(self.path, self._lock)
+        remove_and_unlock(self.path, self._lock)
 
     def release(self) -> None:
         """Release the file for the next start."""
@@ -99,7 +99,7 @@ def _claim(path: Path) -> RecoveryFile | None:
             return RecoveryFile(path, lock, found.st_mtime)
         lock.release()  # file of another program
     except FileNotFoundError:
-        remove_with_lock(path, lock)
+        remove_and_unlock(path, lock)
     except OSError:
         lock.release()
     return None
@@ -121,7 +121,7 @@ def lock_path(path: Path) -> Path:
     return path.with_suffix(".lock")
 
 
-def remove_with_lock(path: Path, lock: FileLock) -> None:
+def remove_and_unlock(path: Path, lock: FileLock) -> None:
     """Remove a file, its temporary files and, finally, its lock."""
     for each in (path, *path.parent.glob(f".{path.name}-*")):
         with contextlib.suppress(OSError):

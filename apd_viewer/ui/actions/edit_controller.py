@@ -120,8 +120,8 @@ class EditController:
             self._parts.add_region()
             self._take(Tool.REGION)
 
-    def reshape(self, operation: PartOperation) -> None:
-        """Apply an operation to the whole part painted by the current tool."""
+    def edit_part(self, operation: PartOperation) -> None:
+        """Apply an operation to the whole part of the current tool."""
         if self._may_begin():
             self._session.painting.apply_operation(self._canvas.strokes.part, operation)
 

@@ -242,7 +242,7 @@ class DisplayActions:
             )
         }
 
-    def follow(self, document: Document) -> None:
+    def follow_document(self, document: Document) -> None:
         """Enable the options available for a document and its mesh file."""
         mesh, looks, compares = document.mesh, self._looks, document.target_shape is not None
         colors, textures, target = looks.shows_file_colors, looks.shows_textures, looks.target_ghost.visible

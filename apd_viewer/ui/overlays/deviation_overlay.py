@@ -111,7 +111,7 @@ class DeviationOverlay(QObject):
 
     # Display
 
-    def follow(self, mesh: Mesh, target: TargetShape | None = None) -> None:
+    def set_mesh(self, mesh: Mesh, target: TargetShape | None = None) -> None:
         """Set the mesh and the optional target shape to compare with."""
         if mesh is self.mesh and target is self._target:
             return

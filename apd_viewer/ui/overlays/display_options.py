@@ -100,12 +100,12 @@ class DisplayOptions:
         """Start or stop the turntable."""
         self.turntable.running = on
 
-    def follow(self, state: State) -> None:
+    def follow_state(self, state: State) -> None:
         """Apply the options to the mesh and the target shape of a state."""
         mesh, target = state.document.mesh, state.document.target_shape
         for part in (self.ghost, self.ground, self.before_after, self.cutting_plane):
             part.follow(mesh)
-        self.overlay.follow(mesh, target)
+        self.overlay.set_mesh(mesh, target)
         self._follow_document(state)
         self._texture = mesh.texture[0]
         self.show_textures(self.shows_textures)

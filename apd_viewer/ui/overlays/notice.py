@@ -131,7 +131,7 @@ class Notice(QFrame):
         self._show(sentence, "failure")
         self.timer.stop()
 
-    def show_lasting_failure(self, sentence: str) -> None:
+    def show_persistent_failure(self, sentence: str) -> None:
         """Show a failure until cleared by an empty sentence."""
         if sentence == self._held:
             return
@@ -305,7 +305,7 @@ class NextStepHint:
         """Hide the next step; a preview message stays visible."""
         self._invitation.show_text(self._waits)
 
-    def follow(self, store: StateStore) -> None:
+    def follow_store(self, store: StateStore) -> None:
         """Show a message while the store is previewing."""
         waits = ""
         if store.is_previewing:

@@ -212,7 +212,7 @@ class MotionPreview:
         field.edited.connect(self._preview)
         field.editing_ended.connect(self.ghost.hide)
 
-    def follow(self, old: State | None, new: State) -> None:
+    def follow_document(self, old: State | None, new: State) -> None:
         """Update the preview for a changed document, while an amount is being typed."""
         if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
             self._field.request_preview()

@@ -93,7 +93,7 @@ def _align(grids: list[QGridLayout]) -> None:
             grid.setColumnMinimumWidth(column, width)
 
 
-class SettingsPage(QObject):
+class SettingsDialogOpener(QObject):
     """Opens the settings dialog, one at a time."""
 
     def __init__(

@@ -25,7 +25,7 @@ from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.plan_dialog import PlanDialog
-from apd_viewer.ui.studies.result_columns import ReadResults, shown_columns
+from apd_viewer.ui.studies.result_columns import ResultsSnapshot, shown_columns
 from apd_viewer.ui.studies.results_panel import ResultsPanel
 from apd_viewer.ui.studies.study_run import StudyRun, scheduler_option, stored_options
 from apd_viewer.ui.widgets.background_task import BackgroundTask
@@ -256,7 +256,7 @@ class FolderWatch(QObject):
     Attributes
     ----------
     results_read : Signal(object)
-        :class:`ReadResults`.
+        :class:`ResultsSnapshot`.
     failed : Signal(str)
         Why they cannot be read, once.
     """
@@ -302,12 +302,12 @@ class FolderWatch(QObject):
             self._seen = stamp
             self._task.begin(lambda _: _results(folder))
 
-    def _take(self, found: tuple[Path, ReadResults | str, float] | None) -> None:
+    def _take(self, found: tuple[Path, ResultsSnapshot | str, float] | None) -> None:
         if found is None or found[0] != self.folder:
             return
         _, results, took = found
         self._next = time.monotonic() + _TIMES * took
-        if isinstance(results, ReadResults):
+        if isinstance(results, ResultsSnapshot):
             self._said = ""
             self.results_read.emit(results)
         else:
@@ -323,11 +323,11 @@ class FolderWatch(QObject):
         self._task.close()
 
 
-def _results(folder: Path) -> tuple[Path, ReadResults | str, float]:
+def _results(folder: Path) -> tuple[Path, ResultsSnapshot | str, float]:
     started = time.monotonic()
     try:
         table = read_results(folder)
-        found: ReadResults | str = ReadResults(table, shown_columns(table))
+        found: ResultsSnapshot | str = ResultsSnapshot(table, shown_columns(table))
     except InputError as error:
         found = str(error)
     return folder, found, time.monotonic() - started

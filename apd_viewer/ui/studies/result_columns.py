@@ -155,7 +155,7 @@ class ResultColumn:
         return len(set(self.texts)) > 1
 
 
-class ReadResults(NamedTuple):
+class ResultsSnapshot(NamedTuple):
     """Results of a study, with the columns of their table."""
 
     table: ResultTable

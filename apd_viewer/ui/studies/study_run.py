@@ -79,7 +79,7 @@ class StudyDesign(NamedTuple):
         InputError
             If nothing varies.
         """
-        vary = [span.varied for span in self.spans if span.high is not None]
+        vary = [span.design_variable for span in self.spans if span.high is not None]
         vary += [DesignVariable("method", self.methods)] if len(self.methods) > 1 else []
         if not vary:
             raise InputError(tr("Nothing varies; give both ends of a range, or tick several methods."))

@@ -69,7 +69,7 @@ class QuantityRange(NamedTuple):
     high: str | None
 
     @property
-    def varied(self) -> DesignVariable:
+    def design_variable(self) -> DesignVariable:
         """Design variable of the range; raises InputError if its ends are reversed."""
         by = ":log" if self.quantity.by_factors else ""
         unit = PERCENT if self.low.endswith(PERCENT) else self.quantity.unit.replace(PERCENT, "")
@@ -151,7 +151,7 @@ def quantity_range(quantity: VariedQuantity, low: str, high: str, state: State, 
         last = None if last == first else last
         span = QuantityRange(quantity, first, last)
         if last is not None:
-            _ = span.varied
+            _ = span.design_variable
     except InputError as error:
         raise InputError(f"{quantity.title}: {error}") from error
     return span

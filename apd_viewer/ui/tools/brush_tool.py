@@ -81,7 +81,7 @@ class BrushTool(SelectionTool):
             return False
         # Qt reports a vertical wheel turn as horizontal while Alt is down.
         notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
-        self.size.scale(RADIUS_PER_NOTCH**notches)
+        self.size.scale_radius(RADIUS_PER_NOTCH**notches)
         return True
 
     def leave(self) -> None:
@@ -230,8 +230,8 @@ class BrushSize(QObject):
             self._mesh_radius = radius
             self._announce_change()
 
-    def scale(self, factor: float) -> None:
-        """Scale the radius by a factor."""
+    def scale_radius(self, factor: float) -> None:
+        """Multiply the radius by a factor."""
         if self._mesh_radius is None:
             self.radius = self._radius * factor
         else:
