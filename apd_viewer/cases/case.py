@@ -267,7 +267,7 @@ def cases_by_method(case: Case, methods: Sequence[str] = COMPARED_METHODS) -> li
     return [replace(case, document=document.with_settings(method=method)) for method in methods]
 
 
-def run(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterator[CaseStep]:
+def case_steps(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterator[CaseStep]:
     """Yield the shapes of a case, step by step.
 
     Parameters

@@ -47,10 +47,10 @@ class Cluster:
         now = time.monotonic()
         if now - self._looked > _LOOK:
             self._looked = now
-            self._threads = self._count()
+            self._threads = self._thread_count()
         return 2 * self._threads - len(self._futures)
 
-    def _count(self) -> int:
+    def _thread_count(self) -> int:
         """Total number of worker threads; 0 without a scheduler."""
         try:
             return sum(self._client.nthreads().values()) if self._alive else 0

@@ -173,7 +173,7 @@ def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
 
 
 def _member(regions: Sequence[Region], vertices: int) -> np.ndarray:
-    """Region number of each vertex, from 1, or 0; the last where regions overlap."""
+    """Region number of each vertex, 0 for none; the last one where regions overlap."""
     member = np.zeros(vertices, dtype=np.uint8)
     for k, region in enumerate(regions, start=1):
         member[region.vertices] = k

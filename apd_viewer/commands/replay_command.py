@@ -210,7 +210,7 @@ def replay_session(
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
-    """True if the saved shape has converged, with held vertices in place, targets met."""
+    """True if the saved shape has converged with all targets met."""
     frame, document = state.frame, state.document
     if not frame.settled or (frame.converged and state.has_unmet_target):
         return False

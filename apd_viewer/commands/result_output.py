@@ -97,7 +97,7 @@ def mesh_remarks(mesh: Mesh) -> list[str]:
 
 
 def result_lines(result: Result) -> list[str]:
-    """Lines on the area and volume against rest, and on capped openings."""
+    """Lines on the area and volume relative to rest, and on capped openings."""
     lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
     if result.volume is not None and result.volume_rest:
         lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))

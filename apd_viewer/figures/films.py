@@ -18,7 +18,7 @@ _COLORS = 128
 
 
 def check_film(path: Path, other_suffixes: Sequence[str] = ()) -> None:
-    """Raise InputError unless a video can be written to ``path``.
+    """Raise InputError unless a film can be written to ``path``.
 
     ``other_suffixes`` are endings to be named beside those of films.
     """

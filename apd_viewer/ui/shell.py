@@ -71,7 +71,7 @@ class Shell(QtWidgets.QMainWindow):
         toggles = self.docks.toggles
         self.menus = WindowMenus(self, self.requests, self._take, self.canvas.frame_mesh, toggles)
         self.preferences.restore_layout(self)
-        for name in ("study", "timeline"):  # no study is open yet, and nothing was pressed
+        for name in ("study", "timeline"):  # without contents until a study or a press
             self.docks[name].hide()
         values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
         self.canvas.choose_mode(values[SELECTION_MODE])

@@ -39,7 +39,7 @@ LARGE = 200_000
 _STEPS = 10
 
 
-def calm_levels(
+def calm_level_weights(
     solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
 ) -> np.ndarray:
     """Weights (g, n) of the vertices in each calm level that has an area goal.
@@ -124,7 +124,7 @@ def gesture_flux(
     Parameters
     ----------
     solve_mesh, held, handle_of, soft
-        See :func:`calm_levels`.
+        See :func:`calm_level_weights`.
     """
     V, F = solve_mesh.V, solve_mesh.F
     size = face_areas(V, F)

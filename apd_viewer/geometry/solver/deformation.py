@@ -14,7 +14,7 @@ from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.wall_surface import WallSurface, joints_sentence
-from apd_viewer.geometry.goals.calm_parts import calm_levels
+from apd_viewer.geometry.goals.calm_parts import calm_level_weights
 from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.linalg.linear_solver import Factorizer
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
@@ -198,7 +198,7 @@ class Deformation:
         ):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
         with cores_for(len(rest.solve_mesh.V)):
-            levels = partial(calm_levels, rest.solve_mesh, held, handle_of, self._soft)
+            levels = partial(calm_level_weights, rest.solve_mesh, held, handle_of, self._soft)
             self._kept = GoalSet(rest, method, self._traits, tolerance, levels)
             self._kept.set_targets(area, volume, regions, calm and len(held) > 0)
             started = time.perf_counter()

@@ -141,7 +141,7 @@ class LooseComponents:
         if binding is None:
             return np.zeros((0, n), np.int64)
         group = np.zeros((1, n), np.int64)
-        part, corner, _ = self._carrying(binding, binding.is_close)
+        part, corner, _ = self._carriers(binding, binding.is_close)
         leader = binding.member[binding.member_start[:-1]]
         links = coo_array((np.ones(len(part)), (leader[part], corner)), shape=(n, n))
         number = 1 + connected_components(links, directed=False)[1].astype(np.int64)
@@ -156,18 +156,18 @@ class LooseComponents:
     def transfer_gradient(self, g: np.ndarray) -> None:
         """Add the gradient (n, 3) of loose parts to their carriers, rotations ignored."""
         if len(self._vertices) and self._binding is not None:
-            part, corner, share = self._carrying(self._binding)
+            part, corner, share = self._carriers(self._binding)
             force = np.add.reduceat(g[self._binding.member], self._binding.member_start[:-1])
             np.add.at(g, corner, share[:, None] * force[part])
 
     def limit_shares(self, shares: np.ndarray) -> None:
         """Limit the step fractions (n,) of carriers to those of the carried parts."""
         if len(self._vertices) and self._binding is not None:
-            part, corner, _ = self._carrying(self._binding)
+            part, corner, _ = self._carriers(self._binding)
             least = np.minimum.reduceat(shares[self._binding.member], self._binding.member_start[:-1])
             np.minimum.at(shares, corner, least[part])
 
-    def _carrying(
+    def _carriers(
         self, binding: LooseBinding, among: np.ndarray | bool = True
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Carried part (c,), triangle corner carrying it (c,) and its weight (c,)."""

@@ -138,7 +138,7 @@ def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Findi
     """Finding on vertices exempt from contact, near triangles crossing at rest."""
     if crossing is None or not len(crossing):
         return ()
-    # Imported here: other sentences of this module are shown before these modules are loaded.
+    # Imported here: other functions of this file are needed before these modules are loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
     from apd_viewer.geometry.contact.contact import is_near_crossing
 
@@ -154,7 +154,7 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
     """Finding about intersecting triangles; empty if there are none."""
     if crossing is None or not len(crossing):
         return ()
-    # Imported here: the other functions are needed before the findings module is loaded.
+    # Imported here: other functions of this file are needed before that module is loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
 
     sentence = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")

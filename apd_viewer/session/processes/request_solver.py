@@ -232,7 +232,7 @@ class RequestSolver:
         # Aiming again would reset the paper method's handle to its target.
         if fresh or elsewhere or not request_and_reply.are_same_keys(poses, self._poses):
             U = request.U if fresh or elsewhere else None
-            walks = request.iterate and (jumps or (fresh and _begins_at_rest(self._solver, request)))
+            walks = request.iterate and (jumps or (fresh and _must_start_at_rest(self._solver, request)))
             self._walk = document_iteration(self._solver, document, U, walks, request.shifts)
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
         self._placed = around
@@ -261,7 +261,7 @@ class RequestSolver:
         return self._rest[1]
 
 
-def _begins_at_rest(solver: Deformation, request: Request) -> bool:
+def _must_start_at_rest(solver: Deformation, request: Request) -> bool:
     """True if contact cannot start at the shape because of intersections."""
     contact, shifts = solver.contact, request.shifts
     if contact is None:

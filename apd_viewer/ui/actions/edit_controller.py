@@ -80,7 +80,7 @@ class EditController:
             self._session.gestures.redo()
 
     def _may_step(self) -> bool:
-        """True if steps may be undone; an obstacle that waits for its place is given up."""
+        """True if steps may be undone; the placing of an obstacle is cancelled."""
         self.stop_placing()
         self._canvas.picker.cancel()
         return self._may_begin()

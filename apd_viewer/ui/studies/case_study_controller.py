@@ -65,7 +65,7 @@ class CaseStudyController(QObject):
         self._window, self._dock, self._memory, self._notice = window, dock, preferences, notice
         self._session, self._filing, self._opened = session, files, open_document
         self._ghost = ghost
-        self._studied: Document | None = None  # kept in the folder of the study begun last
+        self._studied: Document | None = None  # document of the latest study, kept in its folder
         self.dialog: PlanDialog | None = None
         self.panel = ResultsPanel()
         dock.setWidget(self.panel)

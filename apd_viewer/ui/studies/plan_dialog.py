@@ -73,7 +73,7 @@ class PlanDialog(QDialog):
             preferences,
         )
         self._preview = RangeEndPreview(session, ghost)
-        # Those of the shape on screen, where it was solved and not just opened.
+        # Seconds of the displayed shape; 0 if it was opened instead of solved.
         solved = session.store.activity is Activity.SETTLED
         self._step_seconds = solved * self._state.frame.iteration * session.store.seconds_per_iteration
         mesh = self._state.document.mesh
