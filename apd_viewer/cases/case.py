@@ -39,7 +39,7 @@ DEFAULT_ITERATIONS = 500
 # Limit per step with obstacles: their loads are meaningless until the shape has converged.
 SETTLING_ITERATIONS = 10_000
 # Fraction of the rest shape's diagonal: a shorter displacement counts as none.
-_NO_WAY = 1e-9
+_LEAST_DISPLACEMENT = 1e-9
 
 CasePath: TypeAlias = HandlePath | MotionPath
 
@@ -168,7 +168,7 @@ class Case:
             return "degrees"
         if path.angle == 0.0:
             return "way"
-        shortest = _NO_WAY * diagonal(self.document.mesh.V)
+        shortest = _LEAST_DISPLACEMENT * diagonal(self.document.mesh.V)
         return "part" if np.linalg.norm(path.along) > shortest else "degrees"
 
     @property

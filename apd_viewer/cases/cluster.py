@@ -53,12 +53,12 @@ class Cluster:
     def _thread_count(self) -> int:
         """Total number of worker threads; 0 without a scheduler."""
         try:
-            return sum(self._client.nthreads().values()) if self._alive else 0
+            return sum(self._client.nthreads().values()) if self._is_alive else 0
         except OSError:
             return 0
 
     @property
-    def _alive(self) -> bool:
+    def _is_alive(self) -> bool:
         return self._client.status == "running"
 
     def running_count(self) -> int:
@@ -76,7 +76,7 @@ class Cluster:
     def supervise_workers(self) -> None:
         """Raise InputError once the scheduler has been unreachable for too long."""
         now = time.monotonic()
-        self._gone_since = None if self._alive else self._gone_since or now
+        self._gone_since = None if self._is_alive else self._gone_since or now
         if self._gone_since is not None and now - self._gone_since > _GONE:
             raise InputError(
                 tr("The scheduler is gone. Finished cases are kept; repeat the command to continue.")
@@ -84,7 +84,7 @@ class Cluster:
 
     def close(self, at_once: bool) -> None:
         """Withdraw the cases not yet started, and disconnect from the scheduler."""
-        if self._alive:
+        if self._is_alive:
             self._executor.shutdown(wait=False)
         # Dask raises OSError if closing takes too long; its threads then end with this process.
         with suppress(OSError):

@@ -23,7 +23,7 @@ class MethodOutcome:
     ----------
     frame : Frame or None
         The latest shape, and its readings.
-    finished : bool
+    is_finished : bool
         Nothing more comes.
     cost : Cost or None
         What it took, once it has finished.
@@ -32,7 +32,7 @@ class MethodOutcome:
     """
 
     frame: Frame | None = None
-    finished: bool = False
+    is_finished: bool = False
     cost: Cost | None = None
     failure: str | None = None
 

@@ -138,9 +138,9 @@ def test_comparison_ends_its_process_with_the_last_method(begun, cold):
     assert threading.active_count() == threads
     comparison.set_methods(("arap", "paper"))
     assert comparison.current_method == "paper"
-    assert comparison.outcomes["arap"].finished
+    assert comparison.outcomes["arap"].is_finished
     finish(comparison)
-    assert comparison.outcomes["paper"].finished
+    assert comparison.outcomes["paper"].is_finished
     assert threading.active_count() == threads
 
 

@@ -242,7 +242,7 @@ def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
 
     A file for another number of vertices is refused, and so is one that names another number of triangles.
     One that was made for other positions is not, for a deformed copy keeps its selection: see
-    :attr:`Selection.same_mesh`.
+    :attr:`Selection.is_for_same_mesh`.
 
     Raises
     ------

@@ -128,7 +128,7 @@ class _SimplicialFactor:
         self._factor = CholeskySolverD(len(start) - 1, start, column, entry, MatrixType.CSR)
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B``, also refined."""
+        """``A^-1 B`` in double precision; :meth:`refined` is the same."""
         X = np.empty_like(B)
         self._factor.solve(B, X)
         return X

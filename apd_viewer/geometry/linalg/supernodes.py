@@ -53,19 +53,19 @@ class Supernodes:
         self.stack = _stack(np.diff(self.begin), parent, self.task)
 
     @property
-    def own(self) -> np.ndarray:
+    def own_width(self) -> np.ndarray:
         """Numbers of unknowns of the supernodes, (g,) int64 array."""
         return np.diff(self.first)
 
     @property
     def width(self) -> np.ndarray:
         """Numbers of own and coupled unknowns of the supernodes, (g,) int64 array."""
-        return self.own + np.diff(self.begin)
+        return self.own_width + np.diff(self.begin)
 
     @property
     def fill(self) -> int:
         """Number of stored entries of the factor."""
-        return int(self.own @ self.width)
+        return int(self.own_width @ self.width)
 
 
 @njit(cache=True, nogil=True)

@@ -16,7 +16,7 @@ MOST_HANDLES = 8
 
 
 class SoftConstraints(NamedTuple):
-    """Vertices drawn softly along with their handle; see :mod:`falloff`.
+    """Vertices pulled along by springs of their handle; see :mod:`falloff`.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def constraints(
     soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
     obstacles: bool = False,
 ) -> Constraints:
-    """Hold the base at ``grip``, and each handle at ``grip`` moved by its pose.
+    """Constraints holding the base at ``grip``, and handles at their poses from there.
 
     Parameters
     ----------

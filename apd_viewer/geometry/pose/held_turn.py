@@ -87,7 +87,7 @@ class HandleTurns(NamedTuple):
 
 
 def most_lost_turn(turns: Sequence[HeldTurn]) -> HeldTurn:
-    """Turn with the largest loss; among equals, the largest turn."""
+    """Turn with the largest lost angle; among equals, the largest turn."""
     return max(
         turns,
         key=lambda turn: (turn.lost_angle if turn.lost_angle >= LEAST_TURN else 0.0, abs(turn.requested)),

@@ -145,7 +145,7 @@ class SurfaceTurns:
     def _path_turns(
         self, label: int, axis: np.ndarray, last: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Turns and sign jumps (a,) summed along the cheapest paths to a part, and arms."""
+        """Turns and sign jumps (a,) along the cheapest paths to a part, and their arms."""
         pairs, start, ends = self._pairs, self._end_triangles(BASE), self._end_triangles(label)
         own = self._is_inside(label)
         step, clear = pairs.turns_about(axis)

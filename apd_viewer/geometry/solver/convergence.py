@@ -154,7 +154,7 @@ class StepConvergence:
         return len(self._steps) > 0
 
     @property
-    def is_rounding(self) -> bool:
+    def is_at_rounding_level(self) -> bool:
         """True if the last step consisted of rounding errors."""
         return self.has_steps and self._steps[-1] <= _ROUNDING
 
@@ -165,4 +165,4 @@ class StepConvergence:
     def has_converged(self, convergence: Convergence) -> bool:
         """True if further iterations would make no significant change."""
         gap = self.convergence_ratio(convergence)
-        return self.is_rounding or (gap is not None and gap <= 1.0)
+        return self.is_at_rounding_level or (gap is not None and gap <= 1.0)

@@ -68,7 +68,7 @@ class LooseComponents:
         # If nothing is held, all parts deform.
         self._is_held[piece[held] if len(held) else slice(None)] = True
         self._vertices = np.flatnonzero(~self._is_held[piece])
-        self._stays = self._chosen(loose)
+        self._stays = self._left_at_rest(loose)
 
     def set_loose_parts(self, loose: str | Sequence[int] | np.ndarray) -> None:
         """Choose the loose parts to move along or to stay at rest; see the class.
@@ -78,22 +78,22 @@ class LooseComponents:
         InputError
             If others would stay in contact: there might be no free way to where they are.
         """
-        stays = self._chosen(loose)
+        stays = self._left_at_rest(loose)
         if self._contact and not np.array_equal(stays[~self._is_held], self._stays[~self._is_held]):
             raise InputError(tr("In contact other loose parts cannot stay; make another Deformation."))
         self._stays = stays
 
-    def _chosen(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
+    def _left_at_rest(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
         """Mask of the components left at rest."""
         if not isinstance(loose, str):
-            return self._with(loose)
+            return self._containing(loose)
         if loose in (GO, STAY):
             return np.full(len(self._is_held), loose == STAY)
         raise InputError(
             tr("Loose parts must 'go' or 'stay'; or give a list with a vertex of each that stays.")
         )
 
-    def _with(self, vertices: Sequence[int] | np.ndarray) -> np.ndarray:
+    def _containing(self, vertices: Sequence[int] | np.ndarray) -> np.ndarray:
         """Mask of the components containing any of ``vertices`` of the file."""
         weld, piece = self._rest.weld, self._rest.solve_mesh.component
         stays = np.zeros(len(piece), dtype=bool)

@@ -221,7 +221,7 @@ class Stability:
         return (at_rest or bool(self._begins_flat)) and self.is_pending
 
     def step(self, at_rest: bool) -> bool:
-        """Examine one more direction; return True if the shape is left for a lower one."""
+        """Examine one more direction; return True after a step to lower energy."""
         if self._search is None:
             at = self._solver.equilibrium
             assert at is not None

@@ -100,7 +100,7 @@ def saved_selection_sentence(name: str, left_out: Sequence[str]) -> str:
 
 def loaded_selection_sentence(name: str, selection: Selection) -> str:
     """Sentence about a loaded selection."""
-    if selection.same_mesh:
+    if selection.is_for_same_mesh:
         return tr("Selection loaded from {name}.").format(name=name)
     return tr(
         "Selection loaded from {name}; it was made for another shape with the same number of vertices."

@@ -243,7 +243,7 @@ class DeviationOverlay(QObject):
 
     def _measure_soon(self) -> None:
         """Schedule a measurement of the displayed shape, unless one is in progress."""
-        if not self._task.busy and not self.rest_timer.isActive():
+        if not self._task.is_busy and not self.rest_timer.isActive():
             self.rest_timer.start()
 
     def _measure_slowly(self) -> None:

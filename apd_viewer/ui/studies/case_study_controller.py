@@ -291,7 +291,7 @@ class FolderWatch(QObject):
     def check_folder(self) -> None:
         """Read the results if they have changed."""
         folder = self.folder
-        if folder is None or self._task.busy or time.monotonic() < self._next:
+        if folder is None or self._task.is_busy or time.monotonic() < self._next:
             return
         try:
             found = (folder / DATABASE_NAME).stat()

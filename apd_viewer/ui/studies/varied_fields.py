@@ -40,7 +40,7 @@ class VariedQuantity(NamedTuple):
         Ends of its range at first.
     is_motion : bool
         Whether it moves the handle, typed instead of the motion of the session.
-    by_factors : bool
+    is_logarithmic : bool
         Whether its range is divided into equal factors.
     """
 
@@ -52,7 +52,7 @@ class VariedQuantity(NamedTuple):
     low: str
     high: str
     is_motion: bool = False
-    by_factors: bool = False
+    is_logarithmic: bool = False
 
 
 class QuantityRange(NamedTuple):
@@ -71,7 +71,7 @@ class QuantityRange(NamedTuple):
     @property
     def design_variable(self) -> DesignVariable:
         """Design variable of the range; raises InputError if its ends are reversed."""
-        by = ":log" if self.quantity.by_factors else ""
+        by = ":log" if self.quantity.is_logarithmic else ""
         unit = PERCENT if self.low.endswith(PERCENT) else self.quantity.unit.replace(PERCENT, "")
         low = self.low.removesuffix(unit)
         return parse_variable(f"{self.quantity.name}={low}..{self.high}{by}")
@@ -99,7 +99,7 @@ def varied_quantities(state: State) -> list[VariedQuantity]:
             NO_UNIT,
             format_editable(stiffness / 10.0, 3),
             format_editable(stiffness * 10.0, 3),
-            by_factors=True,
+            is_logarithmic=True,
         )
     )
     note = tr("percent of rest")
