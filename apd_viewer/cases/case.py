@@ -56,7 +56,7 @@ class CaseStep(NamedTuple):
     degrees : float
         By how much the first handle that moves has turned.
     displacement : float
-        How far its pivot is from where it was, mesh units.
+        Distance of its pivot from the initial position, mesh units.
     volume_rest, volume_capped_rest : float or None
         With flat caps over its openings; None without any.
     energy : float

@@ -28,7 +28,7 @@ class Cluster:
     ----------
     client : distributed.Client
     work : callable
-        What they do with a task.
+        Function that runs a task on a worker.
     """
 
     # Dask also blames prefetched cases for the death of their worker.
@@ -122,7 +122,7 @@ def connect_cluster(
     address : str or None
         Such as ``tcp://host:8786`` or ``tls://host:8786``; None with a file.
     scheduler_file : Path or None
-        What the scheduler has written about itself.
+        File written by the scheduler, with its address.
 
     Raises
     ------

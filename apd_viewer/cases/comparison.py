@@ -26,9 +26,9 @@ class MethodOutcome:
     is_finished : bool
         Nothing more comes.
     cost : Cost or None
-        What it took, once it has finished.
+        Cost of the result, known at the end.
     failure : str or None
-        Why there is no shape, or no further one: a sentence.
+        Sentence on the reason for a missing or unfinished shape.
     """
 
     frame: Frame | None = None
@@ -54,7 +54,7 @@ class Comparison:
     current_method : str or None
         The method that is being solved.
     news : str
-        What has happened to the solver, a sentence; mostly empty.
+        Sentence on an event of the solver; mostly empty.
     """
 
     def __init__(self, document: Document, wake: Callable[[], object]) -> None:

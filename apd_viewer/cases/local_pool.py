@@ -102,7 +102,7 @@ class LocalPool:
     workers : int
         Number of processes.
     work : callable
-        What they do with a task.
+        Function that runs a task in a worker process.
     recycle : int
         Cases of a process before it is replaced.
     """

@@ -48,7 +48,7 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
     cells : mapping of str to str
         Cells that are not empty, by their columns.
     folder : Path
-        Where the files are that it names.
+        Folder of the files named in the cells.
     """
     settings = _settings(cells)
     unit = str(parse_cell("unit", cells["unit"])) if "unit" in cells else ""
@@ -143,7 +143,7 @@ class PlanRow:
     case : StudyCase or None
         None where it is wrong.
     mistake : str
-        What is wrong with it, a sentence; empty if nothing is.
+        Sentence on the error in the row; empty if it is valid.
     same_as : int or None
         Line of an earlier row that asks for the same.
     """

@@ -30,7 +30,7 @@ class PlanColumn(NamedTuple):
     parse : callable
         Makes a setting of what a cell says; raises InputError.
     description : str
-        What it is, for the help of the command.
+        Meaning of the column, for the help of the command.
     """
 
     parse: Callable[[str], CaseSetting]

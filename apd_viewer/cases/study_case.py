@@ -73,7 +73,7 @@ class StudyCase:
     mesh : InputFile
         A mesh, or a session with its mesh in it.
     selection : InputFile or None
-        What is painted; None in a session.
+        Painted vertices; None in a session.
     motion : tuple of str
         Steps in words, each written in one way only; none for the motion of a session.
     unit : str

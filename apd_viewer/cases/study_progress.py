@@ -92,7 +92,7 @@ class StudyForecast(NamedTuple):
     wrong : int
         Rows that no case can be made of.
     seconds : float or None
-        That the rest takes one process, by what was measured so far; None if nothing was.
+        Expected seconds of the remaining cases in one process; None if nothing was measured.
     """
 
     cases: int

@@ -90,7 +90,7 @@ def draw_sweep_curves(
     Parameters
     ----------
     abscissa : str
-        What tells the steps apart: see :attr:`apd_viewer.cases.case.Case.abscissa`.
+        Quantity on the horizontal axis: see :attr:`apd_viewer.cases.case.Case.abscissa`.
     obstacles : sequence of str
         Names of the obstacles; each has a curve of its load.
     """

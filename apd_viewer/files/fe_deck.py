@@ -74,7 +74,7 @@ class Deck(NamedTuple):
     F : (m, 3) int array
         Triangles without seams.
     used_faces : (k,) int array
-        Those of ``F`` that become elements.
+        Triangles of ``F`` used as elements.
     steps : sequence of sequences of (k, 3) float arrays
         Displacements of each of the sets ``held_sets`` at the end of each step, mesh units.
     notes : tuple of str

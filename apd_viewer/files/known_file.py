@@ -30,7 +30,7 @@ class KnownFile:
     Parameters
     ----------
     scratch : Path or None
-        What is about to be moved there; None takes what is there.
+        Scratch file with the new content, moved to the path later; None reads the path itself.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Fingerprint(NamedTuple):
     Attributes
     ----------
     place : str
-        Where it is, for people: what is in the home folder begins with ``~``, which tells nobody's name.
+        Path for display: paths in the home folder begin with ``~``, which hides the user's name.
     size : int or None
         In bytes; None if it cannot be read any more.
     sha256 : str

@@ -33,7 +33,7 @@ class MissingMesh:
     Attributes
     ----------
     description : dict
-        What :func:`mesh_location_to_json` wrote about it.
+        Description by :func:`mesh_location_to_json`.
     reason : str
         Sentence for people.
     """
@@ -100,7 +100,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
     Parameters
     ----------
     description : JsonFields
-        What :func:`mesh_location_to_json` wrote, and in "embedded" the members that hold the copy.
+        Description by :func:`mesh_location_to_json`, with the members of a copy in "embedded".
     archive : Archive
         Read from there.
     prefix : str

@@ -62,7 +62,7 @@ class WrittenMesh(NamedTuple):
     area : float
         Measured on the file.
     dropped : tuple of str
-        What the file that it was opened from has, and the new one has not.
+        Contents of the opened file that are missing from the new one.
     """
 
     area: float

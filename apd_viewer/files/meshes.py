@@ -104,7 +104,7 @@ def largest_coordinate(X: np.ndarray) -> float:
 def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
     """Raise InputError on a missing, unsupported or empty file, before reading it.
 
-    What ends in one of ``more_suffixes`` is no mesh, but can be opened too.
+    Files with one of ``more_suffixes`` are no meshes, but can be opened too.
     """
     # os.path: Path raises on names that are too long.
     if not os.path.exists(path):  # noqa: PTH110

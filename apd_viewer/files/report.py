@@ -59,7 +59,7 @@ def write_report(
 def target_distance_fields(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]:
     """Report fields of the distances between a shape ``U`` (n, 3) and a target shape.
 
-    Those of vertices from the same vertices only where the triangles are the same.
+    Distances between corresponding vertices are given only for equal triangles.
     """
     found = target.target_distance(mesh, U)
     assert found is not None

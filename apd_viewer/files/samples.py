@@ -25,7 +25,7 @@ class Sample:
     settings : mapping
         Fields of the document that begin otherwise than those of any mesh.
     pivot : (3,) tuple of floats or None
-        What the handle turns about, mesh units; None is its centre.
+        Centre of rotation of the handle, mesh units; None is the handle's centre.
     unit : str
         Symbol of the unit of length.
     material : str

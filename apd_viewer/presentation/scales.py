@@ -242,7 +242,7 @@ class Scale:
     def fitted_to(self, span: tuple[float, float], size: float = 1.0) -> Scale:
         """Scale fitted to the largest absolute value of a span.
 
-        Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
+        A span of rounding errors on a mesh of this ``size`` leaves the scale unchanged.
         """
         reach = max(map(abs, span))
         if self.measure.traits.kind is ScaleKind.RATIO:

@@ -29,7 +29,7 @@ class TimeLeftEstimate:
     Parameters
     ----------
     moment : float
-        When the solver began.
+        Start of the solver.
     """
 
     def __init__(self, moment: float) -> None:

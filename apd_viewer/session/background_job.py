@@ -31,7 +31,7 @@ class Job:
     Parameters
     ----------
     title : str
-        What is being done, for people: "Opening bunny.obj".
+        Title for the user: "Opening bunny.obj".
     on_done : callable
         Called by the owner with the value, on the owner's thread.
     can_be_cancelled : bool

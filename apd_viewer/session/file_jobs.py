@@ -196,7 +196,7 @@ class FileJobs:
             ``on_file_changed(file)``: somebody else has changed the file, and nothing was written. None
             says so in a sentence.
         replaceable : KnownFile or None
-            What may be replaced besides: such a file.
+            Known file that may be replaced, instead of the session file of the displayed mesh.
         """
         path, state = Path(path), self._gestures.state_before or self._store.required_state()
         known = replaceable or self._saved_work.known_file_at(path)

@@ -102,7 +102,7 @@ class StateStore:
     def jump_to(self, state: State, from_grip: bool = False) -> None:
         """Replace the state, and discard pending frames of the previous one.
 
-        What is left to iterate begins with its shape, or ``from_grip`` with that at the grip.
+        The next iterations start from its shape, or from the grip shape with ``from_grip``.
         """
         if self.state is None or state.document.mesh is not self.state.document.mesh:
             self._warned = None

@@ -210,7 +210,7 @@ class HistoryList(QtWidgets.QListWidget):
     Attributes
     ----------
     chosen : Signal(int)
-        How many steps are to be done from now on, from 0.
+        Number of steps to be done from then on, from 0.
     """
 
     chosen = Signal(int)

@@ -77,7 +77,7 @@ class Selection:
     regions : tuple of str
         Names; a region may hold no vertex.
     areas : tuple of float or None, one for each region
-        What its area should be, in percent of its area at rest; None only measures it.
+        Target area in percent of the area at rest; None only measures it.
     is_for_same_mesh : bool
         False if its file says that it was made for other positions or triangles than those of the mesh that
         it was read for, although for as many: for another shape of the mesh, as a rule.

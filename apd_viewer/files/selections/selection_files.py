@@ -286,7 +286,7 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
     Returns
     -------
     tuple of str
-        What the format cannot hold of this selection and was left out, in words.
+        Contents of the selection left out, as the format cannot hold them, in words.
     """
     path = Path(path)
     write = _WRITERS.get(path.suffix.lower())

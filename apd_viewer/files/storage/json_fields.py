@@ -24,9 +24,9 @@ class JsonFields:
     Parameters
     ----------
     value : object
-        What JSON made of it.
+        Value parsed from JSON.
     name : str
-        What to call it in an error.
+        Name of the object in error messages.
     """
 
     def __init__(self, value: object, name: str) -> None:

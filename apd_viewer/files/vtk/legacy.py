@@ -236,7 +236,7 @@ class LegacyReader:
     Parameters
     ----------
     start : int
-        Where to begin.
+        Offset of the first byte.
     """
 
     def __init__(self, content: bytes, start: int, is_binary: bool) -> None:

@@ -30,7 +30,7 @@ class Deviation:
     source : (n,) int array
         For each vertex the one that its place is named by; empty if there is no seam.
     target : TargetShape, optional
-        What two of the measures compare with.
+        Shape of comparison for two of the measures.
 
     Attributes
     ----------
@@ -277,7 +277,7 @@ def extreme_vertices(values: np.ndarray, U: np.ndarray, least_distance: float, m
     least_distance : float
         Their least distance.
     most : int
-        How many at most.
+        Largest number of vertices.
     """
     size = np.where(np.isnan(values), 0.0, np.abs(values))
     found: list[int] = []

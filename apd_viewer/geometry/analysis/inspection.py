@@ -38,7 +38,7 @@ class Inspection:
     volume_capped : float or None
         Of an open surface with flat caps over its ``openings``; None where that encloses nothing.
     openings : int
-        How many are capped.
+        Number of capped openings.
     size : tuple of float
         Extent along x, y and z.
     double_wall : DoubleWall or None

@@ -179,7 +179,7 @@ def detect_collisions(
     low_after, share : (p,) float arrays
         Written into: lower bounds of the gaps at ``W``, and the share of the way that is free.
     radius : float
-        What is round ends so far before its points: gaps are less than distances by it.
+        Radius of a rounded obstacle: gaps are smaller than distances from its points by this amount.
     """
     count = (len(pairs) + _PORTION - 1) // _PORTION
     energies, blocked = np.zeros(count), np.zeros(count, np.int64)

@@ -39,7 +39,7 @@ class DirectedSprings(NamedTuple):
     constants : (p,) float array
         A quarter of the energy's second derivative by the gap.
     weights : (p, 4) float array
-        How the gap's vector is made of the vertices' positions.
+        Coefficients of the vertices' positions in the vector of the gap.
     directions : (p, 3) float array
         Unit vectors along the gaps.
     """
@@ -67,7 +67,7 @@ class Contact:
     thickness : float
         Distance that walls keep, mesh units.
     followers : Followers, optional
-        What is carried along by the surface, and touches too.
+        Vertices carried along by the surface, and in contact too.
     obstacles : sequence of Obstacle
 
     Attributes
@@ -78,7 +78,7 @@ class Contact:
     followers : Followers
     obstacles : list of ObstaclePairs
     start : (n, 3) float array
-        Where ways begin.
+        Shape at the start of the next step.
     touching_pairs : int
         Pairs in touch at the last :meth:`quarter_gradient`.
     least_gap : float
@@ -210,7 +210,7 @@ class Contact:
         ----------
         W : (n, 3) float array
         shifts : (o, 3) float array, optional
-            Where the obstacles go; without, they stay.
+            Displacements of the obstacles at the end; without, they stay.
         """
         start, before, self.examined_parts = self.start, self.shifts, 0
         if self._move_in_substeps(W, before if shifts is None else shifts):

@@ -16,9 +16,9 @@ def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dic
     ----------
     contact : Contact
     U : (n, 3) float array
-        Where the last free way ended or began.
+        Either end of the last collision-free step.
     shifts : (o, 3) float array
-        How far the obstacles have come.
+        Displacements reached by the obstacles.
     """
     contact.accept_shape(U)
     contact.quarter_gradient(U)

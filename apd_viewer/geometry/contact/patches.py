@@ -52,7 +52,7 @@ class Patches:
     used_vertices : int array
         Vertices with triangles.
     vertices, edges, faces : PatchItems
-        Those of every patch; an edge and a triangle belong to the patch of their first vertex.
+        Items of every patch; an edge and a triangle belong to the patch of their first vertex.
     covered_vertices : PatchItems
         Vertices of every patch and of its edges and triangles.
     """

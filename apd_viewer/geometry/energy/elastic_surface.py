@@ -59,11 +59,11 @@ class ElasticSurface(HeldSurface):
     Attributes
     ----------
     membrane : Membrane or None
-        What keeps shape and area of every triangle; None if the material has no such term.
+        Term preserving shape and area of every triangle; None if the material has none.
     factor : Factor
         Of :attr:`factored_matrix`.
     metric : Metric
-        What :meth:`solve` applies: ``factor``, or the factor of another positive definite matrix.
+        Metric of :meth:`solve`: ``factor``, or the factor of another positive definite matrix.
     """
 
     def __init__(
@@ -161,7 +161,7 @@ class ElasticSurface(HeldSurface):
         Parameters
         ----------
         targets : (k, 3) float array
-            Where the held vertices are.
+            Positions of the held vertices.
         mult, forces : (g,) and (g, n, 3) float arrays
             ``mult_i forces_i`` are added to ``b``.
         """
@@ -334,7 +334,7 @@ class ProjectedHessian:
         Parameters
         ----------
         least : float
-            What smaller eigenvalues of a triangle's Hessian are replaced by; -inf for none.
+            Lower bound of the eigenvalues of each triangle's Hessian; -inf for none.
         """
         membrane = self._membrane
         patch, rest = membrane.patch, membrane.rest

@@ -35,7 +35,7 @@ class HeldSurface(ABC):
         Of the springs of ``soft``.
     material : Material
     creases : PlasticBending or None
-        What yields where it is bent; None if the material does not.
+        Plastic creases; None for a material that does not yield.
     """
 
     material: Material

@@ -181,9 +181,9 @@ class WallSurface(HeldSurface):
         tensions : (m,) float array
             Weight of each triangle's area in the Lagrangian.
         pressure : float
-            That of the volume.
+            Multiplier of the volume.
         share : float
-            What counts of terms that may not be positive, 0 to 1.
+            Factor of the possibly indefinite terms, 0 to 1.
         """
         flat, hinges, U = self.stretching, self.hinges, self.U
         angles, J = angles_and_gradients(U, hinges.corners)

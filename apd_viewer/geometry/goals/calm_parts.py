@@ -52,7 +52,7 @@ def calm_level_weights(
     handle_of : (k,) int array
         For each the number of its handle, from 1; 0 is base.
     soft : SoftConstraints
-        What handles draw along.
+        Vertices pulled along by handles.
 
     Returns
     -------

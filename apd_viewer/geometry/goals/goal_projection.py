@@ -50,7 +50,7 @@ class GoalProjection:
     Attributes
     ----------
     values : (g,) float array
-        What the goals measure at the positions found or looked at last.
+        Values of the goals at the last positions.
     g : (g, n, 3) float array
         Their gradients at the positions looked at last.
     """

@@ -26,7 +26,7 @@ class Region:
     vertices : int array
         Ids in the order of the file.
     area : float, str or None
-        What its area should be, in percent of its area at rest; None only measures it. Below 10 as text
+        Target area in percent of the area at rest; None only measures it. Below 10 as text
         with its sign, such as ``"5%"``.
 
     Examples
@@ -67,7 +67,7 @@ class Goal:
     rest, target : float
         Value at rest, and the value asked for.
     weight : (n,) float array or None
-        How much of the area around each vertex counts; None counts all of it, or is the volume.
+        Fraction of the area around each vertex in the goal; None for all of it, or for the volume.
     is_smooth : bool
         A triangle has the mean of its corners' weights; without, the least, so that only those count that
         are wholly inside.

@@ -77,7 +77,7 @@ class LinearSolver:
     factor
         Supernodal factor, or CHOLMOD's where that will not do.
     seconds : float
-        How long the factorization took.
+        Duration of the factorization, seconds.
 
     Raises
     ------

@@ -168,7 +168,7 @@ def _eliminate(
 ) -> bool:
     """Eliminate the supernodes from ``begin_at`` to ``end_at``.
 
-    What they contribute to later ones lies on the stack; False if the matrix is not definite.
+    Their contributions to later ones go to the stack; False if the matrix is not definite.
     """
     first, begin, later, panel = tree
     widest = 0
@@ -319,7 +319,7 @@ def _forward(
 ) -> None:
     """``x_later += W^T x`` of the supernodes from ``begin_at`` to ``end_at``.
 
-    What comes after all places of ``x`` but those of ``beyond`` is added to ``beyond`` instead.
+    Contributions beyond the positions of ``x`` are added to ``beyond`` instead.
     """
     first, begin, later, panel = tree
     t, u, v = columns[0], columns[1], columns[2]

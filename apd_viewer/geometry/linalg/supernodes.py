@@ -38,7 +38,7 @@ class Supernodes:
     task : (t + 1,) int64 array
         Supernodes ``task[i]`` to ``task[i + 1]`` need no other task; the top begins at ``task[-1]``.
     stack : (t + 2,) int64 array
-        Where the contributions of each task and of the top begin, while one waits for the next.
+        Start of the contributions of each task and of the top, until the next one takes them.
     """
 
     def __init__(self, V: np.ndarray, start: np.ndarray, column: np.ndarray) -> None:

@@ -82,7 +82,7 @@ def coarse_neighbours(
     component : (n,) int array
         The connected piece of every vertex; there is no going with another one.
     vertices : (c,) int array
-        Those of the thinned mesh.
+        Vertices of the decimated mesh.
     edge_length : float
         Mean length of its edges.
 

@@ -159,7 +159,7 @@ def nearest_mirror_vertices(
         Vertices that count.
     plane : MirrorPlane
     reach : (k,) float array
-        How far from the image each may be, mesh units.
+        Largest distance of each from its image, mesh units.
 
     Returns
     -------
@@ -248,7 +248,7 @@ def is_inside_polygon(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     points : (k, 2) float array
-        Those that are not a number lie outside.
+        Points to test; NaN counts as outside.
     polygon : (p, 2) float array
         Corners in their order; the last is joined with the first.
 

@@ -65,9 +65,9 @@ class Frame:
     volume_capped : float or None
         Volume with flat caps over the openings; None where the surface has none.
     unreached : str or None
-        What was asked for but cannot be reached in this pose, and how near it came: a sentence.
+        Sentence on targets out of reach in this pose, and the values reached.
     energy : float or None
-        What the method brings down, squared lengths: Eq. 1 with each undirected edge counted twice, and the
+        Energy minimised by the method, squared lengths: Eq. 1 with undirected edges counted twice, and the
         terms of the material; without the coupling of "sr-arap". None where that is not known.
     stable : bool or None
         True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
@@ -88,8 +88,7 @@ class Frame:
         Forces on the obstacles, energy per length: those of a material of stiffness 1. Of a settled shape
         they are the derivatives of its energy by the shifts, with the sign changed. Read-only.
     shifts : (o, 3) float array
-        How far the obstacles have come from their places, mesh units, read-only; contact may have stopped
-        them.
+        Displacements of the obstacles, mesh units, read-only; contact may have stopped them.
 
     Examples
     --------

@@ -28,7 +28,7 @@ class HeldPath:
     handle_of : (k,) int array
         Vertices of one number move as one.
     shifts : (2, o, 3) float array, optional
-        How far each obstacle is shifted at the start and at the end; it goes straight.
+        Displacement of each obstacle at the start and at the end of its straight path.
 
     Attributes
     ----------

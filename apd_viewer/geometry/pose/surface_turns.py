@@ -362,7 +362,7 @@ def relative_paths(X: np.ndarray, positions: np.ndarray, labels: np.ndarray) -> 
     X : (k, 3) float array
         Places of what is held.
     positions : (s, k, 3) float array
-        Where it goes, one after another.
+        Positions along the path, in order.
     labels : (k,) int array of BASE, and HANDLE + k
     """
     base = _rotations(X, positions, labels == BASE)

@@ -115,7 +115,7 @@ def contact_descent(
     thickness : float, optional
         Distance that walls keep, mesh units.
     loose : LooseComponents, optional
-        What the surface carries along; without, it is left out.
+        Loose parts carried along by the surface; without, they are left out.
     obstacles : sequence of Obstacle
         The surface enters among them with its first step.
     gas : EnclosedGas, optional
@@ -164,11 +164,11 @@ class ContactDescent:
     share : float
         Of the path, as far as it has been gone.
     shifts : (o, 3) float array
-        How far the obstacles have come from their places.
+        Displacements reached by the obstacles.
     target_shifts : (o, 3) float array
-        How far they go from there with :meth:`aim`.
+        Displacements of the obstacles at the targets of :meth:`aim`.
     start_shifts : (o, 3) float array or None
-        How far they have come at the shape of the next :meth:`restart`; None for as far as now.
+        Displacements at the shape of the next :meth:`restart`; None for the current ones.
     """
 
     def __init__(

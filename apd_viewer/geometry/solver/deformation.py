@@ -76,13 +76,13 @@ class Deformation:
         keeps its area), "wall" (a thin elastic wall), "paper" (Li & Hui: the total area kept to the
         tolerance, handles give way), "arap" (as rigid as possible) or "sr-arap" (as CGAL has it).
     handle : int array or sequence of int arrays, optional
-        Those of ``fixed`` that are handle, or those of each handle; "paper", calm parts and drift need it.
+        Members of ``fixed`` in the handle, or in each handle; needed by "paper", calm parts and drift.
     tolerance : float
         Relative error of the total area that "paper" accepts.
     stiffness : float
         Weight of bending, 0 to about 0.1; for "sr-arap" CGAL's alpha.
     area_stiffness, shear_stiffness : float
-        How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).
+        Stiffness of every triangle's area (area modulus) and shape (shear modulus) for "local".
     wall_thickness : float, optional
         Thickness of the wall by "wall", mesh units; without it 1/1000 of the bounding box's diagonal.
     poisson : float
@@ -106,7 +106,7 @@ class Deformation:
         What becomes of connected parts without held vertices: all go along with the nearest surface, all stay
         at rest, or those with these vertices stay.
     convergence : Convergence
-        What ends the iterations.
+        Criteria that end the iterations.
     calm : bool
         "exact" keeps the area of calm parts too, those that the gesture hardly reaches.
     contact : bool
@@ -313,7 +313,7 @@ class Deformation:
             Continue from these positions, with the creases that they have by the yield radius; otherwise
             from where the last iteration ended.
         soft_targets : (s, 3) float array, optional
-            Where each of the soft vertices is drawn to; without, to where it is at rest.
+            Targets of the soft vertices; their rest positions by default.
         shifts : (o, 3) float array, optional
             How far from its place each obstacle goes, straight and together with the held vertices; without,
             to its place.

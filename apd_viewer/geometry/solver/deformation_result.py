@@ -47,14 +47,14 @@ class Result:
     volume_rest, volume : float or None
         Enclosed volume; None if the surface is not closed.
     area_target, volume_target : float or None
-        What was asked of the total area and the volume.
+        Targets of the total area and the volume.
     volume_capped_rest, volume_capped : float or None
         Volumes of an open surface, with flat caps over its ``openings``.
     handle_drift : float
         Distance between the centroid of a handle where it was asked for and where it is; the largest of
         several handles.
     regions : tuple of RegionReading
-        What became of each region.
+        Readings of the regions.
     local_change : float
         Largest relative change of the area of a triangle, up or down.
     largest_edge_strain : float
@@ -64,13 +64,13 @@ class Result:
     energy : float
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
     warnings : tuple of str
-        What the user should know about the mesh or the result.
+        Sentences to the user about the mesh or the result.
     convergence : Convergence
-        What the iterations were ended by.
+        Criteria that ended the iterations.
     stable : bool or None
         True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
     stability : str
-        That in words, with the reason.
+        Stability in words, with the reason if unknown.
     saddle_escapes : int
         Saddles of the energy that were left for a lower shape.
     share_reached : float
@@ -82,7 +82,7 @@ class Result:
     loads : (o, 3) float array
         Forces on the obstacles, energy per length: those of a material of stiffness 1.
     shifts : (o, 3) float array
-        How far the obstacles have come from their places, mesh units.
+        Displacements of the obstacles, mesh units.
     turned : tuple of float
         Turn that was asked of each handle against the base, degrees, with whole turns; positive about the
         line from the base to the handle, or else about the largest coordinate of its axis.
@@ -292,7 +292,7 @@ def iterate_to_result(
     walk : PathIteration
         Of the solver.
     started : float
-        When work began, by ``time.perf_counter()``.
+        Start of the work, by ``time.perf_counter()``.
     iterations, progress
         See :func:`deform`.
     turns : callable

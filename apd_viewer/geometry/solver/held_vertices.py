@@ -82,7 +82,7 @@ class HeldVertices:
     handle_of : (h,) int array
         The number of the handle of each, from 1; 0 is base.
     targets : (h, 3) float array
-        Where they are asked for.
+        Requested positions.
 
     Raises
     ------

@@ -37,7 +37,7 @@ class PathIteration:
     U : (n, 3) float array, optional
         Shape to begin from; otherwise the solver's.
     start_shifts : (o, 3) float array, optional
-        How far the obstacles have come at ``U``; without it as far as they go.
+        Displacements of the obstacles at ``U``; by default, those at the end of the path.
     is_path_hidden : bool
         The path only leads to where the shape on screen is already.
 

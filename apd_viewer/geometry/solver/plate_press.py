@@ -276,7 +276,7 @@ class PressStep:
     distance : float
         Of the plates from each other, mesh units.
     deflection : float
-        How much nearer they are than at the first touch.
+        Reduction of the distance since first contact.
     load_low, load_high : float
         Force on the plate below and on the one above, energy per length: that of a material of stiffness 1.
         At rest, unless something is held, they are the same, and the slope of the energy as the plates close.

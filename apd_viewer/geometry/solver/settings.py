@@ -101,9 +101,9 @@ class Settings:
     poisson : float
         Of a thin elastic wall.
     area : float
-        What the total area should be, in percent of what it is at rest.
+        Target of the total area, in percent of its rest value.
     volume : float or None
-        What the volume should be, in percent; None leaves it free. Always None where there is no volume.
+        Target of the volume, in percent; None leaves it free. Always None without a volume.
     hold_area : bool
         Whether "local" and "wall" keep the total area too.
     calm : bool
@@ -118,7 +118,7 @@ class Settings:
     gas : float or None
         Pressure times volume of the gas enclosed in contact, in areas of the surface; None for none.
     convergence : Convergence
-        What ends the iterations.
+        Criteria that end the iterations.
     """
 
     method: str = _setting(

@@ -166,7 +166,7 @@ class Stability:
     Attributes
     ----------
     imperfection, seed : float, int
-        How saddles are left, as :class:`Convergence` has it.
+        Size and random seed of the displacement off a saddle; see :class:`Convergence`.
     saddle_escapes : int
         Number of saddles left.
     """

@@ -41,7 +41,7 @@ class TouchingDescent:
     ----------
     surface : TouchingSurface
     U : (n, 3) float array
-        Where it begins; contact stands there.
+        Initial shape, accepted by the contact.
     held_positions : (k + s, 3) float array
         Positions of the held vertices there, and targets of the soft ones.
     goals : tuple of Goal
@@ -125,7 +125,7 @@ class TouchingDescent:
     def converged(self) -> bool:
         """True if the path has ended, and further steps hardly reduce the energy.
 
-        Where nothing is held, loads have to cancel out, too.
+        Without held vertices, the loads must also cancel out.
         """
         if self.is_on_its_way:
             return False

@@ -301,7 +301,7 @@ class OverallRotation:
     first : (n, 3) float array
         The shape that it must not turn against.
     weight : (n,) array, optional
-        How far each place turns when turns are taken out, relative to the others; without, all do alike.
+        Relative rotation of each vertex in the correction; equal by default.
     """
 
     def __init__(

@@ -57,9 +57,9 @@ class Document:
     staying_components : tuple of int
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
     obstacles : tuple of NamedObstacle
-        What the surface touches and does not enter, while contact is on.
+        Obstacles that the surface cannot enter while contact is on.
     target_shape : TargetShape or None
-        What the shape is compared with; nothing is deformed to it.
+        Shape of comparison, without influence on the deformation.
     missing_target_shape : MissingMesh or None
         The target shape of a session that was not found again.
     mirror_axis : int or None

@@ -94,9 +94,9 @@ class Handle:
     waypoints : tuple of (4, 4) float arrays
         Poses on its way from the grip, by which a turn of more than half is known; read-only.
     pivot : (3,) float array or None
-        What it turns about, where that was when it was gripped, read-only; None is its centre.
+        Centre of rotation in the position at the grip, read-only; None is the handle's centre.
     falloff : float
-        How far along the surface it draws free vertices along, mesh units.
+        Distance along the surface within which free vertices are pulled along, mesh units.
     earlier_poses : tuple of (4, 4) float arrays
         Poses from rest on its way until it was gripped, the last one at its grip; read-only.
     former_twist_axis : (3,) float array or None
@@ -207,7 +207,7 @@ class NamedRegion:
     Attributes
     ----------
     area : float or None
-        What its area should be, in percent of its area at rest; None only measures it.
+        Target area in percent of the area at rest; None only measures it.
     """
 
     name: str

@@ -31,7 +31,7 @@ class PlatePair(NamedTuple):
     low, high : int
         Numbers of the obstacles; the normal of the low one leads to the high one.
     axis : (3,) float array
-        That normal.
+        Normal of the low plate.
     """
 
     low: int
@@ -103,7 +103,7 @@ class PlateReading(NamedTuple):
     distance : float
         Mesh units.
     deflection : float
-        How much nearer they are than where they were put.
+        Reduction of the distance since the plates were placed.
     load_low, load_high : float
         Force on each, energy per length: that of a material of stiffness 1.
     """

@@ -38,7 +38,7 @@ class State:
     inspection : Inspection
         Readings of the mesh at rest.
     surface_index : SurfaceIndex
-        What is drawn and touched of the mesh.
+        Index for drawing and picking the mesh.
     frame : Frame
         The latest shape, and its readings.
     """

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 def findings_sentences(findings: Sequence[Finding]) -> str | None:
     """Sentences about the findings of an opened mesh; None without any.
 
-    Those about its file are told as they are, since much else is found in any file of some formats.
+    Findings about its file are quoted; others are only mentioned, as meshes of some formats always have some.
     """
     sentences = [finding.sentence for finding in findings if finding.is_about_file or len(findings) == 1]
     if len(findings) > len(sentences):

@@ -41,7 +41,7 @@ class View:
         Value of a :class:`apd_viewer.session.quantities.units.Unit`: its symbol, with a question mark
         where it is a guess.
     wall : WallText
-        What the surface is made of, as it was typed.
+        Wall of the mesh, as typed.
     overlay : str or None
         What the colours show, by the value of a :class:`Measure`; empty where they show
         what is painted, None where nothing is said of them.

@@ -38,7 +38,7 @@ class MotionReference(NamedTuple):
     Attributes
     ----------
     line : (2, 3) float array or None
-        What the axis LINE is: from its first point to its second.
+        Axis of a motion about LINE: from its first point to its second.
     """
 
     document: Document
@@ -158,7 +158,7 @@ class MotionKind:
     word, title : str
         In texts, options and columns of studies; and in headings.
     matrix : callable
-        What moves a handle on from where it is, (4, 4), by an axis and one amount, or one along each.
+        Function giving the motion (4, 4) of a handle for an axis and one amount, or one along each axis.
     tip, example, help : str
         Of an amount in the window, and of the option, with ``%`` doubled.
     axis_titles : mapping of str to str

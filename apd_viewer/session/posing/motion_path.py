@@ -44,7 +44,7 @@ class MotionStep:
     amounts : tuple of float
         Mesh units, radians, or a factor; by so much from where the handle is.
     line : (2, 3) float array or None
-        What the motion is about, if it is about a line.
+        Axis of a motion about a line.
     """
 
     handle: int

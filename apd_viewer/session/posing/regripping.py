@@ -69,7 +69,7 @@ def reached_handle(document: Document, k: int, frame: Frame, ids: np.ndarray | N
     Parameters
     ----------
     ids : (m,) int array, optional
-        Those of its vertices by which to tell, one at least; without, all of them.
+        Vertices of the handle used for the fit, at least one; all by default.
     """
     handle = document.handles[k]
     ids = np.flatnonzero(document.labels == HANDLE + k) if ids is None else ids

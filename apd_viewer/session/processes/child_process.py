@@ -61,7 +61,7 @@ class ChildProcess:
     title : str
         For the log.
     script : str
-        What it runs, made of START_SCRIPT.
+        Script of the process, made of START_SCRIPT.
     """
 
     def __init__(self, title: str, script: str) -> None:

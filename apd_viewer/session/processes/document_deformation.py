@@ -52,7 +52,7 @@ def document_iteration(
     along_paths : bool
         Otherwise go to the poses at once.
     start_shifts : (o, 3) float array or None
-        How far the obstacles have come at ``U``; None, or of another number, is as far as they are moved.
+        Displacements of the obstacles at ``U``; the requested ones if None or of another number.
     """
     held, shifts = document.constraints(), obstacle_shifts(document)
     if start_shifts is not None and start_shifts.shape != shifts.shape:

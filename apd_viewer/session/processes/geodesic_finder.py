@@ -25,7 +25,7 @@ class GeodesicQuery:
 class GeodesicFinder(NewestAnswer[GeodesicQuery, CarriedPath]):
     """Finder of one geodesic at a time; a new query replaces the old one.
 
-    Where there is none, or the process died, the path is empty.
+    The path is empty if there is none, or if the process has died.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ class Request:
     with_cost : bool
         Whether the last reply should say what it took.
     shifts : (o, 3) float array
-        How far the obstacles have come at ``U``; empty where that is not known.
+        Displacements of the obstacles at ``U``; empty if unknown.
     number : int
         Given when it is sent; a later request has a higher one.
     shape_buffer : str or None
@@ -79,9 +79,9 @@ class Reply:
     seconds : float
         Time that an iteration takes.
     warning : str or None
-        What the user should know about what is held.
+        Sentence to the user about the held vertices.
     news : str or None
-        What has happened to the solver meanwhile.
+        Sentence on an event of the solver.
     cost : Cost or None
         With the last reply, where it was asked for.
     shape_number : int or None

@@ -49,7 +49,7 @@ class RequestSolver:
     Parameters
     ----------
     requests : Mailbox of Request
-        Where the newest one is; its end is the end of :meth:`run`.
+        Mailbox of the newest request; closing it ends :meth:`run`.
     send : callable
         Called with every message.
     """

@@ -27,7 +27,7 @@ def parse_length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
     Parameters
     ----------
     unit : Unit
-        That of the mesh.
+        Unit of the mesh.
     names : mapping of str to float
         Lengths that can be named, mesh units.
 

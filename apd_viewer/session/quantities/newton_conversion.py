@@ -42,7 +42,7 @@ class NewtonConversion:
     metres_per_unit : float
         Metres in a mesh unit.
     stiffness, pressed_stiffness : float
-        That of the wall, and the one that it is pressed with.
+        Stiffness of the wall, and the one used for pressing.
     curvature : float
         Total curvature at rest: what can be unrolled can also bend without stretching.
     """

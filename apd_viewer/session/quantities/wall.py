@@ -33,7 +33,7 @@ class WallText(NamedTuple):
     yield_radius : str
         A length, as the thickness.
     material : WallMaterial or None
-        What is left empty follows from it, but for the distance that walls in contact keep.
+        Source of empty values, except for the contact distance of walls.
     """
 
     thickness: str = ""

@@ -37,9 +37,9 @@ class RecoveryFile:
     name : str
         Of the mesh, for people.
     time : float
-        When it was written by the clock of then, in seconds of :func:`time.time`.
+        Time of writing by the clock of that time, in seconds of :func:`time.time`.
     mesh : Mesh or None
-        What has been read of it.
+        Mesh of the session, once read.
     is_restored : bool
         It has been restored: the program that did so keeps it safe.
     """

@@ -187,7 +187,7 @@ class DisplayActions:
     Attributes
     ----------
     switches : dict of str to QAction
-        What is on or off, by name.
+        Checkable actions by name.
     """
 
     def __init__(self, maker: ActionMaker, display_options: DisplayOptions) -> None:

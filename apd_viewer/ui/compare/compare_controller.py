@@ -30,7 +30,7 @@ class CompareController:
     display_options : DisplayOptions
         Whose scale is used.
     notice : Notice
-        Where to say why there is nothing to compare.
+        Notice for the reason of a refused comparison.
     """
 
     def __init__(

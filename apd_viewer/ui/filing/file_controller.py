@@ -221,7 +221,7 @@ class Question(NamedTuple):
     name : str
         Of the file; a long one is shortened.
     details : str
-        What to know before it is answered, with ``{name}`` likewise.
+        Details for the decision, with ``{name}`` likewise.
     """
 
     title: str

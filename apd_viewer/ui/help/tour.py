@@ -34,9 +34,9 @@ class TourStep(NamedTuple):
     Parameters
     ----------
     target : callable
-        Where the card points; None where the thing cannot be seen.
+        Function giving the target of the card's pointer; None if it is out of sight.
     hidden_sentence : str
-        What is said then.
+        Sentence for a target out of sight.
     """
 
     sentence: str

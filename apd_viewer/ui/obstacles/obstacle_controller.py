@@ -308,9 +308,9 @@ class ObstaclePlacer(MouseTool, QObject):
     Attributes
     ----------
     kind : ObstacleKind or None
-        What is being placed.
+        Kind of the obstacle to place.
     prompt_changed : Signal(str)
-        What the user is to do; empty once that is done or cancelled.
+        Instruction to the user; empty after placing or cancelling.
     previewed : Signal(object)
         The NamedObstacle under the cursor, or None.
     placed : Signal(object)

@@ -24,7 +24,7 @@ class ObstaclePicker(MouseTool, QObject):
     Parameters
     ----------
     surface : Surface
-        What is in front of it is not pressed through.
+        Surface that hides obstacles behind it from the mouse.
     gizmo : Gizmo
         Drags the obstacle taken.
 

@@ -27,9 +27,9 @@ class DrawnObstacle:
     Attributes
     ----------
     shift : (3,) float array
-        How far it has come.
+        Displacement reached.
     requested_shift : (3,) float array or None
-        How far it should have come, if that is to be seen.
+        Requested displacement to outline, if any.
     is_chosen, is_hovered, is_idle : bool
         Whether it is in the hand, under the cursor, and whether it pushes nothing.
     """

@@ -58,7 +58,7 @@ class DeviationOverlay(QObject):
     Parameters
     ----------
     covered_rect : callable
-        What lies over the canvas at its lower left.
+        Function giving the rectangle covered at the lower left of the canvas.
     scales : dict of Measure to Scale
         Scales to begin with, where there are any.
 
@@ -67,9 +67,9 @@ class DeviationOverlay(QObject):
     changed : Signal()
         Another measure is shown, or another scale, or others are offered.
     measure : Measure or None
-        What is shown.
+        Displayed measure.
     offered_measures : tuple of Measure
-        What can be shown.
+        Measures available.
     mesh : Mesh or None
         Whose rest shape is compared with.
     rest_timer : QTimer

@@ -169,7 +169,7 @@ class FindingRow(QFrame):
     stay_toggled : Signal(bool)
         The parts of this row are to stay, or to go along.
     weld_requested : Signal()
-        What it is about is to be welded.
+        Request to weld the seams of the finding.
 
     Parameters
     ----------

@@ -366,13 +366,13 @@ class Chart:
     title : str
         Empty where it stands elsewhere: the chart then has its room.
     readings : tuple of (str, str)
-        What is written under the title, and in which colour of the theme or #rrggbb.
+        Texts under the title, and their colours of the theme or #rrggbb.
     x, y : Axis or None
         None where there is nothing to be seen yet.
     curves, bars, dots, color_bar, horizontal_lines, vertical_lines
         ``horizontal_lines`` are marks at places of y, ``vertical_lines`` at places of x.
     empty_text : str
-        What is said where there is nothing to be seen.
+        Text shown without contents.
     """
 
     title: str

@@ -65,7 +65,7 @@ class Plots(QWidget):
     Parameters
     ----------
     notice : Notice
-        Where to say what was written.
+        Notice for written files.
     """
 
     def __init__(self, preferences: Preferences, notice: Notice, session: Session) -> None:
@@ -282,7 +282,7 @@ class ChartView(QWidget):
     Parameters
     ----------
     chart : callable
-        What to draw, asked for at every drawing.
+        Function giving the chart at every drawing.
 
     Attributes
     ----------

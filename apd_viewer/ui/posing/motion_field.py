@@ -29,7 +29,7 @@ class MotionField(QWidget):
     line_requested : Signal()
         The line to bend about is to be picked on the mesh.
     problem : QLabel
-        What is wrong with the amount.
+        Error in the amount.
     """
 
     motion_entered = Signal(Motion, str, bool)

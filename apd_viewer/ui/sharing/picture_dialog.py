@@ -210,7 +210,7 @@ class PictureSettings:
     transparent : bool
         Whether the background is left out.
     legend, gizmo : bool
-        What is drawn over it, where it is there.
+        Whether to draw the legend and the gizmo, if shown.
     """
 
     size: QSize

@@ -45,7 +45,7 @@ class CaseStudyController(QObject):
     files : FileController
         Asks before unsaved work is left.
     open_document : callable
-        What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
+        Function giving the open state, the active handle and the view; None without a mesh.
     ghost : MotionGhost
         Of handles where a motion would bring them.
     """
@@ -258,7 +258,7 @@ class FolderWatch(QObject):
     results_read : Signal(object)
         :class:`ResultsSnapshot`.
     failed : Signal(str)
-        Why they cannot be read, once.
+        Reason for unreadable results, once.
     """
 
     results_read = Signal(object)

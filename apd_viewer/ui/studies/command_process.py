@@ -38,9 +38,9 @@ class CommandProcess(QObject):
     process_id : int
         Of the process started last, as the operating system counts them; 0 before.
     ended : Signal(str)
-        What it said, when it has ended well.
+        Output of a successful command.
     failed : Signal(str)
-        Why it has not, as a sentence.
+        Sentence on the reason of a failure.
     """
 
     reported = Signal(object)

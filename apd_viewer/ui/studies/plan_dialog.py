@@ -43,7 +43,7 @@ class PlanDialog(QDialog):
     session : Session
         On whose mesh the ends of ranges are shown.
     handle : int
-        That typed motions move.
+        Index of the handle moved by typed motions.
     ghost : MotionGhost
         Shows handles at once where the mesh follows.
 

@@ -37,7 +37,7 @@ class RunDialog(QDialog):
     figure : str
         File name of the figure among the results.
     caption : str
-        What is to be seen there, for those who do not see it.
+        Description of the figure for screen readers.
     """
 
     def __init__(self, window: QWidget, title: str, run: RunBar, figure: str = "", caption: str = "") -> None:
@@ -126,7 +126,7 @@ class RunBar(QWidget):
     name : str
         Of the folder that the results are saved as.
     preferences : Preferences
-        Where files were opened and written last.
+        Preferences with the folder last used.
     mesh : str
         File name of the mesh among the results, if one can be opened in the window.
 

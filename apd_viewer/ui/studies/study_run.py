@@ -51,7 +51,7 @@ class StudyDesign(NamedTuple):
     steps : int
         Of each case.
     handle : int
-        That typed motions move.
+        Index of the handle moved by typed motions.
     """
 
     spans: tuple[QuantityRange, ...]
@@ -104,7 +104,7 @@ class StudyDesign(NamedTuple):
 def path_from_text(text: str) -> Path:
     """Absolute path from a text, with ~ expanded to the home folder.
 
-    That of a user who is not there stays as it is, instead of raising RuntimeError.
+    An unknown user's ``~`` stays as it is, instead of raising RuntimeError.
     """
     return Path(os.path.expanduser(text.strip())).absolute()  # noqa: PTH111
 
@@ -119,7 +119,7 @@ def write_study(folder: Path, rows: PlanRows, state: State, view: View) -> None:
     rows : tuple
         Columns and rows of the plan.
     state, view
-        What is open; its mesh goes along.
+        State and view of the session, saved with its mesh.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
     Parameters
     ----------
     handle : int
-        That typed motions move.
+        Index of the handle moved by typed motions.
     values : mapping of str to str
         Values by the names of quantities, as a plan has them.
 

@@ -41,7 +41,7 @@ class GizmoDrag:
     snapped_angle : float
         Rotation after snapping.
     text : str
-        What the drag does, in words and numbers.
+        Amount of the drag, in words and numbers.
     """
 
     handle: str

@@ -209,7 +209,7 @@ class SlabTool(SelectionTool):
     axis : int
         0, 1 or 2.
     planes_moved : Signal(float, float)
-        Where the two planes are along the axis.
+        Positions of the two planes along the axis.
     preview_timer : QTimer
         Until the cursor rests and the preview is made.
     """

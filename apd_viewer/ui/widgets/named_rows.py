@@ -88,7 +88,7 @@ class NamedRow(QFrame):
     Parameters
     ----------
     remove : str
-        What the button to remove it says.
+        Tooltip of the remove button.
 
     Attributes
     ----------
