@@ -50,11 +50,11 @@ class CaseStep(NamedTuple):
     Attributes
     ----------
     number : int
-        From 0, where nothing has moved yet.
+        Index of the step; 0 is the initial shape.
     share : float
         Of the motion: 0 to 1, and beyond 1 past it.
     degrees : float
-        By how much the first handle that moves has turned.
+        Turn of the first moving handle, degrees.
     displacement : float
         Distance of its pivot from the initial position, mesh units.
     volume_rest, volume_capped_rest : float or None
@@ -120,13 +120,13 @@ class Case:
     Attributes
     ----------
     document : Document
-        Its paint, its settings, and its grip, from which the handles start.
+        Painted document with its settings and the grip of the handles.
     paths : tuple of CasePath
         The way of each handle.
     shares : tuple of float
-        Of the motion, one for each step.
+        Fraction of the motion at each step.
     iterations : int
-        At most so many for each step, without those on the way to it in contact.
+        Largest number per step, besides those on the way to it in contact.
     """
 
     document: Document

@@ -31,7 +31,7 @@ class Engine(Protocol):
     Attributes
     ----------
     can_blame_case : bool
-        Whether a death is the fault of the one case that is told of it.
+        Whether the case of a dead worker is its likely cause.
     overdue : set of Future
         Cases that were ended with their process as they took far too long.
     """

@@ -24,7 +24,7 @@ class MethodOutcome:
     frame : Frame or None
         The latest shape, and its readings.
     is_finished : bool
-        Nothing more comes.
+        True if no further shape follows.
     cost : Cost or None
         Cost of the result, known at the end.
     failure : str or None
@@ -43,14 +43,14 @@ class Comparison:
     Parameters
     ----------
     document : Document
-        Its own method does not matter.
+        Document to solve; its own method is ignored.
     wake : callable
         Called on another thread when there is something to :meth:`receive`; must only pass it on.
 
     Attributes
     ----------
     outcomes : dict of str to MethodOutcome
-        By the names of the methods; those that have not begun yet are not in it.
+        Outcomes by method; methods not yet started are missing.
     current_method : str or None
         The method that is being solved.
     news : str

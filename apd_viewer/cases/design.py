@@ -41,7 +41,7 @@ class DesignVariable:
     unit : str
         Written behind each number of it.
     is_logarithmic : bool
-        Whether equal shares of the range are equal factors.
+        Whether the range is divided into equal factors instead of equal differences.
     """
 
     name: str

@@ -141,7 +141,7 @@ class PlanRow:
     cells : tuple of str
         In the order of the columns.
     case : StudyCase or None
-        None where it is wrong.
+        Valid case, or None.
     mistake : str
         Sentence on the error in the row; empty if it is valid.
     same_as : int or None
@@ -180,7 +180,7 @@ def read_plan(path: Path, sources: InputFiles) -> Plan:
     path : Path
         A table with commas, semicolons or tabs; names of files in it are relative to its folder.
     sources : InputFiles
-        For the files that it names.
+        Copies of the files named in the plan.
 
     Raises
     ------

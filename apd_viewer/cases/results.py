@@ -46,7 +46,7 @@ class ResultRow:
     line : int
         Of the plan's file, from 1.
     key : str
-        Of its result; empty where the row is wrong.
+        Key of its result; empty for an invalid row.
     cells : tuple of str
         In the order of the plan's columns.
     status : str

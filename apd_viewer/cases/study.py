@@ -56,7 +56,7 @@ class Study:
     plan : Path
         Table to read.
     retry_failed : bool
-        Whether failed cases are tried again.
+        Whether to run failed cases again.
 
     Raises
     ------
@@ -187,7 +187,7 @@ class StudyStore:
     Parameters
     ----------
     folder : Path
-        Made where it is not there.
+        Folder of the study, created if missing.
 
     Attributes
     ----------
@@ -262,7 +262,7 @@ class StudyStore:
         Parameters
         ----------
         retry_failed : bool
-            Whether failed cases count as not done.
+            Whether failed cases count as unfinished.
         """
         self._plan = plan
         done = self._run_on_database(lambda: self._store_plan(plan))

@@ -77,7 +77,7 @@ class StudyCase:
     motion : tuple of str
         Steps in words, each written in one way only; none for the motion of a session.
     unit : str
-        Of the mesh; empty where that is not known, or a session says it.
+        Unit of the mesh; empty if unknown, or stored in a session.
     settings : tuple of (str, setting)
         What differs from what is usual, or from the session, by name. Of a mesh always ``contact``, too: yes,
         no, or the number of vertices up to which.
@@ -162,7 +162,7 @@ class InputFiles:
     Parameters
     ----------
     folder : Path
-        For the copies; made when the first is.
+        Folder of the copies, created with the first one.
     keeps_copies : bool
         Whether copies are made; without, files are only read.
     """

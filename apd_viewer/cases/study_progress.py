@@ -50,7 +50,7 @@ class ProgressMeter:
     Parameters
     ----------
     done, failed : int
-        So many were there already.
+        Numbers of finished cases and of failed ones among them.
     """
 
     def __init__(self, cases: int, done: int, failed: int) -> None:

@@ -107,9 +107,9 @@ def motion_from(
     Parameters
     ----------
     document : Document
-        With its paint.
+        Painted document.
     unit_symbol : str
-        Of the mesh, where no option says it.
+        Unit of the mesh, unless an option gives one.
 
     Raises
     ------

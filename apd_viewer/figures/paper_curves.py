@@ -56,7 +56,7 @@ class HandleCurvePoint(NamedTuple):
     asked : float
         Degrees of a twist; of a pull the way along the axis by the height of the mesh.
     got : float
-        Of a pull likewise; of a twist the drift by the height.
+        Actual displacement of a pull; drift relative to the height for a twist.
     """
 
     motion: str

@@ -35,7 +35,7 @@ class KnownFile:
     Attributes
     ----------
     state : FileState
-        By the last look; whoever knows its format says whether it is incomplete.
+        State at the last check; only a reader of the format can find it incomplete.
     """
 
     def __init__(self, path: Path, scratch: Path | None = None) -> None:
@@ -86,9 +86,9 @@ class Fingerprint(NamedTuple):
     place : str
         Path for display: paths in the home folder begin with ``~``, which hides the user's name.
     size : int or None
-        In bytes; None if it cannot be read any more.
+        Size in bytes; None for an unreadable file.
     sha256 : str
-        In hexadecimal; empty if it cannot be read any more.
+        Digest in hexadecimal; empty for an unreadable file.
     """
 
     place: str

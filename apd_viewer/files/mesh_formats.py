@@ -30,7 +30,7 @@ class MeshFormat(NamedTuple):
     has_digits : bool
         Export takes a number of decimals.
     has_parts : bool
-        It refers to files beside it.
+        Whether it may refer to files beside it.
     """
 
     name: str

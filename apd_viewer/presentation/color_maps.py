@@ -17,7 +17,7 @@ class ColorMap:
     Attributes
     ----------
     knots : tuple of (r, g, b)
-        From 0 to 255, at even steps.
+        Colours from 0 to 255 at equal steps.
     """
 
     knots: tuple[tuple[int, int, int], ...]

@@ -52,7 +52,7 @@ class ReportReadings:
     Attributes
     ----------
     file : Fingerprint or None
-        None where the mesh came from no file.
+        Fingerprint of the mesh file, if there is one.
     session : bytes
         A session with all of it, as a file; empty where it is too long.
     target_distances : dict of str to float, or None

@@ -54,7 +54,7 @@ def shape_picture(
     size : int
         Longer side of each, pixels.
     view_direction, up : (float, float, float)
-        From the shapes to the viewer, and what is up.
+        Direction from the shapes to the viewer, and up direction.
 
     Returns
     -------

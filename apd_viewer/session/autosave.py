@@ -145,7 +145,7 @@ class AutosaveWriter:
     Parameters
     ----------
     folder : Path
-        Made when it is needed.
+        Folder of the file, created if missing.
     wake : callable
         Called on the thread when there is a failure to take.
     """

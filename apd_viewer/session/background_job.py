@@ -35,7 +35,7 @@ class Job:
     on_done : callable
         Called by the owner with the value, on the owner's thread.
     can_be_cancelled : bool
-        Whether the owner may forget it: what writes is to be whole.
+        Whether the owner may discard it; a write must be completed.
     """
 
     def __init__(

@@ -23,11 +23,11 @@ class SavedDocument(NamedTuple):
     Attributes
     ----------
     file : KnownFile or None
-        None where it came from a mesh and has never been saved.
+        Session file; None for a mesh that was never saved.
     embeds_mesh : bool
         Whether the file has a copy of the mesh.
     title : str
-        Of what was opened, such as the case of a study; empty where session or mesh tell.
+        Title of an opened case or the like; empty to use the names of session and mesh.
     """
 
     document: Document

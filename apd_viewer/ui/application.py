@@ -120,7 +120,7 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
     ----------
     mesh : Mesh, pyvista.PolyData, trimesh.Trimesh, path or None
     shows_errors : bool
-        Whether the window says what is wrong with a file, where there is a display.
+        Whether to report an unusable file in the window, given a display.
 
     Raises
     ------

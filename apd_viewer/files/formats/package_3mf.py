@@ -201,7 +201,7 @@ class ObjectUse(NamedTuple):
     object_id : str
         Of the object in its part.
     matrix : (4, 4) float array
-        To where it is shown.
+        Matrix to the coordinates of the build.
     """
 
     path: str

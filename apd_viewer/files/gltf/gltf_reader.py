@@ -136,9 +136,9 @@ class GltfInstance(NamedTuple):
     Attributes
     ----------
     matrix : (4, 4) float array
-        To the world.
+        Matrix to world coordinates.
     joints : (j, 4, 4) float array or None
-        Of a skin: from the pose in which it was bound to the world.
+        Matrices of a skin, from the bind pose to world coordinates.
     weights : list of float
         Of the morph targets; the default ones.
     """

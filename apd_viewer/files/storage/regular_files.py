@@ -132,9 +132,9 @@ def sibling_content(name: str, mesh: Path | None, most: int | None = None) -> by
     Parameters
     ----------
     name : str
-        As the mesh says it, relative to its folder; backslashes are slashes.
+        Name as written in the mesh, relative to its folder; backslashes are slashes.
     mesh : path or None
-        Of the mesh; without one there are no neighbours.
+        Path of the mesh; without one there are no neighbouring files.
     most : int or None
         Bytes read at most; None is all of them.
 

@@ -130,9 +130,9 @@ class XmlArray(NamedTuple):
     start, end : int
         Of all that is written anew if a value changes.
     header : dtype or None
-        Of the sizes before the values; None for a text.
+        Type of the sizes before the values; None for text.
     has_separate_header : bool
-        Whether these are written in base64 of their own.
+        Whether these sizes are a separate base64 text.
     block : int
         Bytes that are packed together; 0 if they are not.
     """

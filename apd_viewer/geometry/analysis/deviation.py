@@ -28,7 +28,7 @@ class Deviation:
     F : (m, 3) int array
         Triangles, with the vertices at a seam named by one of them.
     source : (n,) int array
-        For each vertex the one that its place is named by; empty if there is no seam.
+        For each vertex, the representative of its position; empty without seams.
     target : TargetShape, optional
         Shape of comparison for two of the measures.
 
@@ -275,7 +275,7 @@ def extreme_vertices(values: np.ndarray, U: np.ndarray, least_distance: float, m
     values : (n,) float array
     U : (n, 3) float array
     least_distance : float
-        Their least distance.
+        Least distance between the vertices.
     most : int
         Largest number of vertices.
     """

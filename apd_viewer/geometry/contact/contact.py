@@ -82,7 +82,7 @@ class Contact:
     touching_pairs : int
         Pairs in touch at the last :meth:`quarter_gradient`.
     least_gap : float
-        Their least gap; infinite without any.
+        Least gap of these pairs; infinite without any.
     examined_parts : int
         Parts of the last way of :meth:`move_to`, and of the way back, that were looked at.
     """
@@ -124,7 +124,7 @@ class Contact:
         ----------
         U : (n, 3) float array
         shifts : (o, 3) float array, optional
-            Of the obstacles; without, where they are.
+            Displacements of the obstacles; the current ones by default.
         """
         return self.is_clear(U, self.shifts if shifts is None else shifts) and self._crosses_as_at_rest(U)
 

@@ -28,7 +28,7 @@ class FoundPairs(NamedTuple):
     ----------
     pairs : (p, 4) int array
     is_edge_pair : (p,) bool array
-        True of two edges.
+        True for pairs of two edges.
     owner : (p,) int array
         Row among the pairs of patches that were searched.
     gap : (p,) float array

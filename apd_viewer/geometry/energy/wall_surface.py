@@ -177,7 +177,7 @@ class WallSurface(HeldSurface):
         Parameters
         ----------
         pattern : BlockPattern
-            With all that is coupled.
+            Pattern of all coupled vertices.
         tensions : (m,) float array
             Weight of each triangle's area in the Lagrangian.
         pressure : float

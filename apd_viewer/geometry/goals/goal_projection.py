@@ -52,7 +52,7 @@ class GoalProjection:
     values : (g,) float array
         Values of the goals at the last positions.
     g : (g, n, 3) float array
-        Their gradients at the positions looked at last.
+        Gradients of the goals at the last positions.
     """
 
     def __init__(self, elastic: ElasticResponse, goals: tuple[Goal, ...]) -> None:

@@ -94,7 +94,7 @@ def constraints(
     soft : SoftConstraints
         Vertices pulled along by the handles.
     obstacles : bool
-        Whether there are any to push: then base and handles may be missing.
+        Whether there are obstacles to push: base and handles may then be missing.
 
     Raises
     ------

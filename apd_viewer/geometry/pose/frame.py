@@ -22,7 +22,7 @@ class FrameContact(NamedTuple):
     pairs : int
         Pairs of vertex and triangle, or of two edges, nearer than the distance that walls keep.
     least_gap : float or None
-        Their least distance, mesh units; None without any.
+        Least gap of these pairs, mesh units; None without any.
     exempt : int
         Vertices that not everything is kept apart from: near triangles that cross or touch at rest, or of
         loose parts, which the surface that carries them may cross.
@@ -53,7 +53,7 @@ class Frame:
     converged : bool
         The shape has settled and meets what is asked of it.
     settled : bool
-        Nothing more comes of iterating, converged or not.
+        True if further iterations would change nothing, converged or not.
     regions : tuple of float
         Area of each region.
     local_change : float
@@ -70,7 +70,7 @@ class Frame:
         Energy minimised by the method, squared lengths: Eq. 1 with undirected edges counted twice, and the
         terms of the material; without the coupling of "sr-arap". None where that is not known.
     stable : bool or None
-        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
+        True at a minimum of the energy as far as examined, False on a saddle; None if not examined.
     saddle_escapes : int
         Saddles of the energy that have been left since the targets were last set.
     total : int

@@ -35,7 +35,7 @@ class HeldPath:
     length : float
         The longest way of all, mesh units.
     moves_held, moves_obstacles : bool
-        Whether there are ways of either.
+        Whether the held vertices and the obstacles move at all.
     """
 
     def __init__(

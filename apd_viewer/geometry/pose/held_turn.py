@@ -114,7 +114,7 @@ def pass_through_warnings(
     volume_rest : float or None
         Enclosed at rest.
     contact, may_touch : bool
-        Whether contact was on, and whether the method knows it.
+        Whether contact was on, and whether the method supports it.
     names : sequence of str, optional
         Of the handles; without, they are numbered.
     """

@@ -76,9 +76,9 @@ class RotationPath(NamedTuple):
     Attributes
     ----------
     point : (3,) float array
-        On the line.
+        Point on the axis.
     axis : (3,) float array
-        Along the line, of any length but zero.
+        Direction of the axis, of any length but zero.
     angle : float
         Of the whole turn, radians.
     """

@@ -55,7 +55,7 @@ class RequestedTurn(NamedTuple):
     lifted : (4,) float array
         Unit quaternion that follows the way without a jump: the other one of its rotation is a turn away.
     has_one_axis : bool
-        Whether it turns about one axis all the way.
+        Whether all its rotations have the same axis.
     """
 
     axis: np.ndarray

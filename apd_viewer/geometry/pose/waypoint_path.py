@@ -122,9 +122,9 @@ class WaypointPath(NamedTuple):
     Attributes
     ----------
     poses : tuple of (4, 4) float arrays
-        At the beginning of each piece.
+        Pose at the start of each segment.
     segments : tuple of ScrewPath
-        From there on.
+        Screw motion from each of these poses.
     angle : float
         Of the whole turn, radians.
     """

@@ -160,9 +160,9 @@ class ContactDescent:
     held_positions : (k + s, 3) float array
         Positions that the held vertices have reached, then the targets of the soft ones.
     path : HeldPath
-        From where they were aimed.
+        Path to the targets.
     share : float
-        Of the path, as far as it has been gone.
+        Completed fraction of the path.
     shifts : (o, 3) float array
         Displacements reached by the obstacles.
     target_shifts : (o, 3) float array

@@ -97,7 +97,7 @@ class Deformation:
         Do plain iterations, a local and a global step each, comparable with other programs. Without it,
         methods that minimise an energy (not "paper" and "sr-arap") do so by quasi-Newton steps.
     rest : RestMesh, optional
-        Of the same V and F, to save computing it again.
+        Rest mesh of the same V and F, to save its computation.
     factored : callable, optional
         Makes the factor of a matrix in another way.
     soft : SoftConstraints

@@ -68,7 +68,7 @@ class Result:
     convergence : Convergence
         Criteria that ended the iterations.
     stable : bool or None
-        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
+        True at a minimum of the energy as far as examined, False on a saddle; None if not examined.
     stability : str
         Stability in words, with the reason if unknown.
     saddle_escapes : int

@@ -50,7 +50,7 @@ class LooseComponents:
     loose : "go", "stay" or int array
         All parts go along, all stay at rest, or those with these vertices of the file stay.
     contact : bool
-        Whether contact keeps apart what is held.
+        Whether contact keeps the held components apart.
     """
 
     def __init__(
@@ -200,7 +200,7 @@ class LooseBinding(NamedTuple):
     weight : (c,) float array
         Weights of the fit.
     is_close : (c,) bool array
-        True where it is of the surface that the part lies on, and not of what is opposite.
+        True on the surface carrying the part, False on an opposite one.
     """
 
     member_start: np.ndarray

@@ -33,7 +33,7 @@ class PathIteration:
     ----------
     solver : Deformation
     stops : sequence of PathStop
-        In order; the last one is the end.
+        Stops in order; the last one is the end of the path.
     U : (n, 3) float array, optional
         Shape to begin from; otherwise the solver's.
     start_shifts : (o, 3) float array, optional
@@ -46,7 +46,7 @@ class PathIteration:
     has_arrived : bool
         True once the handles are at their poses, or as far as contact lets them go.
     is_iterate_hidden : bool
-        True on a hidden path.
+        True for shapes between the stops of a hidden path.
     """
 
     def __init__(

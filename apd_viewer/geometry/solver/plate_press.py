@@ -52,7 +52,7 @@ class PlatePress:
     axis : (3,) float array
         Direction in which they press.
     to : float
-        Their distance in the end, mesh units; less than the extent of the mesh.
+        Final distance of the plates, mesh units; less than the extent of the mesh.
     steps, iterations : int
         Number of steps, and at most so many iterations for each.
     fixed : (k,) ints
@@ -274,7 +274,7 @@ class PressStep:
     U : (n, 3) float array
         Positions in the order of the file, mesh units, read-only.
     distance : float
-        Of the plates from each other, mesh units.
+        Distance of the plates, mesh units.
     deflection : float
         Reduction of the distance since first contact.
     load_low, load_high : float
@@ -283,7 +283,7 @@ class PressStep:
     stretching : float
         Share of the wall's energy that is in its stretching, 0 to 1; the rest bends it.
     energy : float
-        Of the method, with that of the gaps; squared lengths.
+        Energy of the method, including gaps; squared lengths.
     volume, volume_capped : float or None
         Enclosed volume; None if the surface is open. With flat caps over its openings; None without any.
     area_error : float
@@ -293,7 +293,7 @@ class PressStep:
     settled : bool
         The shape is at rest.
     stable : bool or None
-        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
+        True at a minimum of the energy as far as examined, False on a saddle; None if not examined.
     iterations : int
 
     Examples
@@ -333,7 +333,7 @@ class PlateTravel(NamedTuple):
     low, high : float
         Places of the plates along the axis at the first touch, mesh units.
     last_distance : float
-        Their distance in the end, mesh units.
+        Final distance of the plates, mesh units.
     """
 
     axis: np.ndarray

@@ -34,11 +34,11 @@ class Pressed:
     Attributes
     ----------
     steps : tuple of PressStep
-        From the first touch on.
+        Steps from first contact on.
     released : tuple of PressStep
-        As the plates open again, until they no longer touch; empty if they stay.
+        Steps of the opening plates, until they no longer touch; empty if they stay closed.
     curve : LoadCurve
-        Of the mean of both loads as the plates close.
+        Curve of the mean of both loads while the plates close.
     stopped : bool
         The plates could go no farther.
     load_excess : float or None
@@ -131,7 +131,7 @@ def press(
     release : bool
         Open the plates again in the end, to see what remains.
     iterations : int
-        At most so many for each step.
+        Largest number of iterations per step.
     progress : callable
         Called with the share of the work that is done.
 

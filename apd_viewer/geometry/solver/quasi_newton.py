@@ -57,7 +57,7 @@ class Equilibrium(NamedTuple):
     solve : callable
         Response (f, 3) to forces (f, 3) in the metric that curvatures are relative to.
     is_definite : bool or None
-        Whether the energy rises in every direction, within the goals or not; None if unknown.
+        Whether the energy rises in every direction, even off the goals; None if unknown.
     """
 
     surface: DescentSurface

@@ -58,7 +58,7 @@ class Setting:
     gesture, off_gesture : str
         Name of its change in the history; of turning a switch off, if that has another name.
     applies : callable
-        True for settings by which it matters.
+        True for settings in which this one has an effect.
     least, most : float
         Range of what can be entered, in its own unit.
     """

@@ -42,7 +42,7 @@ class StabilitySearch:
     Parameters
     ----------
     at : Equilibrium
-        As before after each step, to the bit.
+        Equilibrium, restored to the bit after each step.
     size : float
         Of the mesh, mesh units.
 

@@ -53,7 +53,7 @@ class TouchingDescent:
     held_positions : (k + s, 3) float array
         Positions that the held vertices have reached.
     share : float
-        Of the path, as far as it has been gone.
+        Completed fraction of the path.
     """
 
     def __init__(

@@ -39,9 +39,9 @@ class PartFlags(NamedTuple):
     Attributes
     ----------
     locked : bool
-        Its vertices are neither painted over nor added to.
+        Whether its vertices are protected from painting, and no others can be added.
     hidden : bool
-        Its colour is not drawn; it holds all the same.
+        Whether its colour is hidden; its vertices are held all the same.
     """
 
     locked: bool = False
@@ -90,7 +90,7 @@ class Handle:
     Attributes
     ----------
     pose : (4, 4) float array
-        Its motion since it was gripped, read-only.
+        Motion since gripping, read-only.
     waypoints : tuple of (4, 4) float arrays
         Poses on its way from the grip, by which a turn of more than half is known; read-only.
     pivot : (3,) float array or None
@@ -100,7 +100,7 @@ class Handle:
     earlier_poses : tuple of (4, 4) float arrays
         Poses from rest on its way until it was gripped, the last one at its grip; read-only.
     former_twist_axis : (3,) float array or None
-        From the base to it before the base was painted otherwise: what a twist was about.
+        Direction from the former base to the handle, the axis of earlier twists.
     """
 
     name: str = field(metadata=NOT_FACTORED)
@@ -180,9 +180,9 @@ class HandlePlacement(NamedTuple):
     Attributes
     ----------
     handle : str
-        Its name.
+        Name of the handle.
     pose : (4, 4) float array
-        Its motion from the rest shape, read-only.
+        Motion from the rest shape, read-only.
     waypoints : tuple of (4, 4) float arrays
         On the way there; see :class:`Handle`.
     """

@@ -68,7 +68,7 @@ def rest_grip(
     Parameters
     ----------
     V : (n, 3) float array
-        At rest: free vertices stay there.
+        Rest positions.
     grip, labels : (n, 3), (n,) arrays
     starts : (4, 4) float arrays
         Pose of each handle at its grip.

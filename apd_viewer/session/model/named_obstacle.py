@@ -62,7 +62,7 @@ class NamedObstacle:
     length : float
         Of a cylinder, between the centres of its round ends, mesh units; 0 of others.
     shift : (3,) float array
-        Its motion since it was put there, mesh units, read-only.
+        Displacement from the initial position, mesh units, read-only.
     """
 
     name: str
@@ -117,7 +117,7 @@ def carried_shifts(
     before, after : sequences of NamedObstacle
         Obstacles with the same place array are the same; new ones keep their own displacement.
     shifts : (p, 3) float array
-        Of those before; it is empty where that is not known, and stays so.
+        Displacements of the obstacles before; empty if unknown, as is then the result.
     """
     if len(shifts) != len(before):
         return frozen(np.zeros((0, 3)))

@@ -29,7 +29,7 @@ class MirrorPartner(NamedTuple):
     Attributes
     ----------
     share : float
-        Of the vertices of both that are mirror images of each other, 0 to 1.
+        Fraction of vertices of both that are mirror images of each other, 0 to 1.
     """
 
     number: int

@@ -156,7 +156,7 @@ class MotionKind:
     Attributes
     ----------
     word, title : str
-        In texts, options and columns of studies; and in headings.
+        Name in texts, options and study columns; title in headings.
     matrix : callable
         Function giving the motion (4, 4) of a handle for an axis and one amount, or one along each axis.
     tip, example, help : str
@@ -166,11 +166,11 @@ class MotionKind:
     preposition : str
         Before the axis in a text; empty if a text has no axis.
     may_omit_axis : bool
-        Without one in its text it is that most nearly at right angles to the line to the base.
+        The axis most nearly perpendicular to the line to the base is the default.
     has_all_axes : bool
-        Its text has an amount along each axis.
+        Whether its text has an amount along each axis.
     stretches : bool
-        It is more than rotations and translations.
+        Whether it is more than rotations and translations.
     study : tuple of str, optional
         Note and ends of the range, where the window offers to vary it.
     """

@@ -115,9 +115,9 @@ class MotionPath:
     Attributes
     ----------
     document : Document
-        With its handles at their grips.
+        Document with its handles at their grips.
     steps : tuple of MotionStep
-        Of this handle, in their order; none where it stays.
+        Steps of this handle in order; none if it stays.
     """
 
     document: Document

@@ -34,7 +34,7 @@ class MotionTextStep:
     Attributes
     ----------
     handle : int
-        From 0.
+        Index of the handle, from 0.
     amounts : tuple of str
         One, or one for each axis.
     """

@@ -73,7 +73,7 @@ def proposed_obstacle(
     Parameters
     ----------
     point, normal : (3,) float arrays
-        On the surface, and its unit normal there.
+        Point on the surface, and its unit normal.
     distance : float
         Distance to the point, mesh units.
     """

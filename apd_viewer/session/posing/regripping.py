@@ -93,7 +93,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
     Parameters
     ----------
     before : State
-        At the beginning of the gesture.
+        State at the start of the gesture.
     document : Document
         After it.
 

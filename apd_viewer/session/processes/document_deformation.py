@@ -50,7 +50,7 @@ def document_iteration(
         The shape on screen, to go on from where there is nothing to walk; None goes on from the last
         iteration.
     along_paths : bool
-        Otherwise go to the poses at once.
+        Whether to follow the paths instead of jumping to the poses.
     start_shifts : (o, 3) float array or None
         Displacements of the obstacles at ``U``; the requested ones if None or of another number.
     """

@@ -58,7 +58,7 @@ class SolverProcess:
     Attributes
     ----------
     is_dismissed : bool
-        It was ended on purpose.
+        True after an intended end.
 
     Raises
     ------

@@ -41,7 +41,7 @@ class RecoveryFile:
     mesh : Mesh or None
         Mesh of the session, once read.
     is_restored : bool
-        It has been restored: the program that did so keeps it safe.
+        True once restored, and kept safe by this program.
     """
 
     def __init__(self, path: Path, lock: FileLock, time: float) -> None:

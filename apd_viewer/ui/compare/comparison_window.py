@@ -47,7 +47,7 @@ class ComparisonWindow(QWidget):
     scale : Scale
         Of the local area change, to begin with.
     camera : Camera
-        From where to look, to begin with.
+        Initial camera.
     """
 
     repeat_requested = Signal()

@@ -52,7 +52,7 @@ class ObstacleController(QObject):
     drag_moved : Signal()
         An obstacle is being dragged.
     availability_changed : Signal(bool, bool)
-        Whether there is an obstacle in the hand, and whether it was moved.
+        Whether an obstacle is active, and whether it has been moved.
     """
 
     drag_moved = Signal()

@@ -31,7 +31,7 @@ class DrawnObstacle:
     requested_shift : (3,) float array or None
         Requested displacement to outline, if any.
     is_chosen, is_hovered, is_idle : bool
-        Whether it is in the hand, under the cursor, and whether it pushes nothing.
+        Whether it is active, under the cursor, and without effect.
     """
 
     obstacle: NamedObstacle

@@ -32,7 +32,7 @@ class CardStack(QWidget):
     Parameters
     ----------
     below : sequence of QWidget
-        On the canvas, at its bottom: they must not be covered.
+        Widgets at the bottom of the canvas, not to be covered.
     """
 
     def __init__(self, canvas: Viewport, below: Sequence[QWidget]) -> None:

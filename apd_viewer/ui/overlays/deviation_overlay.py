@@ -71,7 +71,7 @@ class DeviationOverlay(QObject):
     offered_measures : tuple of Measure
         Measures available.
     mesh : Mesh or None
-        Whose rest shape is compared with.
+        Mesh with the rest shape for comparison.
     rest_timer : QTimer
         Until the shape rests, for what takes longer.
     """

@@ -35,7 +35,7 @@ class DisplayOptions:
     Parameters
     ----------
     below : sequence of QWidget
-        At the bottom of the canvas, which must not be covered.
+        Widgets at the bottom of the canvas, not to be covered.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class DisplayOptions:
     shows_file_colors : bool
         Whether the vertex colours of the file are shown.
     shows_textures : bool
-        Whether its textures are.
+        Whether its textures are shown.
     """
 
     def __init__(self, canvas: Canvas, preferences: Preferences, below: Sequence[QWidget]) -> None:

@@ -42,12 +42,12 @@ class Notice(QFrame):
     Parameters
     ----------
     below : sequence of QWidget
-        At the bottom of the canvas, which must not be covered.
+        Widgets at the bottom of the canvas, not to be covered.
 
     Attributes
     ----------
     open_file, show_folder : QPushButton
-        For the file that the message tells of; hidden where it tells of none.
+        Buttons for the file of the message; hidden without one.
     timer : QTimer
         Hides a message once it can have been read.
     """

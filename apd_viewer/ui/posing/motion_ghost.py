@@ -150,7 +150,7 @@ class MotionTrace(NamedTuple):
     path : (k, 3) float array
         Empty without a motion.
     axis : (2, 3) float array
-        Its ends; (0, 3) without a rotation.
+        End points of the axis; (0, 3) without a rotation.
     """
 
     path: np.ndarray

@@ -41,11 +41,11 @@ class PlanDialog(QDialog):
     Parameters
     ----------
     session : Session
-        On whose mesh the ends of ranges are shown.
+        Session with the mesh for previews of the ranges' ends.
     handle : int
         Index of the handle moved by typed motions.
     ghost : MotionGhost
-        Shows handles at once where the mesh follows.
+        Ghost of the handles, shown before the mesh follows.
 
     Attributes
     ----------
@@ -290,7 +290,7 @@ class RangeEndPreview:
     Parameters
     ----------
     ghost : MotionGhost
-        Shows the handles at once; the mesh follows.
+        Ghost of the handles, shown before the mesh follows.
     """
 
     def __init__(self, session: Session, ghost: MotionGhost) -> None:

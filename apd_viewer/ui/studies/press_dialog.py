@@ -39,7 +39,7 @@ class PressDialog(RunDialog):
     Parameters
     ----------
     view : View
-        With the unit of lengths, as the user reads and types them, and the wall.
+        View with the unit of lengths and the wall.
 
     Attributes
     ----------

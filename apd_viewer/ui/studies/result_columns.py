@@ -117,7 +117,7 @@ class ResultColumn:
     is_from_plan : bool
         Whether it comes from the plan.
     ranks : (n,) float array or None
-        By which its texts are sorted, if not by the alphabet.
+        Sort keys of its texts, if not alphabetical.
     """
 
     name: str

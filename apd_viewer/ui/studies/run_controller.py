@@ -29,7 +29,7 @@ class RunController(QObject):
     Parameters
     ----------
     session : Session
-        Whose last step can be exported.
+        Session with the gesture to export.
     files : FileController
         Asks about unsaved work before another mesh is opened.
     open_document : callable

@@ -122,9 +122,9 @@ class RunBar(QWidget):
     Parameters
     ----------
     start : str
-        On the button that starts.
+        Text of the start button.
     name : str
-        Of the folder that the results are saved as.
+        Name of the folder for saved results.
     preferences : Preferences
         Preferences with the folder last used.
     mesh : str

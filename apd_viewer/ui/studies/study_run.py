@@ -115,7 +115,7 @@ def write_study(folder: Path, rows: PlanRows, state: State, view: View) -> None:
     Parameters
     ----------
     folder : Path
-        Made where it is not there.
+        Folder of the study, created if missing.
     rows : tuple
         Columns and rows of the plan.
     state, view
@@ -202,7 +202,7 @@ class StudyRun(QObject):
         Parameters
         ----------
         options : sequence of str or None
-            Of the command, about where it runs; None for those of the last time.
+            Command options on the engine; None for those of the last run.
         retry_failed : bool
             Whether failed cases are run again.
 

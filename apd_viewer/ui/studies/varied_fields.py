@@ -208,7 +208,7 @@ class VariedFields(QWidget):
     Parameters
     ----------
     unit : Unit
-        In which lengths are typed.
+        Unit of typed lengths.
 
     Attributes
     ----------

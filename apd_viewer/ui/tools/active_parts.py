@@ -12,7 +12,7 @@ class ActiveParts(QObject):
     Attributes
     ----------
     handle, region : int
-        Their numbers, from 0. There may be no region yet.
+        Indices of the active parts, from 0. There may be no region yet.
     obstacle : int or None
         Number of the obstacle in the hand; None while the handle is.
     changed : Signal()

@@ -250,7 +250,7 @@ class InactiveHandles(MouseTool, QObject):
     gizmo : Gizmo
         Drags what was taken.
     handle_at : callable
-        From a position in the viewport to the number of the handle that is painted there, or None.
+        Function giving the number of the handle painted at a position in the viewport, or None.
 
     Attributes
     ----------
