@@ -1,9 +1,9 @@
 """Cases: a painted document moved along its motion in steps.
 
-Which folds press against each other depends on the way there. Through shapes at rest it leads to others than
-the walk of a single deformation does, and to others again by the number of the steps. So from the first shape
-that touches itself each one comes to rest beside the walk, and the last one is that of a deformation to the
-end of the motion. Before, the way does not matter, and each goes on from the one before: half the work.
+Which folds touch depends on the path to a shape, and so on whether, and how often, the shape comes to rest on
+the way. From the first self-contact on, each step is thus solved from a shape of one continuous path, and
+the last step equals a single deformation to the end of the motion. Before, the path has no influence: each
+step continues from the previous one, which halves the work.
 """
 
 from collections.abc import Callable, Iterator, Sequence

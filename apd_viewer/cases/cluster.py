@@ -1,6 +1,6 @@
 """Engine of Dask workers behind a running scheduler.
 
-Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
+Tasks are sent as pickles, which can run any code: use only a trusted scheduler.
 """
 
 import time

@@ -1,7 +1,7 @@
 """Comparison of methods: one document solved by each in turn.
 
-All methods begin at the rest shape, as :func:`apd_viewer.deform` does: what was done before plays no part.
-They share one process, which ends with the last of them: there may be no room for two large ones at once.
+All methods start from the rest shape, as :func:`apd_viewer.deform` does, independent of earlier shapes.
+They share one process, which ends after the last method: memory may not suffice for two large ones.
 
 All methods of the class are called on one thread.
 """

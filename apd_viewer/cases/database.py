@@ -1,6 +1,6 @@
 """Database of a study: its plan and the readings of its cases.
 
-It is made anew from the files of the cases wherever it is damaged; so nothing in it is believed unseen.
+A damaged database is rebuilt from the files of the cases; all content is therefore validated on reading.
 """
 
 import json

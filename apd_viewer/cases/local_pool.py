@@ -1,7 +1,7 @@
 """Engine of worker processes on this machine.
 
-Each process has an executor of its own. So it is known which case a process died of, a case that takes far
-too long can be ended, and a process is replaced after so many cases without waiting for the others.
+Each process has an executor of its own: the case that killed a process is known, a case far over its time
+limit can be ended, and a process is replaced after a number of cases without waiting for the others.
 """
 
 import contextlib

@@ -1,9 +1,9 @@
 """A study: its plan, its engine and its folder.
 
 ======================  ==================================================================
-``cases/KE/KEY.case``   readings, curves and shape of a finished case; what is here is done
+``cases/KE/KEY.case``   readings, curves and shape of a finished case
 ``inputs/``             meshes, selections and sessions, named by their content
-``study.sqlite``        the plan and the readings; made anew from the files if it is lost
+``study.sqlite``        the plan and the readings; rebuilt from the files if lost
 ``results.csv``         the same as a table, and ``results.parquet`` where pyarrow is
 ``curves.csv``          a row a step of every case
 ======================  ==================================================================

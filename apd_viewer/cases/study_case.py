@@ -157,7 +157,7 @@ def _program() -> str:
 class InputFiles:
     """Copies of meshes, selections and sessions, each made once, renewed if damaged.
 
-    A study goes on with what it began with where a file is changed meanwhile, and can be taken elsewhere.
+    A study thus keeps its inputs if the original files change, and its folder can be moved.
 
     Parameters
     ----------

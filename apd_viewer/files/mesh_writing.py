@@ -85,8 +85,8 @@ def suffix_for(mesh: Mesh) -> str:
 def check_shapes(mesh: Mesh, path: Path, is_moving: np.ndarray) -> None:
     """Raise InputError unless the file of ``mesh`` can store deformed shapes.
 
-    Before they are computed: what is written to ``path`` in the format of the mesh is its own file, which may
-    not hold a shape in which the vertices ``is_moving`` (n,) go each their own way.
+    Called before they are computed: ``path`` in the format of the mesh gets a copy of its file, which may be
+    unable to store independent displacements of the vertices ``is_moving`` (n,).
     """
     if mesh.origin is not None and mesh.origin.suffix == path.suffix.lower():
         ways = np.random.default_rng(0).uniform(0.0, 1e-3 * np.ptp(mesh.V, axis=0).max(), mesh.V.shape)
@@ -105,10 +105,10 @@ def dropped_contents(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
 def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = None) -> WrittenMesh:
     """Write ``mesh`` with the positions ``U``; the suffix selects the format.
 
-    In the format that the mesh was opened from it is the same file with other coordinates: what did not move
-    stands there as it stood, digit by digit. In any other, positions and triangles are written anew: PLY, STL
-    and GLB hold single precision then, OBJ and OFF 15 significant digits. GLB is in metres: lengths in a unit
-    that is known are converted.
+    In its original format, the mesh is the same file with other coordinates; those of unmoved vertices are
+    kept digit by digit. In any other format, positions and triangles are written to a new file: PLY, STL and
+    GLB in single precision, OBJ and OFF with 15 significant digits. GLB is in metres: lengths in a known unit
+    are converted.
 
     Parameters
     ----------

@@ -210,11 +210,11 @@ class Scale:
     Attributes
     ----------
     reach : float
-        The end of the scale: of a ratio what is gained there, 0.1 for 10 %, at the other end the ratio is one
-        over that; else a length or a curvature, in mesh units.
+        End of the scale: for ratios the relative gain, 0.1 for 10 %, with the inverse ratio at the other end;
+        otherwise a length or a curvature, in mesh units.
     neutral : float
-        Up to where a change counts for none, in the same way; 0 where there is no sign. At most half of the
-        reach: of what counts for none nothing may be at the ends, where the colours are strongest.
+        Largest change displayed as none, in the same form; 0 for values without a sign. At most half of the
+        reach, so that no negligible change lies near the ends, where the colours are strongest.
     """
 
     measure: Measure

@@ -1,7 +1,7 @@
 """The displayed state, and the solver's activity on its shape.
 
-All methods are called on the owner's thread. Whatever happens ends in one replacement of the state, which
-tells the one listener what was and what is; it compares by identity and shows what differs.
+All methods are called on the owner's thread. Every event results in one replacement of the state, reported to
+the listener with the old and the new state; it compares by identity and displays the differences.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Wavefront OBJ: vertices and faces in file order; coordinates updated in place.
 
-Libraries split vertices at texture seams or drop some of them; a selection made for the file would
-then no longer fit. What is not ``v`` or ``f`` is not read, and comes back as it was; only ``vn`` turns along.
+Libraries split vertices at texture seams or drop some of them, so that a selection for the file would
+no longer fit. Statements other than ``v`` and ``f`` are kept unchanged; only ``vn`` is rotated.
 """
 
 import posixpath

@@ -1,15 +1,15 @@
 """Elastic surface with held vertices: local step and factored global step.
 
-The energy is a sum of terms, each a squared distance to the nearest of what the term would rather see:
-cells that are only turned (Eq. 1), triangles that keep their shape or area (:class:`Membrane`), triangles
-that deform like their neighbours (:class:`Bending`). While those are held, the energy is quadratic in the
-positions and its matrix is always the same:
+The energy is a sum of terms, each the squared distance to a projection onto preferred shapes: rotated cells
+(Eq. 1), triangles with their rest shape or rest area (:class:`Membrane`), triangles that deform like their
+neighbours (:class:`Bending`). For fixed projections, the energy is quadratic in the positions, with a
+constant matrix:
 
     grad E = 4 (K U - b),        K factored once, b from the local step.
 
-Where there is bending, triangles that collapse push back (:class:`AreaPenalty`): a force of the gradient
-that b knows nothing of, as without a line search a global step would follow it too far.
-Springs draw some vertices to places of their own; they add to K and to b, and know no local step.
+With bending, collapsing triangles push back (:class:`AreaPenalty`): this force is part of the gradient, but
+not of b, because without a line search a global step would follow it too far.
+Springs pull soft vertices to their targets; they add to K and to b, and have no local step.
 """
 
 from __future__ import annotations

@@ -20,17 +20,17 @@ class HeldSurface(ABC):
     fixed : (k,) int array
         Held vertices, each once.
     soft : SoftConstraints
-        Free vertices that springs draw. Wherever ``targets`` are asked for, theirs follow those of ``fixed``.
+        Free vertices pulled by springs. Their targets follow those of ``fixed`` in all ``targets``.
 
     Attributes
     ----------
     U : (n, 3) float array
         Current positions. Replaced, never written into.
     free : (f,) int array
-        Vertices that are solved for. Where some are held, a piece without any held vertex is not: nothing
-        says where it belongs, so it stays at rest (see :class:`LooseComponents`).
+        Vertices to solve for. If any are held, components without a held vertex are excluded: their position
+        is undetermined, so they stay at rest (see :class:`LooseComponents`).
     place : (n,) int array
-        Rows of the free vertices; from -1 downwards those of the held, and f of what stays at rest.
+        Rows of the free vertices; from -1 downwards, rows of the held ones; f for vertices at rest.
     spring_constants : (s,) float array
         Of the springs of ``soft``.
     material : Material

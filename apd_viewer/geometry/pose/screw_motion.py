@@ -1,8 +1,8 @@
 """Screw motions: interpolation of handle poses.
 
-A rigid motion goes along a screw [Chasles 1830]: it turns about one line and shifts along it, both evenly, so
-that equal parts are equal motions and nothing is nearer to the line on the way. A stretch grows by equal
-factors in equal parts.
+A rigid motion follows a screw [Chasles 1830]: uniform rotation about a line with uniform translation along
+it, so that equal fractions are equal motions and distances from the line are constant. A stretch grows by
+equal factors in equal fractions.
 """
 
 from typing import NamedTuple

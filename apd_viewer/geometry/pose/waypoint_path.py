@@ -1,7 +1,7 @@
 """Paths beyond half a turn: waypoints, total rotation, segments.
 
-A pose alone does not tell a turn by 311 degrees from one by -49. So whoever moves a handle keeps the poses on
-its way at which the shortest rotation from one to the next still is the rotation that was made.
+A pose alone does not distinguish a turn by 311 degrees from one by -49. The path of a handle therefore has
+waypoints, so close that the shortest rotation from one to the next is the rotation made.
 """
 
 import itertools

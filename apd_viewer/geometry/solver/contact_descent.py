@@ -1,8 +1,8 @@
 """Descent of a surface without crossing itself or obstacles.
 
-As long as nothing is in the way, the shapes are those of the solver that knows of no contact, each reached by
-a way that was found free. Where that ends, the surface descends in contact with itself, until it is aimed
-anew with nothing in touch.
+Before the first contact, the shapes are those of a solver without contact, each reached by a collision-free
+step. From then on the surface descends in contact with itself, until new targets are set while nothing
+touches.
 """
 
 from __future__ import annotations
@@ -137,9 +137,9 @@ def contact_descent(
 class ContactDescent:
     """Collision-free steps of a surface in contact with itself and obstacles.
 
-    Where nothing is held, obstacles alone move the surface: it slides as far as forces that are not balanced
-    push it, and does not turn as a whole. Then all steps are those in contact, as with gas or creases, which
-    the inner solver does not know, and as those of a wall, which has no other.
+    Without held vertices, obstacles alone move the surface: it slides until all forces are balanced, and does
+    not rotate as a whole. All steps are then steps in contact, as with gas or creases, which the inner solver
+    does not support, and as for a wall, which has no inner solver.
 
     Parameters
     ----------

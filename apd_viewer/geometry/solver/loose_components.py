@@ -1,7 +1,7 @@
 """Loose parts, carried along as rigid bodies by the nearest held surface.
 
-In contact they touch what they may come to, but not the surface that carries them: nobody could say whether a
-button that is sunk into it should be.
+They are subject to contact with everything but the surface that carries them: whether a button sunk into it
+should be sunk cannot be decided.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ class PathIteration:
     has_arrived : bool
         True once the handles are at their poses, or as far as contact lets them go.
     is_iterate_hidden : bool
-        True for shapes between the stops of a hidden path.
+        True before the end of a hidden path.
     """
 
     def __init__(

@@ -1,12 +1,12 @@
 """Elastic surface in contact with itself, and its projection.
 
-Both stand in for what they wrap, so that a quasi-Newton descent needs to know nothing of contact: the energy
-and the forces have those of the gaps, and no shape is reached but by a free way.
+Both replace the wrapped objects, so that contact is transparent to a quasi-Newton descent: energy and forces
+include gaps, and every shape is reached by a collision-free step.
 
-A shape has none if it leaves ``sum_i m_i a_i x u_i``, with a the places at first about their centre [Eckart
-1935, Some studies concerning rotating axes and polyatomic molecules]. That is a condition on shapes: told
-from shape to shape instead, by places that change, surfaces would turn as a falling cat does. What keeps it
-does no work, so that loads stay derivatives of the energy.
+A shape is free of overall rotation if it preserves ``sum_i m_i a_i x u_i``, a the initial positions about
+their centre [Eckart 1935, Some studies concerning rotating axes and polyatomic molecules]. This constrains
+each shape: applied from step to step, with changing positions, surfaces could turn like a falling cat. The
+constraint does no work, so that loads stay derivatives of the energy.
 """
 
 from abc import ABC, abstractmethod
@@ -44,12 +44,12 @@ class TouchingSurface(ABC):
     longest_step : float
         Longest displacement of a vertex by one step, in mesh sizes.
     growth : float
-        A line search begins at most so many times as far as the last one ended: in dense contact about the
-        length of the last one is collision-free.
+        Largest first length of a line search, relative to the final one of the last search: in dense contact,
+        about that length is collision-free.
     least_part : float
         Shortest part of the path of held vertices and obstacles, in mesh sizes.
     follows_at_once : bool
-        Another path goes on as the last one did: steps take so long that hands are faster.
+        Whether a new path continues at the pace of the last one, since a drag is faster than the steps.
     """
 
     longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False

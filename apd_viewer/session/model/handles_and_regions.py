@@ -1,7 +1,7 @@
 """Named parts of a document: handles and regions, with the flags of all parts.
 
-A factorization that is kept although it depends on what has changed gives a wrong shape without a word. So
-each field of a document and of a handle declares it in its metadata, and the key is made of the declarations.
+An outdated factorization would silently give a wrong shape. Therefore each field of a document or handle
+declares in its metadata whether the factorization depends on it; the key is derived from the declarations.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Solver of the newest request: preparation, iterations and readings.
 
-An iteration is cheap against its readings. So while nobody has looked at the last frame, the iterations go on
-and none of them is measured; the one with which a request is finished always is.
+An iteration is cheap compared with its readings. Until the last frame has been displayed, further iterations
+are therefore not measured; the last iteration of a request always is.
 """
 
 import contextlib

@@ -1,8 +1,8 @@
 """Recovery files of crashed programs, found at the next start.
 
-Beside every file lies another one, which is locked while the program lives that writes it, and while another
-one offers it. A process id tells nothing: it may be somebody else's by now. Nor does a time, since clocks may
-be wrong: however old a leftover seems, it stays until it is restored or discarded.
+A lock file beside every file is locked while the writing program is running, or another one offers the file.
+Process ids would not do, as the system reuses them, nor times, as clocks may be wrong: a file of any age is
+kept until it is restored or discarded.
 """
 
 import contextlib

@@ -1,7 +1,7 @@
 """Session files: the document, its shape and the view.
 
-A session is an archive of ``session.json`` and arrays. A program opens every version up to its own; a newer
-one holds what it knows nothing of, and is refused.
+A session is an archive of ``session.json`` and arrays. All versions up to the program's own can be opened;
+newer ones may have unknown contents, and are refused.
 """
 
 import json

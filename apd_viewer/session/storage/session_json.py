@@ -1,7 +1,7 @@
 """JSON conversion of the document, frame and view of a session.
 
-Numbers come back bit for bit. What is read may be damaged, or written to do harm: whatever makes no sense is
-a ValueError with a phrase.
+Numbers are restored bit for bit. The input may be damaged or malicious: invalid content raises ValueError
+with a phrase.
 """
 
 from dataclasses import replace
