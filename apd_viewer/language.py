@@ -1,8 +1,8 @@
 """Translations of the visible text, and the number notation.
 
-The language is fixed when the program starts: where English words are defined they can be looked up at once.
-Numbers have the signs of the language in the window, and in the commands that it runs. On the command line
-and in scripts, whose words are read by other programs, they keep the decimal point.
+The language is fixed when the program starts, so that texts can be translated where they are defined. Numbers
+follow the notation of the language in the window and in the commands that it runs. On the command line and in
+scripts, with output for other programs, they keep the decimal point.
 """
 
 import gettext

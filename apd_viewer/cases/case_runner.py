@@ -1,7 +1,7 @@
 """Runs each case of a study once, retrying after the death of a worker process.
 
-An engine starts cases and says when they end. It is one of processes on this machine, or of workers
-elsewhere; the runner does not know which.
+An engine starts cases and reports their ends, with processes on this machine or with workers elsewhere;
+the runner is independent of the kind.
 """
 
 import contextlib

@@ -1,9 +1,9 @@
 """Task of a worker: one case on one core, including the set-up of the process.
 
-So a worker needs no environment of its own, whoever started it.
+A worker thus needs no environment of its own.
 
-A process that compiles keeps half a gigabyte, so no worker does. The first worker on a machine starts another
-process for it and leaves a mark; the others wait for that.
+A process keeps half a gigabyte after compiling, so workers do not compile. The first worker on a machine
+starts another process to compile, which leaves a marker file; the other workers wait for it.
 """
 
 import contextlib

@@ -1,6 +1,6 @@
 """Rendering of shapes side by side, in a separate process.
 
-Where there is no OpenGL, VTK takes the process with it that asks for a picture.
+Without OpenGL, VTK crashes the process that renders.
 """
 
 import json

@@ -1,7 +1,7 @@
 """Detection of external changes to files by their content.
 
-Clocks may be wrong, so no time is compared with now, nor with another file's. Where a tool has written the
-same again, nothing has changed.
+Clocks may be wrong, so no time is compared with the current time or with another file's. A file rewritten
+with the same content counts as unchanged.
 """
 
 import hashlib

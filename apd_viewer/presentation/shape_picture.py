@@ -1,8 +1,8 @@
 """Small pictures of shapes, rasterized in memory without OpenGL or a window.
 
-Each triangle is divided into the rows of pixels that it covers, and of each pixel the nearest triangle is
-kept; colours and light follow once this is known. All is done for many triangles at a time, in portions of a
-fixed size, so that memory is bounded whatever the mesh. The same shape gives the same picture.
+Each triangle is divided into rows of covered pixels, and the nearest triangle at each pixel is found; colours
+and light are computed for the visible triangles only. Triangles are processed in batches of a fixed size, so
+that memory is bounded for any mesh. The same shape gives the same picture.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Autosave of unsaved work after every finished step, for recovery after a crash.
 
-It is safe from the end of this program as soon as the file is in its place, and from that of the power once
-it has been flushed.
+It survives the end of this program as soon as the file is in its place, and a power failure once it has been
+flushed.
 """
 
 import logging

@@ -1,6 +1,6 @@
 """Animation file formats, selected by suffix.
 
-Neither has triangles: a cache is played on the mesh of the file that was opened here.
+Point caches have no triangles: they are played back on the imported mesh file.
 """
 
 import os

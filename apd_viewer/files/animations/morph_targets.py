@@ -1,7 +1,7 @@
 """GLB with one morph target per shape, played back by animated weights.
 
-The first shape is the mesh itself, and the targets are the differences of the others from it. Where one
-weight goes from 1 to 0 and the next from 0 to 1 the shape goes straight from one to the other. See the
+The first shape is the mesh itself, and the targets are the differences of the others from it. While one
+weight decreases from 1 to 0 and the next increases from 0 to 1, the shape is interpolated linearly. See the
 specification of glTF 2.0, 3.7.2.2 (morph targets) and 3.11 (animations).
 """
 

@@ -1,6 +1,6 @@
 """Selection on a mesh: base, handles and named regions, without motion.
 
-A vertex is named by its id in the order of the mesh's file, from 0, a run of them by the first and the last::
+Vertices are given by ids in the order of the mesh file, from 0; runs of ids by the first and the last one::
 
     {"format": "apd-selection", "version": 1,
      "mesh": {"vertices": 162, "faces": 320, "digest": "9f86d0…"},
@@ -8,8 +8,8 @@ A vertex is named by its id in the order of the mesh's file, from 0, a run of th
      "handles": [{"name": "Handle 1", "vertices": [[40, 52]]}],
      "regions": [{"name": "Label", "area": 100.0, "vertices": [[60, 99], 104]}]}
 
-What is in none of the parts is free. ``digest`` is :attr:`Mesh.digest`; it may be left out, and so may empty
-parts. An ``area`` that is null is only measured.
+All other vertices are free. ``digest`` is :attr:`Mesh.digest`; it can be omitted, and so can empty parts.
+A region with the ``area`` null is only measured.
 """
 
 from __future__ import annotations

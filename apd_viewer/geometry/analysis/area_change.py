@@ -1,9 +1,9 @@
 """Histogram of the local area change of a surface, in one pass.
 
-The change of a triangle is measured by ``c = max(r, 1/r) - 1``, r the ratio of its area to that at rest,
-on the side of what has grown or of what has shrunk: then halved and doubled lie equally far from unchanged,
-and no logarithm is needed of every triangle. The bins are so narrow against their distance from zero
-that any coarser histogram and any percentile follow from them.
+The change of a triangle is measured by ``c = max(r, 1/r) - 1``, r the ratio of its area to the rest area,
+separately for growth and shrinkage: half and twice the area are then equally far from no change, without
+a logarithm per triangle. The bins are so narrow relative to their distance from zero that any coarser
+histogram and any percentile can be derived from them.
 """
 
 import math

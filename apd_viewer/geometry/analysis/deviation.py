@@ -1,7 +1,7 @@
 """Deviation of a shape from its rest or target shape, one value per vertex.
 
-Ratios are natural logarithms: twice and half are equally far from zero, and zero is no change. A vertex
-without a triangle, or whose triangles had no area at rest, has no value: it is not a number.
+Ratios are natural logarithms: twice and half are equally far from zero, and zero is no change. The value of
+a vertex without a triangle, or with triangles of no area at rest, is NaN.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,7 @@
 """List of near pairs, kept complete while a surface moves.
 
-Listed are all pairs that may be in touch; of all others, every pair of near patches keeps a lower bound of
-what their gaps exceed their range by. Only where a step could use that up are two patches searched again.
+All pairs that may touch are listed; for all others, every pair of near patches keeps a lower bound of the
+excess of their gaps over their range. Two patches are searched again only if a step could exhaust it.
 """
 
 from __future__ import annotations

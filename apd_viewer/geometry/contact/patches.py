@@ -1,7 +1,7 @@
 """Patches of a surface, and upper bounds of the approach of two patches.
 
-A pair of patches keeps a budget: a lower bound of all gaps between them that are not listed. A way from U to
-W takes from it only what brings the two nearer, so that motion in common costs nothing.
+A pair of patches keeps a budget: a lower bound of all unlisted gaps between them. A step from U to W reduces
+it only by the approach of the two patches, so that common motion costs nothing.
 """
 
 from __future__ import annotations

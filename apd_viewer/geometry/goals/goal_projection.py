@@ -1,7 +1,7 @@
 """Projection onto the goals by Newton's method along a few fixed directions.
 
-With g the gradients of the goals c, the directions are ``y = K^-1 g``: the smoothest ways to change what
-the goals measure. They need not be those of today's gradients, only to lead there.
+With g the gradients of the goals c, the directions are ``y = K^-1 g``: the smoothest displacements that
+change the goals. They may be those of earlier gradients, as long as the goals can be met along them.
 """
 
 from typing import Protocol

@@ -1,8 +1,8 @@
 """Sparse Cholesky factorization: factor once, solve often.
 
-Large systems have a supernodal factor in single precision: a quarter of the time to solve, for six digits;
-steps need no more, and one refinement gives ten. Small ones, and what a supernodal factor does not suit,
-have CHOLMOD's simplicial one.
+Large systems have a supernodal factor in single precision: it solves in a quarter of the time to six digits,
+enough for steps, and one refinement gives ten. Small systems, and those unsuited to a supernodal factor, have
+CHOLMOD's simplicial one.
 """
 
 from __future__ import annotations

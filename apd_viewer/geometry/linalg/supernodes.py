@@ -2,8 +2,8 @@
 
 Each group of a nested dissection is a supernode: its unknowns are eliminated at once, from a dense matrix
 [Ng & Peyton 1993, Block Sparse Cholesky Algorithms on Advanced Uniprocessor Computers]. Subtrees of
-supernodes know nothing of each other, so they are tasks that can run side by side; what is left, the top of
-the tree, follows them. The tasks depend on the matrix alone, so sums are the same on any number of cores.
+supernodes are independent, so they are tasks that can run in parallel; the rest, the top of the tree, follows
+them. The tasks depend on the matrix alone, so sums are the same on any number of cores.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Sets of vertices, modified by connectivity and shape.
 
-A set is an (n,) bool array. At a seam one vertex of each place is named, as in the triangles and one-rings
-of :class:`SurfaceIndex`. What a set says of the other vertices means nothing.
+A set is an (n,) bool array. At a seam one vertex represents each position, as in the triangles and one-rings
+of :class:`SurfaceIndex`; the membership of the other vertices is ignored.
 """
 
 import numpy as np

@@ -4,8 +4,8 @@ A triangle turns about its neighbour by the change of the angle at their common 
 changes of its own angles. Each of these is less than a whole turn of either sense, so that their sum over a
 way counts whole turns, however coarse or crumpled the surface is.
 
-Places of a handle do not tell a turn by 400 degrees from one by 40; the surface between tells them apart. One
-that has passed through itself holds whole turns less than it was asked for.
+The position of a handle does not distinguish a turn by 400 degrees from one by 40, but the surface does.
+After passing through itself, it holds fewer whole turns than requested.
 """
 
 from __future__ import annotations

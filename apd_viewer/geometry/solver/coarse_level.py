@@ -1,9 +1,9 @@
 """Coarse level of an elastic surface, solved ahead of the fine one.
 
-Low frequencies take iterations by the hundred on a fine mesh, and next to nothing on a coarse one. What is
-handed over are rotations: how far each place of the coarse surface has turned since the last time. The
-global step of the fine surface then carries all frequencies at once, and its details turn with it. Where
-there is no time for a global step, the coarse surface carries the fine one along.
+Low frequencies converge in hundreds of iterations on a fine mesh, but quickly on a coarse one. The coarse
+surface passes on the rotations of its vertices since the last time. The global step of the fine surface then
+converts them to positions of all frequencies, with rotated details. For previews without a global step, the
+fine surface is moved along with the coarse one.
 """
 
 from __future__ import annotations

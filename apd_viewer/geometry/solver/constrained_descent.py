@@ -1,8 +1,8 @@
 """Constrained descent: iterations on the manifold of shapes meeting all goals.
 
-The energy is minimised subject to ``c(U) = 0``, the misses of the goals. With g the gradients of the
-goals and the multipliers so far put into the right-hand side, one global step gives p; from there the
-goals are met along directions y that need not be made anew for every iteration:
+The energy is minimised subject to ``c(U) = 0``, the deviations from the goals. With g the gradients of the
+goals, and the current multipliers in the right-hand side, one global step gives p; from there the goals are
+met along directions y that need not be recomputed in every iteration:
 
     p = K^-1 (b + mult g),   y = K^-1 g,   U = p + mu y  with  c(U) = 0,   mult += mu.
 

@@ -1,10 +1,10 @@
 """Restarts of a converged multilevel solver from its coarse level.
 
-They go on for as long as each ends lower; then the lowest is followed to its minimum.
+They continue as long as each ends lower; then the lowest one is converged fully.
 
-A surface that buckles has many minima, and the coarse one knows fewer of them: led by it from where the
-fine one has converged, folds open that the fine one cannot open by itself. Such a trial is hidden: the best
-shape so far is shown until the trial is better.
+A buckling surface has many minima, and its coarse level has fewer: led by it from a converged shape, the fine
+surface opens folds it cannot open by itself. Such trials are hidden: the best shape so far is shown until
+a trial is better.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Descent of a surface in contact with itself, along a path.
 
-The held vertices go in short parts, as far as the way is free, and the free ones follow by the response of
-the surface. Between two parts the surface descends with its gap energy.
+The held vertices move in short increments of their path, as far as it is collision-free, and the free ones
+follow by the response of the surface. Between two increments the surface descends with its gap energy.
 """
 
 from collections import deque

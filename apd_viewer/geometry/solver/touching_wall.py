@@ -1,6 +1,6 @@
 """Thin elastic wall in contact, stepped by its Hessian.
 
-A wall is many times stiffer in its plane than in bending, so that no constant matrix serves as a metric. Its
+A wall is many times stiffer in its plane than in bending, so that no constant matrix suits as a metric. Its
 Hessian does, including the curvature of the goals, whose tension stiffens the wall, and of the gaps.
 """
 

@@ -1,7 +1,7 @@
 """Handle motions: the table of motion kinds.
 
-The words of texts and options, the motions that the window offers, titles, tips and the columns of studies
-are all read from its rows.
+Words in texts and options, the motions offered in the window, titles, tips and study columns are all derived
+from its rows.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Shared memory for arrays sent to the solver and shapes sent back.
 
-Whoever asks for work makes the blocks and removes them; the solver only looks into them.
+The owner of the solver creates and removes the blocks; the solver only opens them.
 """
 
 import os

@@ -1,7 +1,7 @@
 """Main function of the solver process.
 
-A thread reads, so that the solver finds the newest request between two iterations. Nothing here is worth
-saving: the process ends at once when its owner has gone, whatever it is doing.
+A thread reads, so that the solver finds the newest request between two iterations. The process has nothing to
+save: it ends at once with its owner.
 """
 
 import contextlib

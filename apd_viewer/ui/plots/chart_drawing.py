@@ -1,6 +1,6 @@
 """Contents of charts, and their drawing on the screen and in files.
 
-They are drawn by hand: docs/architecture.md says what pyqtgraph costs.
+They are drawn without a library: see docs/architecture.md for the cost of pyqtgraph.
 """
 
 from __future__ import annotations

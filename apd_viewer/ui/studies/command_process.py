@@ -1,6 +1,6 @@
 """Command of the command line, run in its own process.
 
-A QProcess and no ChildProcess: it reports by signals on the GUI thread, which here would need a thread.
+A QProcess, because it emits signals on the GUI thread; a ChildProcess would need another thread.
 """
 
 import json
