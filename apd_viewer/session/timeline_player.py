@@ -18,13 +18,13 @@ _RETRIES = 5
 class TimelinePlayer:
     """Player of documents one after another, each until its shape is at rest.
 
-    The solver that follows a drag follows them too, and whatever else changes the document ends the motion.
-    Once there is a timeline, plates moved by hand add to it as well.
+    The solver of a drag also solves these documents; any other change of the document ends the motion.
+    Plates moved by hand are added to an existing timeline as well.
 
     Attributes
     ----------
     timeline : Timeline
-        What was come to.
+        Steps recorded so far.
     done, count : int
         Steps that are done, and all steps, of the motion under way or the last one.
     """

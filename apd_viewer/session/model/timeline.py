@@ -22,7 +22,7 @@ class TimelineStep:
     Attributes
     ----------
     begins_run : bool
-        It was there before the motion; the steps up to the next such state follow from it.
+        Whether it precedes a motion; the steps up to the next such state follow from it.
     """
 
     state: State

@@ -34,7 +34,7 @@ class PressCharts:
     Attributes
     ----------
     timeline : Timeline
-        What is drawn.
+        Timeline to draw.
     reach : float
         Way to where the plates are asked to go, mesh units.
     theme : Theme

@@ -43,7 +43,7 @@ class PressController(QObject):
     Parameters
     ----------
     dock : QDockWidget
-        For the panel.
+        Dock of the panel.
     parts : ActiveParts
         Take a plate into the hand.
     choose_tool : callable
