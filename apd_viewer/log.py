@@ -46,8 +46,8 @@ _LIBRARIES = (
 def recording_log(level: str | None = None) -> Iterator[None]:
     """Record the log during the block; no effect inside another such block.
 
-    Uncaught exceptions of all threads, Python's warnings and crashes are recorded too. A folder that cannot
-    be written is no reason to stop: then nothing is.
+    Uncaught exceptions of all threads, Python's warnings and crashes are recorded too. Without a writable
+    folder nothing is recorded.
 
     Parameters
     ----------

@@ -160,7 +160,7 @@ def _compile() -> None:
 def _is_own(folder: Path) -> bool:
     """True if no other user can write to a folder.
 
-    Anybody may have made it in a place for all.
+    In a shared place, any user may have created it.
     """
     there = folder.lstat()
     if sys.platform == "win32":  # temporary folders are private to the user on Windows

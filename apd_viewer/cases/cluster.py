@@ -101,7 +101,7 @@ def _run_unprofiled(work: TaskRunner, task: CaseTask) -> CaseAnswer:
 def _end_profile() -> None:
     """Stop Dask's profiler in this process.
 
-    Every 10 ms it takes time from the case, and it grows by a quarter of a mebibyte a second.
+    It interrupts the case every 10 ms, and grows by a quarter of a mebibyte per second.
     """
     try:
         worker = _import_distributed().get_worker()

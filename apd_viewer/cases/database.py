@@ -44,7 +44,7 @@ T = TypeVar("T")
 def open_database(folder: Path) -> sqlite3.Connection:
     """Open the database for its single writer; raises InputError.
 
-    A damaged one is put aside, and a new one takes its place.
+    A damaged database is renamed and replaced by a new one.
     """
     path = folder / DATABASE_NAME
     _check_beside(path)

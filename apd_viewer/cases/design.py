@@ -127,7 +127,7 @@ def design_table(
 ) -> tuple[list[str], list[list[str]]]:
     """Columns and rows of a plan.
 
-    Notes tell the numbers that stand within a motion, or before a unit, for whoever plots the results.
+    Note columns repeat the numbers in motions and before units, for plotting the results.
 
     Parameters
     ----------

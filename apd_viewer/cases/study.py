@@ -287,7 +287,7 @@ class StudyStore:
     def _reread_case(self, key: str) -> case_file.CaseResult | None:
         """Record the result of a case's file in the database; delete a damaged file.
 
-        Raises InputError if it is there and cannot be read now.
+        Raises InputError if the file exists but cannot be read now.
         """
         path = self._path(key)
         content = read_content(path) if path.exists() else b""
@@ -305,7 +305,7 @@ class StudyStore:
     def curves(self, keys: Iterable[str]) -> dict[str, case_file.Curves]:
         """Curves of finished cases, read from their files; the database is updated, too.
 
-        A case whose file is damaged is not among them, and no longer finished.
+        Cases with damaged files are left out, and count as unfinished.
         """
         found = self._run_on_database(lambda: {key: self._reread_case(key) for key in sorted(keys)})
         self.commit()

@@ -56,7 +56,7 @@ class InputFile:
     def from_json(cls, fields: dict[str, str], inputs: Path) -> InputFile:
         """Input file from its JSON fields, with its copy in the folder ``inputs``.
 
-        Raises ValueError if that would be elsewhere.
+        Raises ValueError for a path outside that folder.
         """
         if not fields["digest"].isalnum() or Path(fields["name"]).name != fields["name"]:
             raise ValueError

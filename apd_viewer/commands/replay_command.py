@@ -120,7 +120,7 @@ def _write_animations(
 def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     """Report field with the measurements at rest and at ``U`` (n, 3), if any.
 
-    Lengths are in mesh units, angles in degrees; what cannot be measured is None.
+    Lengths are in mesh units, angles in degrees; missing values are None.
     """
     shapes, F = (("_rest", document.mesh.V), ("", U)), document.mesh.joined_F
     measured = [
@@ -162,7 +162,7 @@ def replay_session(
 ) -> tuple[Document, Result]:
     """Solve a saved session until its shape has converged.
 
-    A saved shape that has settled is the answer already: it is measured anew, and stays as it is.
+    A saved shape that has already settled is only measured again.
 
     Parameters
     ----------

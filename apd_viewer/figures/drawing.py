@@ -127,7 +127,7 @@ def _fit(
 ) -> tuple[np.ndarray, float, float]:
     """Centre, half height and depth of a view of all shapes.
 
-    ``aspect`` is the width of a panel by its height.
+    ``aspect`` is the width of a panel over its height.
     """
     toward = view_direction / np.linalg.norm(view_direction)
     right = np.cross(up, toward)

@@ -26,7 +26,7 @@ class PageTable:
 class PageGrid:
     """Table with column headings; the first column holds the row names.
 
-    A cell is some lines, each with a remark in smaller letters.
+    A cell consists of lines, each with a remark in small print.
     """
 
     head: tuple[str, ...]

@@ -64,7 +64,7 @@ def _content(path: Path) -> str | None:
 def file_stamp(path: Path) -> tuple[int, ...] | None:
     """Metadata of a regular file, for detecting changes without reading it.
 
-    The time of the last change of its entry, which no tool can set, is among them.
+    It includes the inode's change time, which no tool can set.
     """
     try:
         found = os.stat(path)  # noqa: PTH116  # Path raises on names that are too long

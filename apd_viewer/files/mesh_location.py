@@ -76,7 +76,7 @@ def is_mesh_in_file(mesh: Mesh) -> bool:
 def mesh_members(mesh: Mesh, prefix: str = "") -> dict[str, bytes]:
     """Archive members of a mesh: its file content or its arrays.
 
-    Their names begin with ``prefix``, to tell the meshes of an archive apart.
+    Their names begin with ``prefix``, to distinguish several meshes in an archive.
     """
     return {f"{prefix}{name}": content for name, content in _members(mesh).items()}
 

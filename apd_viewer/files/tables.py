@@ -56,7 +56,7 @@ def _written_cell(cell: Cell) -> str:
 def escaped_cell(text: str) -> str:
     """CSV cell for a string; a spreadsheet formula is guarded with '.
 
-    Numbers stay as they are. :func:`unescaped_cell` gives the text again.
+    Numbers are unchanged. :func:`unescaped_cell` restores the text.
     """
     return text if _NUMBER.fullmatch(text) else _UNGUARDED.sub("'", text)
 

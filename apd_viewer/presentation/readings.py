@@ -247,7 +247,7 @@ def drift(state: State, unit: Unit) -> str:
 def motion(state: State, k: int, unit: Unit) -> str:
     """Displacement, rotation and scale of a handle from rest, where not trivial.
 
-    While contact lets it lag behind, what it was asked for and what it has reached.
+    Both the requested and the reached motion while contact delays the handle.
     """
     document, frame = state.document, state.frame
     if not document.label_counts[HANDLE + k]:
@@ -315,7 +315,7 @@ def _amounts(document: Document, k: int, unit: Unit, size: float) -> _Amounts:
 def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool]:
     """Total rotation in degrees, and a flag for a twist.
 
-    A twist has the sign that it was typed with: that about the line from the base to the handle.
+    A twist has the sign as typed, about the line from the base to the handle.
     """
     handle = document.handles[k]
     rotation, lines = handle.rotation, [] if handle.former_twist_axis is None else [handle.former_twist_axis]

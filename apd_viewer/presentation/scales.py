@@ -48,9 +48,9 @@ class ScaleKind(Enum):
 class MeasureTraits(NamedTuple):
     """Title, tooltip and computation of a measure.
 
-    ``values(deviation, U, is_cancelled)`` are those (n,) at the vertices of a shape ``U`` (n, 3); None if
-    ``is_cancelled()`` has ended a measure that takes long. The ``note`` is written below the colours,
-    ``missing_note`` in its place where no vertex has a value.
+    ``values(deviation, U, is_cancelled)`` gives the values (n,) at the vertices of a shape ``U`` (n, 3); None
+    if ``is_cancelled()`` has ended a slow measure. The ``note`` is written below the colours, or
+    ``missing_note`` if no vertex has a value.
     """
 
     title: str

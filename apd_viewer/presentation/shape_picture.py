@@ -167,7 +167,7 @@ def _concatenated_ranges(first: int, low: np.ndarray, high: np.ndarray) -> tuple
 def _spans(corners: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """First column of each triangle (r, 3, 3) at height ``y``, and one past its last.
 
-    Columns count by their middle, and ends are half open: of triangles with a common edge one has each pixel.
+    Columns are tested at their middle, with half-open ends: triangles with a common edge share no pixel.
     """
     left, right = np.full(len(y), np.inf), np.full(len(y), -np.inf)
     for k in range(3):

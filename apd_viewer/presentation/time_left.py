@@ -24,7 +24,7 @@ _STEPS = ((60.0, 5.0), (120.0, 15.0), (3600.0, 60.0))
 class TimeLeftEstimate:
     """Smoothed estimate of the time of convergence.
 
-    Moments are seconds by one clock. Every motion has a forecast of its own.
+    Moments are seconds of one clock. Each motion needs a new estimate.
 
     Parameters
     ----------

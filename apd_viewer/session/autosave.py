@@ -169,8 +169,8 @@ class AutosaveWriter:
     def put(self, copy: AutosaveCopy | None, patience: float = 0.0) -> None:
         """Queue ``copy``, replacing any other in the queue; None removes the file.
 
-        Returns once that is done, but after ``patience`` seconds at the latest, and at once where the one
-        before took longer than that.
+        Returns when it is written, after ``patience`` seconds at the latest, and at once if the previous
+        write took longer than that.
         """
         with self._doing:
             self._asked += 1

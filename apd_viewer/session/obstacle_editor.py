@@ -26,7 +26,7 @@ _SAME = 1e-9
 class ObstacleEditor(DocumentEditor):
     """Editor of the obstacles of the document; each change is an undo step.
 
-    Obstacles push by contact, which is turned on with the first of them.
+    Obstacles act by contact, which is turned on with the first obstacle.
     """
 
     # Adding obstacles
@@ -53,7 +53,7 @@ class ObstacleEditor(DocumentEditor):
     def add(self, obstacle: NamedObstacle, thickness: float | None = None) -> int | None:
         """Add an obstacle with a unique name and turn on contact; return its index.
 
-        None, and a sentence to the listener, where that is not possible.
+        If that is impossible, returns None and sends a sentence to the listener.
         """
         title = tr("Add {name}").format(name=self._with_new_name(obstacle).name)
         return self._add(title, (self._with_new_name(obstacle),), thickness)

@@ -39,8 +39,8 @@ class SavedDocument(NamedTuple):
 class SavedWork:
     """Record of saved documents and of changes to their files.
 
-    The shape is no work of its own: it follows from the document. Undo leads back to other meshes, so the
-    last saved document of each opened mesh is kept; baking makes another mesh with the same triangles.
+    The shape is not work by itself, since it follows from the document. Undo can return to earlier meshes, so
+    the last saved document of each opened mesh is kept; baking makes another mesh with the same triangles.
     """
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:

@@ -84,7 +84,7 @@ class StateStore:
     def is_previewing(self) -> bool:
         """True while the first shape waits for the compilation of kernels.
 
-        So far it is known only where the handles are to be.
+        Until then, only the targets of the handles are known.
         """
         return self.is_preparing and self.compiled_share is not None and self.compiled_share < 1.0
 

@@ -25,8 +25,8 @@ from apd_viewer.ui.widgets.wheel import ignore_wheel
 class Shell(QtWidgets.QMainWindow):
     """Main window: canvas in the middle, tools on the left, readings on the right.
 
-    It needs no session, nor the libraries of a session, so that it can be shown at once. The camera can be
-    turned and files can be requested; all else takes a :class:`~apd_viewer.ui.workbench.Workbench`.
+    Without a session and its libraries, so that it can be shown at once. The camera can be moved and files
+    can be requested; everything else needs a :class:`~apd_viewer.ui.workbench.Workbench`.
 
     Parameters
     ----------

@@ -58,8 +58,8 @@ class Animation:
 class ShapeRecorder:
     """Recorder of an unknown number of shapes in a bounded number of files.
 
-    Once they are full every other one is deleted, and from then on every other shape is left out; the latest
-    is always there.
+    When all files are used, every other one is deleted, and from then on every other shape is skipped; the
+    latest shape is always kept.
 
     Parameters
     ----------

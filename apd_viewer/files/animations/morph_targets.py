@@ -189,8 +189,8 @@ _ANY = 0.0, 0.0, 1.0  # normal at vertices without any area, since glTF requires
 def shading_normals(mesh: Mesh, U: np.ndarray) -> np.ndarray:
     """Unit vertex normals (n, 3) of the shape ``U`` (n, 3).
 
-    Those of the file turned with their triangles, averaged where the corners of a vertex have several;
-    without any those of a smooth surface, the same on both sides of a seam.
+    The normals of the file are rotated with their triangles, and averaged if a vertex has several; without
+    any, they are those of a smooth surface, equal on both sides of a seam.
     """
     if mesh.corner_normals is None:
         N = vertex_normals(U, mesh.joined_F)[mesh.weld.representative]

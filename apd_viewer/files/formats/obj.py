@@ -158,7 +158,7 @@ _OPTION = re.compile(r"-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-
 class ObjFaces(NamedTuple):
     """Polygons, with normal and texture-coordinate indices (c,) of their corners.
 
-    Numbers from 0; -1 for missing ones.
+    Indices start at 0; missing ones are -1.
     """
 
     polygons: Polygons

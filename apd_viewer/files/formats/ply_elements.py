@@ -166,7 +166,7 @@ def _row(words: list[tuple[bytes, int, int]], element: PlyElement) -> list[tuple
 def with_one_row_per_line(content: bytes, start: int, elements: Sequence[PlyElement]) -> bytes | None:
     """Wrapped text rewritten with one row per line, at the same length.
 
-    None if there are more words or fewer than the elements have.
+    None if the number of words does not match the elements.
     """
     body = bytearray(content[:start] + content[start:].translate(_BLANK))
     words = _WORD.finditer(content, start)

@@ -20,8 +20,8 @@ _LONGEST = 1e30  # longest accepted normal; the square of a longer one overflows
 class ParsedMesh(NamedTuple):
     """Positions (n, 3), triangles (m, 3) and origin of a mesh file, with remarks.
 
-    The ``remarks`` say what is strange about the file, and what it has that was not read. The ``unit`` of
-    length is the symbol of the one that the file states; without one it is empty.
+    The ``remarks`` list peculiarities of the file, and contents that were not read. The ``unit`` is the
+    symbol of the unit of length stated in the file; empty without one.
     """
 
     V: np.ndarray
@@ -126,7 +126,7 @@ class Polygons(NamedTuple):
     def triangle_corners(self, V: np.ndarray) -> np.ndarray:
         """Triangles (m, 3) of the faces as indices into ``corner``, in face order.
 
-        A fan around the first corner, unless that folds over where the face is not convex.
+        A fan around the first corner, unless it would fold over in a non-convex face.
         """
         sizes = np.diff(self.start)
         first = np.concatenate([[0], np.cumsum(np.maximum(sizes - 2, 0))])

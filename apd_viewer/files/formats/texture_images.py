@@ -66,7 +66,7 @@ def joined_texture(
 ) -> Texture | None:
     """Texture of triangles with one image each; None if no triangle has one.
 
-    Several images become one, in which none is repeated.
+    Several images are combined into one atlas, which cannot be tiled.
 
     Parameters
     ----------

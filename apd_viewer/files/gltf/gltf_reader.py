@@ -153,7 +153,7 @@ class GltfInstance(NamedTuple):
     ) -> np.ndarray:
         """World matrix (4, 4) of a primitive's vertices, or (n, 4, 4) if skinned.
 
-        In a skin the matrix of the node itself does not count.
+        With a skin, the matrix of the node itself has no effect.
         """
         if self.joints is None or "JOINTS_0" not in primitive["attributes"]:
             return self.matrix

@@ -240,8 +240,8 @@ SELECTION_FORMATS = tuple(_WRITERS)
 def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
     """Read a selection on ``mesh``; unknown suffixes are read as ``.sel``.
 
-    A file for another number of vertices is refused, and so is one that names another number of triangles.
-    One that was made for other positions is not, for a deformed copy keeps its selection: see
+    A file for another number of vertices or triangles is refused. A file for other positions is accepted,
+    since selections also fit deformed copies: see
     :attr:`Selection.is_for_same_mesh`.
 
     Raises

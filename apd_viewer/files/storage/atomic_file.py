@@ -181,7 +181,7 @@ _PREFIX, _LOCK = ".apd-viewer-", ".lock"
 def staging_folder(folder: Path) -> Iterator[Path]:
     """Scratch folder as a context; its files move to ``folder`` on exit.
 
-    Until then ``folder`` stays as it is, or is not there. Files in it that are not written anew are kept.
+    Until then ``folder`` is unchanged, or missing. Files in it that are not replaced are kept.
 
     Raises
     ------

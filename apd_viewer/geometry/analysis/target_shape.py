@@ -57,7 +57,7 @@ class TargetShape:
     def distances(self, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False) -> np.ndarray | None:
         """Distance (n,) of each point of ``U`` (n, 3) from the target surface.
 
-        None if ``is_cancelled()`` has ended it.
+        None if cancelled by ``is_cancelled()``.
         """
         near = frozen(np.full(U.shape, np.inf))
         if len(self.mesh.V) == len(U) and self._uses_all_vertices:

@@ -106,7 +106,7 @@ def with_held_vertices(
 ) -> np.ndarray:
     """Vertices of a decimated mesh, some of them replaced by nearby held vertices.
 
-    So every held part has a vertex in the decimated mesh.
+    Every held part thus has a vertex in the decimated mesh.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ ITERATIONS_A_STEP = 4
 class HeldPath:
     """Paths of handles (screws, or lines if deformed) and of obstacles (lines).
 
-    Half a turn goes one of its two ways round: straight, the handle would pass through its axis.
+    Half a turn follows an arc in either sense; on a straight path the handle would collapse onto its axis.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ class HeldTurn(NamedTuple):
     def has_lost_whole_turns(self) -> bool:
         """True if the lost angle amounts to whole turns.
 
-        Only a surface that passes through itself can lose them.
+        Only a surface passing through itself can lose whole turns.
         """
         turns = round(self.lost_angle / (2.0 * math.pi))
         return turns > 0 and abs(self.lost_angle - 2.0 * math.pi * turns) < _WHOLE
@@ -104,8 +104,7 @@ def pass_through_warnings(
 ) -> tuple[str, ...]:
     """Warnings that the surface may have passed through itself.
 
-    They are turns that it does not hold, unless contact stops a handle, and the volume of a closed surface
-    turned inside out.
+    The signs are lost turns, unless contact has stopped a handle, and a negative volume of a closed surface.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ class AdaptiveMetric:
     def search_metric(self) -> Metric:
         """Metric of the stability search: the Hessian for a small membrane.
 
-        Relative to K, a membrane that gives way to the side is soft beyond measure.
+        Relative to K, a membrane is extremely soft against lateral displacement.
         """
         elastic = self._elastic
         if self.is_hessian or elastic.membrane is None or len(elastic.free) > _MOST_SEARCH_VERTICES:

@@ -35,7 +35,7 @@ _COLLAR = 3.0
 class CoarseLevel:
     """Coarse surface with the material and the held vertices of the fine one.
 
-    Its vertices are some of the fine one's, so that what is held needs no interpolation.
+    Its vertices are a subset of the fine ones, so that held vertices need no interpolation.
 
     Parameters
     ----------
@@ -209,8 +209,8 @@ _MOST = 100_000
 class Collar:
     """Free vertices within a distance of held ones, solved with all others fixed.
 
-    A surface that follows a coarse one bends as sharply as that beside what is held. Next to there a global
-    step of its own makes it smooth.
+    A preview bends as sharply as the coarse surface beside held vertices. A global step of the collar alone
+    smooths it there.
 
     Parameters
     ----------

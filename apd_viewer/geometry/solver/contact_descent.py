@@ -198,7 +198,7 @@ class ContactDescent:
     def progress(self) -> SolverProgress:
         """Shape and readings; hidden and unconverged before the end of the path.
 
-        With contact ahead no seconds are expected.
+        No time left is estimated before contact.
         """
         running = self._touching or self._inner
         assert running is not None
@@ -287,7 +287,7 @@ class ContactDescent:
     def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Replace the obstacles; they take effect with :meth:`restart`.
 
-        Without, the surface enters at rest with the next step.
+        Otherwise the surface starts from the rest shape at the next step.
         """
         self.contact.replace_obstacles(obstacles)
         self.shifts = self.target_shifts = self._places = np.zeros((len(obstacles), 3))
@@ -300,7 +300,7 @@ class ContactDescent:
     def restart(self, U: np.ndarray) -> None:
         """Continue from positions ``U`` (n, 3), or from the rest shape if they intersect.
 
-        If ``U`` is not clear of the obstacles where they begin, they begin at their places.
+        If ``U`` intersects the obstacles at their start, they start at their initial positions.
 
         Raises
         ------

@@ -61,8 +61,8 @@ def _coarse(elastic: ElasticSurface, goals: tuple[Goal, ...]) -> LevelSolver:
 def compute_decimations(rest: RestMesh) -> tuple[Decimation, ...]:
     """Compute and cache the decimations common to all deformations of a mesh.
 
-    They take longest of all that does not depend on the held vertices. With these thinnings another
-    :class:`RestMesh` of the mesh need not compute them.
+    They take most of the time independent of the held vertices; another :class:`RestMesh` of the mesh can
+    reuse them.
     """
     shape, found = rest.solve_mesh, []
     with cores_for(len(shape.V)):
@@ -245,7 +245,7 @@ _DESCENT, _ITERATION = 6.0, 1.3
 class CoarsePreview:
     """Shapes of a fine surface, moved along with a coarse one.
 
-    They are not at rest, but held where they are asked to be, and they meet the goals, as all others do.
+    Previews are not at equilibrium, but hold the held vertices and meet the goals like all other shapes.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ _NO_ENERGY = 1e-12
 class PlatePress:
     """Two parallel plates closing on a mesh in equal steps.
 
-    They touch it at first. With nothing held the mesh may slide between them, but not turn as a whole.
+    Initially they touch the mesh. Without held vertices it may slide between them, but not rotate as a whole.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ class PlatePress:
     def steps(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
         """Press the mesh; yield the equilibrium shapes from the first contact on.
 
-        A shape to begin from comes to rest by itself before the plates touch it.
+        A given start shape relaxes to equilibrium before the plates touch it.
 
         Parameters
         ----------

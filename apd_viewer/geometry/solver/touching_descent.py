@@ -84,7 +84,7 @@ class TouchingDescent:
     def progress(self) -> SolverProgress:
         """Current shape and readings; hidden after a step along the path.
 
-        It is stuck where no free way leads to shapes that meet the goals.
+        It is stuck if no collision-free step leads to shapes meeting the goals.
         """
         return SolverProgress(
             self.U,
@@ -139,7 +139,7 @@ class TouchingDescent:
     def load_imbalance(self) -> float:
         """Length of the sum of all obstacle loads over the sum of their lengths.
 
-        0 where something is held, which takes the rest.
+        0 with held vertices, which balance the loads.
         """
         contact = self._surface.contact
         if len(self._surface.elastic.fixed) or not contact.obstacles:

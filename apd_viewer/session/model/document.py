@@ -196,7 +196,7 @@ class Document:
     def relative_to_rest(self) -> Document:
         """Equivalent document with motions relative to the rest shape.
 
-        But for vertices that were painted on a deformed shape: these are where they were without the motions.
+        Vertices painted on a deformed shape keep their positions there, with the motions undone.
         """
         if not any(handle.earlier_poses for handle in self.handles):
             return self

@@ -91,7 +91,7 @@ class AmountKind(Enum):
     ) -> float:
         """Parse an amount into radians, mesh units or a factor; raises InputError.
 
-        Percentages are of the distance of base and handle at ``rest``; None stands for any mesh.
+        Percentages refer to the distance of base and handle at ``rest``; None stands for any mesh.
         """
         match self:
             case AmountKind.ANGLE:
@@ -132,7 +132,7 @@ class AmountKind(Enum):
     def remaining_amount(self, total: float, motion: Motion, now: MotionReference) -> float:
         """Amount still missing to reach a total measured from rest.
 
-        The total of a rotation is its part about the axis of the motion, that of a shift its part along it.
+        Totals are the parts of the rotation about, and of the displacement along, the axis of the motion.
         """
         handle, rest = now.document.handles[now.handle], now.at_rest
         match self:

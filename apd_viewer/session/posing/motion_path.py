@@ -73,7 +73,7 @@ class MotionStep:
     def intermediate_documents(self, document: Document) -> list[Document]:
         """Documents along the last turn of the motion, including its end.
 
-        A stretch is no way: there is its end only.
+        A stretch is not divided: only its end follows.
         """
         end = self.end_document(document)
         if self.motion.kind.stretches:

@@ -20,7 +20,7 @@ from apd_viewer.session.model.state import State
 def regripped_document(before: Document, document: Document, frame: Frame) -> Document:
     """Document with base and handles gripped at the shape of a frame.
 
-    A handle keeps its motion from rest while it keeps a vertex that made it.
+    A handle keeps its motion from rest as long as it keeps one of its earlier vertices.
 
     Parameters
     ----------

@@ -41,8 +41,8 @@ def document_iteration(
 ) -> PathIteration:
     """Iteration of a document's deformation towards its poses.
 
-    Paths beyond half a turn are walked from the grip in steps; otherwise the shape goes to the poses at once.
-    So it depends on what is in the document, and not on the pace of the hand.
+    Paths beyond half a turn are followed from the grip in steps; otherwise the handles move to the poses at
+    once. The shape thus depends on the document alone, and not on the pace of a drag.
 
     Parameters
     ----------

@@ -73,8 +73,8 @@ class RequestSolver:
     def run(self, when_idle: Callable[[Callable[[], bool]], object] = lambda _: None) -> None:
         """Answer requests until the mailbox is closed.
 
-        While there are none ``when_idle(called)`` is called, until it has come to its end: it should return
-        soon once ``called()``.
+        Between requests, ``when_idle(called)`` is called until it has finished: it should return soon once
+        ``called()`` is True.
         """
         done = not self._requests.wait_for_value(_SOON) and self._run_idle_work(when_idle)
         while (request := self._requests.wait()) is not None:

@@ -65,7 +65,7 @@ def _request_number(thing: object) -> int | None:
 class _Pulse:
     """Thread reporting work on a request or in idle time every second.
 
-    A process that waits for what never comes spends no time of the processor.
+    A process waiting in vain uses no processor time.
     """
 
     def __init__(self, tell: SolverMessageSender, factoring: Callable[[], bool]) -> None:

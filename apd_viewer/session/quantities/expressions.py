@@ -343,7 +343,7 @@ def check_unambiguous(text: str, signs: str) -> None:
 def unambiguous_text(text: str) -> str:
     """Text from a field, checked for ambiguous numbers; raises InputError.
 
-    In some languages the window writes a point between groups of digits.
+    In some languages the window separates groups of digits by points.
     """
     check_unambiguous(text, notation().group if notation().group == "." else "")
     return text

@@ -295,7 +295,7 @@ def ask_about_changed_file(
 ) -> None:
     """Ask about a changed file in the next event, and run the chosen action.
 
-    Whoever has found the change may still be at work. ``Enter`` loses nothing.
+    Asked in the next event, since the caller may not have finished. ``Enter`` loses nothing.
     """
     text = tr("“{name}” has been changed by another window or program. Overwrite it?")
     about = tr(

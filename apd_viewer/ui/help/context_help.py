@@ -38,8 +38,8 @@ _SHARED = "RunBar", "PartButtons"  # widgets shared by several sections
 class ContextHelp(QObject):
     """Opens the manual at an action, a setting, or the section around a control.
 
-    The control under the mouse is meant if the mouse has moved since the focus did, and else the one with the
-    focus; if neither has a place, the tool in the hand.
+    The target is the control under the mouse if the mouse has moved since the last change of focus, otherwise
+    the one with the focus; if neither is documented, the active tool.
 
     Parameters
     ----------

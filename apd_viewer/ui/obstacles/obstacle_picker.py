@@ -19,7 +19,7 @@ from apd_viewer.ui.tools.gizmo_drawing import draw_tag
 class ObstaclePicker(MouseTool, QObject):
     """Mouse tool to select an obstacle by pressing it.
 
-    A drag that begins on a plate turns the camera, as plates are large; a click takes the plate.
+    A drag from a plate orbits the camera, as plates are large; a click selects the plate.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ class CardStack(QWidget):
     def add(self, card: QWidget, fit_into: Callable[[int, int], None] | None = None) -> None:
         """Add a card; ``fit_into(least, most)`` shrinks it to a height if possible.
 
-        ``most`` is what there is, ``least`` what it can have without hiding much of the mesh.
+        ``most`` is the available height, ``least`` the height that hides little of the mesh.
         """
         if fit_into is not None:
             self._fits[card] = fit_into

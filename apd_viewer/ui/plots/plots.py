@@ -60,7 +60,7 @@ _AT_FIRST = ("error", "area", "local")
 class Plots(QWidget):
     """Charts side by side or stacked, and the menu to choose them.
 
-    They read the session when they are drawn, so they cost nothing while they cannot be seen.
+    They read the session when drawn, so hidden plots cost nothing.
 
     Parameters
     ----------

@@ -201,8 +201,8 @@ def _axis(step: np.ndarray, point: np.ndarray, reach: float) -> np.ndarray:
 class MotionPreview:
     """Preview of the active handle after a motion, while it is typed.
 
-    It also shows where handles were asked to be that contact has stopped on their way, and where they are
-    to be while the first shape waits for its kernels.
+    It also shows the requested positions of handles stopped by contact, and the targets while the first shape
+    waits for its kernels.
     """
 
     def __init__(self, canvas: Canvas, field: MotionField, session: Session, parts: ActiveParts) -> None:

@@ -244,7 +244,7 @@ class CaseStudyController(QObject):
 def _with_kept_view(before: tuple[State, int, View] | None, state: State, view: View) -> tuple[State, View]:
     """State of a case with its view; the previous view is kept for an equal mesh.
 
-    So shapes can be compared.
+    The shapes can then be compared.
     """
     same = before is not None and np.array_equal(before[0].document.mesh.V, state.document.mesh.V)
     return state, before[2] if before is not None and same else view

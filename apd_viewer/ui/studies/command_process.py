@@ -61,7 +61,7 @@ class CommandProcess(QObject):
     def start(self, arguments: list[str], scratch: Path | None = None) -> None:
         """Start the command with the given arguments; none may be running.
 
-        It keeps its temporary files in ``scratch``: killed it cannot remove them.
+        Its temporary files are in ``scratch``, since a killed command cannot remove them.
         """
         assert self._process is None
         self._said = []

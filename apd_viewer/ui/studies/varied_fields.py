@@ -282,8 +282,8 @@ class VariedFields(QWidget):
     def values_at_end(self, name: str, upper: bool) -> dict[str, str]:
         """Values of the checked quantities at one end of a quantity's range.
 
-        Motions go along to the same end, so that the corners of the ranges are seen; an end of a setting
-        is seen where the motions are largest.
+        All motions are at the same end, to show the corners of the ranges; an end of a setting is shown at
+        the largest motions.
 
         Raises
         ------

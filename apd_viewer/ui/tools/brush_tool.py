@@ -20,8 +20,8 @@ _AROUND = [QPointF(_NEAR_MISS * np.cos(a), _NEAR_MISS * np.sin(a)) for a in np.p
 class BrushTool(SelectionTool):
     """Brush to paint vertices by strokes.
 
-    A left press on the surface begins a stroke; the wheel changes the radius, with Ctrl it zooms; Esc takes
-    the stroke back. What ``painted`` brings are the vertices that a stroke covers for the first time.
+    A left press on the surface begins a stroke; the wheel changes the radius, or zooms with Ctrl; Esc cancels
+    the stroke. ``painted`` is emitted with the vertices covered by the stroke for the first time.
 
     Attributes
     ----------
@@ -131,8 +131,8 @@ class BrushTool(SelectionTool):
     ) -> Iterator[tuple[Hit | None, Hit | None]]:
         """Pairs of consecutive hits along the cursor's path, closely spaced.
 
-        The first of a pair is None where the surface under the cursor leaps to another depth: what
-        lies between the two was never touched.
+        The first hit of a pair is None if the surface under the cursor jumps to another depth: the part in
+        between was never touched.
         """
         way = end - start
         count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / self.size.dab_spacing(last))))

@@ -37,8 +37,8 @@ class OutlineKind(Enum):
 class OutlineTool(SelectionTool):
     """Tool to select the vertices within an outline, visible ones or all.
 
-    A box and a lasso are dragged. A polygon is clicked, corner by corner, and ended by a double click, by a
-    click on its first corner or by Return. Esc gives either up.
+    A box and a lasso are dragged. A polygon is clicked corner by corner, and closed by a double click, by a
+    click on its first corner or by Return. Esc cancels the outline.
 
     Attributes
     ----------
