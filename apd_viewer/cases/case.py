@@ -122,7 +122,7 @@ class Case:
     document : Document
         Painted document with its settings and the grip of the handles.
     paths : tuple of CasePath
-        The way of each handle.
+        Path of each handle.
     shares : tuple of float
         Fraction of the motion at each step.
     iterations : int
@@ -273,8 +273,8 @@ def case_steps(case: Case, tick: Callable[[float], object] = lambda _: None) -> 
     Parameters
     ----------
     tick : callable
-        Called after every iteration with the share of the work that is done, at a guess; what it raises ends
-        the case.
+        Called after every iteration with the estimated fraction of finished work; its exceptions end the
+        case.
     """
 
     def tell(number: int, k: int) -> None:

@@ -54,7 +54,7 @@ class HandleCurvePoint(NamedTuple):
     motion : str
         "twist" or "pull".
     asked : float
-        Degrees of a twist; of a pull the way along the axis by the height of the mesh.
+        Degrees of a twist; for a pull, the displacement along the axis over the height of the mesh.
     got : float
         Actual displacement of a pull; drift relative to the height for a twist.
     """

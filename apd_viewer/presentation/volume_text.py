@@ -255,7 +255,7 @@ def bulk_density(density: float | None, readings: VolumeReadings, packing: float
     density : float or None
         Density of the material, g/cm³.
     packing : float
-        Share of the bag that the hulls fill.
+        Volume fraction of the hulls in the bag.
     """
     bulk = readings.hull.bulk(packing)
     if density is None or readings.material is None or not bulk > 0.0:

@@ -49,13 +49,13 @@ class StateStore:
     state : State or None
         None until a mesh is open.
     trace : Trace
-        The readings on the way to the shape on screen.
+        Trace of readings up to the displayed shape.
     unit : Unit
         Of the lengths of the mesh.
     silence_text : str
         Sentence on a solver that does not answer; empty while it does.
     compiled_share : float or None
-        Share of the kernels compiled for this computer; None if not yet known.
+        Fraction of the kernels compiled for this computer; None if unknown.
     """
 
     def __init__(self, listener: Listener, worker: SolverWorker) -> None:

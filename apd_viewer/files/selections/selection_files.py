@@ -12,7 +12,7 @@ suffix   what it is                                          what it holds
 
 ``apd_label`` is 0 base, 1 free, 2 handle, 3 the next handle and so on; ``apd_region``, which may be left
 out, is 0 in no region, 1 in the first one and so on. Any program that keeps the properties of vertices may
-have written the file; positions and faces are not looked at.
+have written the file; positions and faces are ignored.
 
 ``labels`` (n,) and ``member`` (n,) are as in :class:`Selection`, ``handles`` and ``regions`` are names,
 ``areas`` are percentages, nan where an area is only measured, and ``digest`` is :attr:`Mesh.digest`. Only

@@ -80,7 +80,7 @@ class Contact:
     start : (n, 3) float array
         Shape at the start of the next step.
     touching_pairs : int
-        Pairs in touch at the last :meth:`quarter_gradient`.
+        Number of touching pairs at the last :meth:`quarter_gradient`.
     least_gap : float
         Least gap of these pairs; infinite without any.
     examined_parts : int

@@ -240,7 +240,7 @@ def tensions(
     scale: float,
     q: np.ndarray,
 ) -> np.ndarray:
-    """Tensions: ``scale sum_i w_it`` times the target in ring i, (m, 3, 3).
+    """Bending force factors: ``scale sum_i w_it`` times the target of ring i.
 
     The target is elastic_i R_i (mean_i + kept_it), and flow keeps the rest where it is.
     """

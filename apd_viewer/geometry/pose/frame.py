@@ -81,7 +81,7 @@ class Frame:
     seconds_left : float or None
         Expected seconds to convergence, where a coarse surface led while the matrix was factored.
     share_reached : float
-        Share of the way from rest to the targets that contact has let the held vertices go.
+        Fraction of the path from rest to the targets completed, as far as contact allows.
     contact : FrameContact or None
         None without contact.
     loads : (o, 3) float array

@@ -33,7 +33,7 @@ class HeldPath:
     Attributes
     ----------
     length : float
-        The longest way of all, mesh units.
+        Length of the longest path, mesh units.
     moves_held, moves_obstacles : bool
         Whether the held vertices and the obstacles move at all.
     """

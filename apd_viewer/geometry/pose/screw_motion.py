@@ -34,7 +34,7 @@ class ScrewPath(NamedTuple):
     angle : float
         Of the whole turn, radians, less than half a turn.
     along, across : (3,) float array
-        Displacement of the pivot in the direction of the axis and at right angles to it.
+        Displacement of the pivot along the axis, and perpendicular to it.
     stretches : (3,) float array
         Factors along the columns of ``directions`` (3, 3), which are orthonormal.
     directions : (3, 3) float array

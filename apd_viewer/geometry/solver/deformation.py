@@ -99,7 +99,7 @@ class Deformation:
     rest : RestMesh, optional
         Rest mesh of the same V and F, to save its computation.
     factored : callable, optional
-        Makes the factor of a matrix in another way.
+        Function that factors a matrix, for example in another process.
     soft : SoftConstraints
         Vertices that are drawn along by handles, and not held.
     loose : "go", "stay" or int array

@@ -74,11 +74,11 @@ class Result:
     saddle_escapes : int
         Saddles of the energy that were left for a lower shape.
     share_reached : float
-        Share of the way to the targets that contact has let the handles go.
+        Fraction of the path to the targets completed, as far as contact allows.
     least_gap : float or None
-        Least distance of walls in touch, mesh units; None without contact, or where nothing touches.
+        Least distance of touching walls, mesh units; None without contact, or if nothing touches.
     pairs_in_contact : int
-        Pairs of vertex and triangle, or of two edges, in touch.
+        Touching pairs of a vertex and a triangle, or of two edges.
     loads : (o, 3) float array
         Forces on the obstacles, energy per length: those of a material of stiffness 1.
     shifts : (o, 3) float array

@@ -167,7 +167,7 @@ def checked_targets(
     fixed : (k,) int array
         Held vertices of the file.
     chosen, inverse : (h,) and (k,) int arrays
-        Row of ``fixed`` for each held vertex of the solve, and the other way round.
+        Row of ``fixed`` for each held vertex of the solve, and the inverse map.
 
     Raises
     ------

@@ -76,7 +76,7 @@ class LooseComponents:
         Raises
         ------
         InputError
-            If others would stay in contact: there might be no free way to where they are.
+            If others would stay in contact: there might be no collision-free path to their positions.
         """
         stays = self._left_at_rest(loose)
         if self._contact and not np.array_equal(stays[~self._is_held], self._stays[~self._is_held]):

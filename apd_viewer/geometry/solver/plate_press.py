@@ -281,7 +281,7 @@ class PressStep:
         Force on the plate below and on the one above, energy per length: that of a material of stiffness 1.
         At rest, unless something is held, they are the same, and the slope of the energy as the plates close.
     stretching : float
-        Share of the wall's energy that is in its stretching, 0 to 1; the rest bends it.
+        Fraction of the wall's energy due to stretching, 0 to 1; the rest is due to bending.
     energy : float
         Energy of the method, including gaps; squared lengths.
     volume, volume_capped : float or None

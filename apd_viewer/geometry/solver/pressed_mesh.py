@@ -133,7 +133,7 @@ def press(
     iterations : int
         Largest number of iterations per step.
     progress : callable
-        Called with the share of the work that is done.
+        Called with the finished fraction of the work.
 
     Returns
     -------
@@ -216,7 +216,7 @@ class LoadCurve(NamedTuple):
         Load per deflection at the beginning: of the line through 0 nearest to the points up to half of the
         yield load, or of the last load. None if the plates have not moved.
     work : float
-        Work of the load along the whole way.
+        Work of the load over the whole deflection.
     """
 
     yield_load: float | None

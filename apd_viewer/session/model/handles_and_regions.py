@@ -92,13 +92,13 @@ class Handle:
     pose : (4, 4) float array
         Motion since gripping, read-only.
     waypoints : tuple of (4, 4) float arrays
-        Poses on its way from the grip, by which a turn of more than half is known; read-only.
+        Poses on its path from the grip, to represent turns of more than half; read-only.
     pivot : (3,) float array or None
         Centre of rotation in the position at the grip, read-only; None is the handle's centre.
     falloff : float
         Distance along the surface within which free vertices are pulled along, mesh units.
     earlier_poses : tuple of (4, 4) float arrays
-        Poses from rest on its way until it was gripped, the last one at its grip; read-only.
+        Poses on its path from rest to the grip, the last one at the grip; read-only.
     former_twist_axis : (3,) float array or None
         Direction from the former base to the handle, the axis of earlier twists.
     """
@@ -184,7 +184,7 @@ class HandlePlacement(NamedTuple):
     pose : (4, 4) float array
         Motion from the rest shape, read-only.
     waypoints : tuple of (4, 4) float arrays
-        On the way there; see :class:`Handle`.
+        Waypoints to the pose; see :class:`Handle`.
     """
 
     handle: str

@@ -101,7 +101,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
     -------
     Document or None
         None if the gesture moved no handle, or did something else as well: painted, or opened another mesh.
-        None too where obstacles have been moved, as these go along their whole way.
+        Also None if obstacles have been moved, since these always follow their whole path.
     """
     start = before.document
     same = document.mesh is start.mesh and document.grip is start.grip and have_same_paint(start, document)

@@ -46,9 +46,9 @@ class SolverProcess:
         ``on_reply(reply, looked)``, called with every reply, on a thread of the child. ``looked()`` tells the
         solver that it is displayed, and that it may send another.
     on_decimations : callable
-        Called on that thread with a mesh and its thinnings, once the process has found them.
+        Called on that thread with a mesh and its decimations, once the process has computed them.
     on_compilation : callable
-        Called on that thread with the share of the kernels compiled so far.
+        Called on that thread with the fraction of the kernels compiled so far.
     on_silence : callable
         Called with the seconds in which the process has said nothing though it should, 0 once it does again;
         see :class:`SilenceWatch`.

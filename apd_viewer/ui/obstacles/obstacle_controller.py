@@ -43,7 +43,7 @@ class ObstacleController(QObject):
     choose_tool : callable
         Puts a tool into the hand.
     cancel_drag : callable
-        Cancels the drag under way.
+        Function to cancel the current drag.
     wall_thickness : callable
         Thickness of the walls as typed, mesh units, or None.
 

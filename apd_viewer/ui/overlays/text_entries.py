@@ -30,7 +30,7 @@ class TextEntries:
     Parameters
     ----------
     cancel_drag : callable
-        Takes back the drag that is under way; True if there was one.
+        Function to cancel the current drag; True if there was one.
     """
 
     def __init__(

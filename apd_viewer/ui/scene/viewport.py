@@ -274,7 +274,7 @@ class ToolLayer(QWidget):
     Parameters
     ----------
     tools : list
-        Of the viewport; looked at in every paint.
+        Tools of the viewport, read at every paint.
     """
 
     def __init__(self, viewport: QWidget, tools: list[MouseTool]) -> None:
@@ -297,7 +297,7 @@ class MouseDispatcher:
     Parameters
     ----------
     tools : list
-        Of the viewport; looked at for every event.
+        Tools of the viewport, read at every event.
     """
 
     def __init__(self, viewport: QWidget, tools: list[MouseTool], navigation: Navigation) -> None:

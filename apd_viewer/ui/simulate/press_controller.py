@@ -49,7 +49,7 @@ class PressController(QObject):
     choose_tool : callable
         Puts a tool into the hand.
     cancel_drag : callable
-        Cancels the drag under way.
+        Function to cancel the current drag.
     wall : callable
         The wall as typed.
     wall_settings : callable
