@@ -64,7 +64,7 @@ def without_paint(document: Document) -> Document:
 
 
 def without_base_and_handles(document: Document) -> Document:
-    """Document in which nothing is base or handle; regions stay."""
+    """Document without base and handles; regions stay."""
     handles = tuple(
         replace(handle.relative_to_rest.with_pose(IDENTITY), former_twist_axis=None)
         for handle in document.handles
