@@ -68,7 +68,7 @@ def test_comparison_brings_each_method_to_what_it_comes_to_alone(begun, cold):
             area=102.0 if method in ("paper", "exact") else None,
         )
         frame = outcome.frame
-        assert outcome.finished
+        assert outcome.is_finished
         np.testing.assert_allclose(frame.U, alone.U, atol=1e-9)
         assert frame.iteration == alone.iterations
         assert frame.converged == alone.converged
