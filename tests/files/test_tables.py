@@ -64,7 +64,7 @@ def is_number(text):
 @given(st.text(st.sampled_from("=+-@'; \t\r\n,1a.%\N{FULLWIDTH EQUALS SIGN}")) | st.text())
 @example("-1.5")
 @example("'=1+1")
-def test_text_cell_is_never_a_formula_and_comes_back(text):
+def test_escaped_cell_is_never_a_formula_and_comes_back(text):
     cell = escaped_cell(text)
     assert unescaped_cell(cell) == text
     if is_number(text):
@@ -85,5 +85,5 @@ def test_write_table_lets_a_formula_stay_text_in_the_file(tmp_path, text):
 
 
 @pytest.mark.parametrize("text", ["no = formula", "twist 30deg; push 10%", "it's", "-20%", "+2.34 %", ""])
-def test_text_cell_writes_other_texts_as_they_are(text):
+def test_escaped_cell_writes_other_texts_as_they_are(text):
     assert escaped_cell(text) == text

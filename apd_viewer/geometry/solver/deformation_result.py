@@ -180,22 +180,22 @@ def deform(
     wall_thickness, poisson
         See :class:`Deformation`.
     area, volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, convergence, weld
-        See there too.
+        Also there.
     contact : bool, optional
-        No shape crosses itself more than at rest; held vertices may be stopped on their way. By default so,
-        up to 20,000 vertices, by methods that can ("exact", "local", "wall", "arap") and unless iterations
-        are plain.
+        Whether to prevent self-intersections beyond those at rest; held vertices may be stopped by contact.
+        On by default up to 20,000 vertices, for the methods "exact", "local", "wall" and "arap", unless
+        iterations are plain.
     shifts : (o, 3) float array, optional
-        How far each obstacle goes from its place, straight, together with the held vertices; an equal part of
-        it to each way point of a path. Without, they stay.
+        Displacement of each obstacle, moving straight and together with the held vertices, by an equal part
+        to each waypoint of a path. By default they stay.
     targets : (k, 3) or (s, k, 3) float array
-        A position for each of ``fixed``, mesh units; or a path of s way points that is walked in order. The
-        ``share_reached`` of a path counts all ways between two points alike.
+        Target position of each vertex in ``fixed``, mesh units; or a path of s waypoints followed in order.
+        All segments of a path count equally in ``share_reached``.
     iterations : int, optional
-        Do exactly so many plain iterations from the rest shape, without contact. Without it: until converged.
+        Exact number of plain iterations from the rest shape, without contact; by default until convergence.
     progress : callable or bool, optional
-        Called with every Frame. True shows a line of progress, in scripts and notebooks that call it as
-        ``apd_viewer.deform``; by itself this function is quiet.
+        Called with every Frame. True shows a progress line in scripts and notebooks calling
+        ``apd_viewer.deform``; this function itself prints nothing.
 
     Returns
     -------
