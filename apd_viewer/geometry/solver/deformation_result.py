@@ -51,14 +51,13 @@ class Result:
     volume_capped_rest, volume_capped : float or None
         Volumes of an open surface, with flat caps over its ``openings``.
     handle_drift : float
-        Distance between the centroid of a handle where it was asked for and where it is; the largest of
-        several handles.
+        Distance between the requested and the actual centroid of a handle; the largest for several handles.
     regions : tuple of RegionReading
         Readings of the regions.
     local_change : float
         Largest relative change of the area of a triangle, up or down.
     largest_edge_strain : float
-        Of the edge whose length has changed most relative to rest: 0.1 stretched by 10 %, -0.1 shortened.
+        Strain of the edge with the largest relative change of length: 0.1 stretched by 10 %, -0.1 shortened.
     mean_edge_strain : float
         Mean of the edges' absolute strains, weighted by the rest area of the triangles at each.
     energy : float
@@ -72,7 +71,7 @@ class Result:
     stability : str
         Stability in words, with the reason if unknown.
     saddle_escapes : int
-        Saddles of the energy that were left for a lower shape.
+        Number of energy saddles left for a lower shape.
     share_reached : float
         Fraction of the path to the targets completed, as far as contact allows.
     least_gap : float or None
@@ -80,19 +79,18 @@ class Result:
     pairs_in_contact : int
         Touching pairs of a vertex and a triangle, or of two edges.
     loads : (o, 3) float array
-        Forces on the obstacles, energy per length: those of a material of stiffness 1.
+        Forces on the obstacles, energy per length, for a material of stiffness 1.
     shifts : (o, 3) float array
         Displacements of the obstacles, mesh units.
     turned : tuple of float
-        Turn that was asked of each handle against the base, degrees, with whole turns; positive about the
-        line from the base to the handle, or else about the largest coordinate of its axis.
+        Requested turn of each handle relative to the base, degrees, with whole turns; positive about the line
+        from the base to the handle, or else about the largest coordinate of its axis.
     turned_held : tuple of float or None
-        By how much the surface turns from the base to each handle, degrees. None where that was not looked
-        at: where less than 5 degrees were asked, no surface leads there, or handle or base is a line or a
-        point.
+        Turn of the surface from the base to each handle, degrees. None if not measured: if less than 5
+        degrees were requested, no surface connects them, or handle or base is a line or a point.
     load_excess : float or None
-        Expected excess of the loads, 0.1 for 10 %, as the cells of the mesh bend, too; None without loads or
-        without stiffness, where loads are those of the cells alone.
+        Expected overestimate of the loads by bending of the mesh's cells, 0.1 for 10 %; None without loads,
+        or without stiffness, when the loads are due to the cells alone.
 
     Examples
     --------
