@@ -74,7 +74,7 @@ def view(mesh: Any = None) -> None:
     Parameters
     ----------
     mesh : Mesh, pyvista.PolyData, trimesh.Trimesh, path or None
-        What to show; None shows the sample bottle.
+        Mesh to show; None shows the sample bottle.
 
     Raises
     ------

@@ -4,8 +4,8 @@
 class InputError(ValueError):
     """Unusable input; the message states the problem and the remedy in one sentence.
 
-    Raised only at the borders (files, command line, public functions). The window and the command
-    line show the message as it is; anything else that escapes is a defect of the program.
+    Raised only at the boundaries (files, command line, public functions). The window and the command line
+    show the message unchanged; any other uncaught exception is a bug.
 
     Examples
     --------

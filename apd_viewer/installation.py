@@ -16,8 +16,8 @@ def is_packaged() -> bool:
 def kernel_folders(modules: Path) -> list[Path]:
     """Folders for a package's compiled kernels, in order of preference.
 
-    One in NUMBA_CACHE_DIR, where that is named; else that beside the modules, where a wheel brings them, and
-    then the user's. The packaged program brings its own.
+    A folder in NUMBA_CACHE_DIR if set; otherwise the one beside the modules, filled by a wheel, and then the
+    user's. The packaged program contains its own.
     """
     named = os.environ.get("NUMBA_CACHE_DIR")
     if named:

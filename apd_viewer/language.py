@@ -1,8 +1,8 @@
 """Translations of the visible text, and the number notation.
 
-The language is fixed when the program starts: where English words are defined they can be looked up at once.
-Numbers have the signs of the language in the window, and in the commands that it runs. On the command line
-and in scripts, whose words are read by other programs, they keep the decimal point.
+The language is fixed when the program starts, so that texts can be translated where they are defined. Numbers
+follow the notation of the language in the window and in the commands that it runs. On the command line and in
+scripts, with output for other programs, they keep the decimal point.
 """
 
 import gettext
@@ -26,7 +26,7 @@ _NO_LANGUAGE = "C", "POSIX"
 def language_file() -> Path:
     """File with the language chosen in the window.
 
-    It is not with the other settings, since those take Qt to be read: the command line speaks too.
+    Separate from the other settings, since reading those needs Qt: the command line is translated, too.
     """
     return Path(platformdirs.user_config_dir("apd-viewer", appauthor=False)) / "language"
 
@@ -153,7 +153,7 @@ _SHOWS_NUMBERS = "APD_VIEWER_NUMBERS"  # inherited by the window's child process
 def tr(text: str) -> str:
     """Translate an English ``text``; unchanged without a translation.
 
-    Values go into it afterwards: ``tr("{name} has no area.").format(name=...)``.
+    Values are inserted afterwards: ``tr("{name} has no area.").format(name=...)``.
     """
     return TranslatedText(CATALOGUE.gettext(text))
 
@@ -161,7 +161,7 @@ def tr(text: str) -> str:
 def trn(one: str, many: str, n: int) -> str:
     """Translate the plural form for a number.
 
-    The number goes into it as values do: ``trn("{n:,} face", "{n:,} faces", n).format(n=n)``.
+    The number is inserted like other values: ``trn("{n:,} face", "{n:,} faces", n).format(n=n)``.
     """
     # gettext returns an empty text for a plural form that is not translated yet.
     return TranslatedText(CATALOGUE.ngettext(one, many, n) or (one if n == 1 else many))
@@ -191,7 +191,7 @@ def alternatives(texts: Iterable[str]) -> str:
 def localize_numbers(localized: bool = True) -> None:
     """Use the number notation of the language, or the one for machine reading.
 
-    Processes that are started from now on do so too.
+    Processes started from now on inherit the choice.
     """
     os.environ[_SHOWS_NUMBERS] = "1" if localized else ""
     use_notation(_notation(localized))

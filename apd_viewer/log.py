@@ -1,8 +1,8 @@
 """The program's log: a rotating file in the user's log folder.
 
-It belongs to the program, that is to the window and the command line: importing the package writes nothing.
-Each process writes a file of its own, since no two processes can rotate the same one; the oldest files are
-removed. Of a mesh nothing is logged but the name of its file.
+Only the program writes it, that is the window and the command line; importing the package writes nothing.
+Each process writes its own file, since processes cannot share a rotating file; the oldest files are removed.
+Only the file name of a mesh is logged.
 """
 
 import faulthandler
@@ -46,8 +46,8 @@ _LIBRARIES = (
 def recording_log(level: str | None = None) -> Iterator[None]:
     """Record the log during the block; no effect inside another such block.
 
-    Uncaught exceptions of all threads, Python's warnings and crashes are recorded too. A folder that cannot
-    be written is no reason to stop: then nothing is.
+    Uncaught exceptions of all threads, Python's warnings and crashes are recorded too. Without a writable
+    folder nothing is recorded.
 
     Parameters
     ----------

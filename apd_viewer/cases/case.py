@@ -1,9 +1,9 @@
 """Cases: a painted document moved along its motion in steps.
 
-Which folds press against each other depends on the way there. Through shapes at rest it leads to others than
-the walk of a single deformation does, and to others again by the number of the steps. So from the first shape
-that touches itself each one comes to rest beside the walk, and the last one is that of a deformation to the
-end of the motion. Before, the way does not matter, and each goes on from the one before: half the work.
+Which folds touch depends on the path to a shape, and so on whether, and how often, the shape comes to rest on
+the way. From the first self-contact on, each step is thus solved from a shape of one continuous path, and
+the last step equals a single deformation to the end of the motion. Before, the path has no influence: each
+step continues from the previous one, which halves the work.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -39,7 +39,7 @@ DEFAULT_ITERATIONS = 500
 # Limit per step with obstacles: their loads are meaningless until the shape has converged.
 SETTLING_ITERATIONS = 10_000
 # Fraction of the rest shape's diagonal: a shorter displacement counts as none.
-_NO_WAY = 1e-9
+_LEAST_DISPLACEMENT = 1e-9
 
 CasePath: TypeAlias = HandlePath | MotionPath
 
@@ -50,13 +50,13 @@ class CaseStep(NamedTuple):
     Attributes
     ----------
     number : int
-        From 0, where nothing has moved yet.
+        Index of the step; 0 is the initial shape.
     share : float
         Of the motion: 0 to 1, and beyond 1 past it.
     degrees : float
-        By how much the first handle that moves has turned.
+        Turn of the first moving handle, degrees.
     displacement : float
-        How far its pivot is from where it was, mesh units.
+        Distance of its pivot from the initial position, mesh units.
     volume_rest, volume_capped_rest : float or None
         With flat caps over its openings; None without any.
     energy : float
@@ -120,13 +120,13 @@ class Case:
     Attributes
     ----------
     document : Document
-        Its paint, its settings, and its grip, from which the handles start.
+        Painted document with its settings and the grip of the handles.
     paths : tuple of CasePath
-        The way of each handle.
+        Path of each handle.
     shares : tuple of float
-        Of the motion, one for each step.
+        Fraction of the motion at each step.
     iterations : int
-        At most so many for each step, without those on the way to it in contact.
+        Largest number per step, besides those on the way to it in contact.
     """
 
     document: Document
@@ -168,7 +168,7 @@ class Case:
             return "degrees"
         if path.angle == 0.0:
             return "way"
-        shortest = _NO_WAY * diagonal(self.document.mesh.V)
+        shortest = _LEAST_DISPLACEMENT * diagonal(self.document.mesh.V)
         return "part" if np.linalg.norm(path.along) > shortest else "degrees"
 
     @property
@@ -267,14 +267,14 @@ def cases_by_method(case: Case, methods: Sequence[str] = COMPARED_METHODS) -> li
     return [replace(case, document=document.with_settings(method=method)) for method in methods]
 
 
-def run(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterator[CaseStep]:
+def case_steps(case: Case, tick: Callable[[float], object] = lambda _: None) -> Iterator[CaseStep]:
     """Yield the shapes of a case, step by step.
 
     Parameters
     ----------
     tick : callable
-        Called after every iteration with the share of the work that is done, at a guess; what it raises ends
-        the case.
+        Called after every iteration with the estimated fraction of finished work; its exceptions end the
+        case.
     """
 
     def tell(number: int, k: int) -> None:

@@ -38,7 +38,7 @@ class CaseResult:
     status : str
         DONE or FAILED.
     sentence : str
-        Why it failed, or what its user should know; empty if there is nothing.
+        Reason of a failure, or a remark for the user; empty if there is nothing to say.
     readings : dict
         Numbers by name; None where there is none.
     curves : dict

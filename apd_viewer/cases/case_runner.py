@@ -1,7 +1,7 @@
 """Runs each case of a study once, retrying after the death of a worker process.
 
-An engine starts cases and says when they end. It is one of processes on this machine, or of workers
-elsewhere; the runner does not know which.
+An engine starts cases and reports their ends, with processes on this machine or with workers elsewhere;
+the runner is independent of the kind.
 """
 
 import contextlib
@@ -31,7 +31,7 @@ class Engine(Protocol):
     Attributes
     ----------
     can_blame_case : bool
-        Whether a death is the fault of the one case that is told of it.
+        Whether the case of a dead worker is its likely cause.
     overdue : set of Future
         Cases that were ended with their process as they took far too long.
     """
@@ -48,8 +48,8 @@ class Engine(Protocol):
     def start(self, task: CaseTask) -> Future[CaseAnswer]:
         """Start a case."""
 
-    def check_workers(self) -> None:
-        """Stop overdue cases; raises InputError if the workers are lost."""
+    def supervise_workers(self) -> None:
+        """Stop overdue cases; raises InputError if all workers are lost."""
 
     def close(self, at_once: bool) -> None:
         """End local worker processes, or release shared workers."""
@@ -107,7 +107,7 @@ class CaseRunner:
                 self._finish(key, future)
             self._tick(self._engine.running_count())
             if time.monotonic() - looked > _TICK:
-                self._engine.check_workers()
+                self._engine.supervise_workers()
                 looked = time.monotonic()
 
     def _fill(self) -> None:

@@ -1,9 +1,9 @@
 """Task of a worker: one case on one core, including the set-up of the process.
 
-So a worker needs no environment of its own, whoever started it.
+A worker thus needs no environment of its own.
 
-A process that compiles keeps half a gigabyte, so no worker does. The first worker on a machine starts another
-process for it and leaves a mark; the others wait for that.
+A process keeps half a gigabyte after compiling, so workers do not compile. The first worker on a machine
+starts another process to compile, which leaves a marker file; the other workers wait for it.
 """
 
 import contextlib
@@ -37,7 +37,7 @@ from apd_viewer.session.processes.freed_memory import keep_freed_memory, release
 
 # One case at a time: memory is measured per process, and kernels run one at a time anyway.
 _ONE_CASE = threading.Lock()
-# Number of cases between releases of freed memory; fragments of it would grow over hundreds of cases.
+# Number of cases between releases of freed memory, which would get fragmented over hundreds of cases.
 _TRIMMED = 5
 _ended = count(1)
 _sent: dict[str, bytes] = {}
@@ -160,7 +160,7 @@ def _compile() -> None:
 def _is_own(folder: Path) -> bool:
     """True if no other user can write to a folder.
 
-    Anybody may have made it in a place for all.
+    In a shared place, any user may have created it.
     """
     there = folder.lstat()
     if sys.platform == "win32":  # temporary folders are private to the user on Windows

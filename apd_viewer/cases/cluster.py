@@ -1,6 +1,6 @@
 """Engine of Dask workers behind a running scheduler.
 
-Tasks travel as pickles, which are programs: a scheduler is for people who trust each other.
+Tasks are sent as pickles, which can run any code: use only a trusted scheduler.
 """
 
 import time
@@ -28,7 +28,7 @@ class Cluster:
     ----------
     client : distributed.Client
     work : callable
-        What they do with a task.
+        Function that runs a task on a worker.
     """
 
     # Dask also blames prefetched cases for the death of their worker.
@@ -47,18 +47,18 @@ class Cluster:
         now = time.monotonic()
         if now - self._looked > _LOOK:
             self._looked = now
-            self._threads = self._count()
+            self._threads = self._thread_count()
         return 2 * self._threads - len(self._futures)
 
-    def _count(self) -> int:
+    def _thread_count(self) -> int:
         """Total number of worker threads; 0 without a scheduler."""
         try:
-            return sum(self._client.nthreads().values()) if self._alive else 0
+            return sum(self._client.nthreads().values()) if self._is_alive else 0
         except OSError:
             return 0
 
     @property
-    def _alive(self) -> bool:
+    def _is_alive(self) -> bool:
         return self._client.status == "running"
 
     def running_count(self) -> int:
@@ -73,10 +73,10 @@ class Cluster:
         future.add_done_callback(self._futures.discard)
         return future
 
-    def check_workers(self) -> None:
+    def supervise_workers(self) -> None:
         """Raise InputError once the scheduler has been unreachable for too long."""
         now = time.monotonic()
-        self._gone_since = None if self._alive else self._gone_since or now
+        self._gone_since = None if self._is_alive else self._gone_since or now
         if self._gone_since is not None and now - self._gone_since > _GONE:
             raise InputError(
                 tr("The scheduler is gone. Finished cases are kept; repeat the command to continue.")
@@ -84,7 +84,7 @@ class Cluster:
 
     def close(self, at_once: bool) -> None:
         """Withdraw the cases not yet started, and disconnect from the scheduler."""
-        if self._alive:
+        if self._is_alive:
             self._executor.shutdown(wait=False)
         # Dask raises OSError if closing takes too long; its threads then end with this process.
         with suppress(OSError):
@@ -101,7 +101,7 @@ def _run_unprofiled(work: TaskRunner, task: CaseTask) -> CaseAnswer:
 def _end_profile() -> None:
     """Stop Dask's profiler in this process.
 
-    Every 10 ms it takes time from the case, and it grows by a quarter of a mebibyte a second.
+    It interrupts the case every 10 ms, and grows by a quarter of a mebibyte per second.
     """
     try:
         worker = _import_distributed().get_worker()
@@ -122,7 +122,7 @@ def connect_cluster(
     address : str or None
         Such as ``tcp://host:8786`` or ``tls://host:8786``; None with a file.
     scheduler_file : Path or None
-        What the scheduler has written about itself.
+        File written by the scheduler, with its address.
 
     Raises
     ------

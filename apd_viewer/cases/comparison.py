@@ -1,7 +1,7 @@
 """Comparison of methods: one document solved by each in turn.
 
-All methods begin at the rest shape, as :func:`apd_viewer.deform` does: what was done before plays no part.
-They share one process, which ends with the last of them: there may be no room for two large ones at once.
+All methods start from the rest shape, as :func:`apd_viewer.deform` does, independent of earlier shapes.
+They share one process, which ends after the last method: memory may not suffice for two large ones.
 
 All methods of the class are called on one thread.
 """
@@ -23,16 +23,16 @@ class MethodOutcome:
     ----------
     frame : Frame or None
         The latest shape, and its readings.
-    finished : bool
-        Nothing more comes.
+    is_finished : bool
+        True if no further shape follows.
     cost : Cost or None
-        What it took, once it has finished.
+        Cost of the result, known at the end.
     failure : str or None
-        Why there is no shape, or no further one: a sentence.
+        Sentence on the reason for a missing or unfinished shape.
     """
 
     frame: Frame | None = None
-    finished: bool = False
+    is_finished: bool = False
     cost: Cost | None = None
     failure: str | None = None
 
@@ -43,18 +43,18 @@ class Comparison:
     Parameters
     ----------
     document : Document
-        Its own method does not matter.
+        Document to solve; its own method is ignored.
     wake : callable
         Called on another thread when there is something to :meth:`receive`; must only pass it on.
 
     Attributes
     ----------
     outcomes : dict of str to MethodOutcome
-        By the names of the methods; those that have not begun yet are not in it.
+        Outcomes by method; methods not yet started are missing.
     current_method : str or None
         The method that is being solved.
     news : str
-        What has happened to the solver, a sentence; mostly empty.
+        Sentence on an event of the solver; mostly empty.
     """
 
     def __init__(self, document: Document, wake: Callable[[], object]) -> None:

@@ -1,6 +1,6 @@
 """Database of a study: its plan and the readings of its cases.
 
-It is made anew from the files of the cases wherever it is damaged; so nothing in it is believed unseen.
+A damaged database is rebuilt from the files of the cases; all content is therefore validated on reading.
 """
 
 import json
@@ -44,7 +44,7 @@ T = TypeVar("T")
 def open_database(folder: Path) -> sqlite3.Connection:
     """Open the database for its single writer; raises InputError.
 
-    A damaged one is put aside, and a new one takes its place.
+    A damaged database is renamed and replaced by a new one.
     """
     path = folder / DATABASE_NAME
     _check_beside(path)

@@ -23,7 +23,7 @@ _RANGE = re.compile(
 )
 _AMOUNT = re.compile(rf"{_NUMBER}\s*(?P<unit>[a-zA-Z%]*)")
 _DIGITS = 6  # significant digits of a sampled number
-_ONE_NUMBER = tuple(word for word, kind in MOTION_KINDS.items() if kind.is_one_amount)
+_ONE_NUMBER = tuple(word for word, kind in MOTION_KINDS.items() if kind.takes_single_amount)
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class DesignVariable:
     unit : str
         Written behind each number of it.
     is_logarithmic : bool
-        Whether equal shares of the range are equal factors.
+        Whether the range is divided into equal factors instead of equal differences.
     """
 
     name: str
@@ -127,7 +127,7 @@ def design_table(
 ) -> tuple[list[str], list[list[str]]]:
     """Columns and rows of a plan.
 
-    Notes tell the numbers that stand within a motion, or before a unit, for whoever plots the results.
+    Note columns repeat the numbers in motions and before units, for plotting the results.
 
     Parameters
     ----------
@@ -208,11 +208,11 @@ def _combinations(
             )
         yield from itertools.product(*levels)
         return
-    for shares in _shares(len(variables), design, samples, seed):
+    for shares in _unit_samples(len(variables), design, samples, seed):
         yield tuple(each.text_at(float(share)) for each, share in zip(variables, shares, strict=True))
 
 
-def _shares(count: int, design: str, samples: int, seed: int) -> np.ndarray:
+def _unit_samples(count: int, design: str, samples: int, seed: int) -> np.ndarray:
     """Sample points in the unit cube, (samples, count)."""
     # Imported here: scipy.stats is slow to import, and few plans are designed.
     from scipy.stats import qmc

@@ -1,7 +1,7 @@
 """Engine of worker processes on this machine.
 
-Each process has an executor of its own. So it is known which case a process died of, a case that takes far
-too long can be ended, and a process is replaced after so many cases without waiting for the others.
+Each process has an executor of its own: the case that killed a process is known, a case far over its time
+limit can be ended, and a process is replaced after a number of cases without waiting for the others.
 """
 
 import contextlib
@@ -46,7 +46,7 @@ class _WorkerSlot:
         self.until = float("inf")
 
     @property
-    def free(self) -> bool:
+    def is_free(self) -> bool:
         """True if no case is running in the process."""
         return self.future is None or self.future.done()
 
@@ -102,7 +102,7 @@ class LocalPool:
     workers : int
         Number of processes.
     work : callable
-        What they do with a task.
+        Function that runs a task in a worker process.
     recycle : int
         Cases of a process before it is replaced.
     """
@@ -116,7 +116,7 @@ class LocalPool:
 
     def free_slots(self) -> int:
         """Number of idle processes."""
-        return sum(lane.free for lane in self._slots)
+        return sum(lane.is_free for lane in self._slots)
 
     def running_count(self) -> int:
         """Number of running cases."""
@@ -124,13 +124,13 @@ class LocalPool:
 
     def start(self, task: CaseTask) -> Future[CaseAnswer]:
         """Start a case in a free process."""
-        lane = next(lane for lane in self._slots if lane.free)
+        lane = next(lane for lane in self._slots if lane.is_free)
         return lane.start(self._work, task, self._recycle)
 
-    def check_workers(self) -> None:
+    def supervise_workers(self) -> None:
         """Kill the processes of overdue cases."""
         for lane in self._slots:
-            if lane.future is not None and not lane.free and time.monotonic() > lane.until:
+            if lane.future is not None and not lane.is_free and time.monotonic() > lane.until:
                 self.overdue.add(lane.future)
                 lane.kill()
 

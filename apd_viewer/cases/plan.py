@@ -13,7 +13,7 @@ from apd_viewer.cases import plan_columns
 from apd_viewer.cases.study_case import CaseSetting, InputFiles, StudyCase
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_content
-from apd_viewer.files.tables import cell_text
+from apd_viewer.files.tables import unescaped_cell
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_VERTICES_IN_CONTACT
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
 from apd_viewer.language import tr
@@ -48,7 +48,7 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
     cells : mapping of str to str
         Cells that are not empty, by their columns.
     folder : Path
-        Where the files are that it names.
+        Folder of the files named in the cells.
     """
     settings = _settings(cells)
     unit = str(parse_cell("unit", cells["unit"])) if "unit" in cells else ""
@@ -141,9 +141,9 @@ class PlanRow:
     cells : tuple of str
         In the order of the columns.
     case : StudyCase or None
-        None where it is wrong.
+        Valid case, or None.
     mistake : str
-        What is wrong with it, a sentence; empty if nothing is.
+        Sentence on the error in the row; empty if it is valid.
     same_as : int or None
         Line of an earlier row that asks for the same.
     """
@@ -180,7 +180,7 @@ def read_plan(path: Path, sources: InputFiles) -> Plan:
     path : Path
         A table with commas, semicolons or tabs; names of files in it are relative to its folder.
     sources : InputFiles
-        For the files that it names.
+        Copies of the files named in the plan.
 
     Raises
     ------
@@ -229,7 +229,7 @@ def _lines(text: str, path: Path) -> Iterator[tuple[int, tuple[str, ...]]]:
                             name=path.name, most=MOST_ROWS
                         )
                     )
-                yield line, tuple(cell_text(cell.strip()) for cell in cells)
+                yield line, tuple(unescaped_cell(cell.strip()) for cell in cells)
     except csv.Error as error:
         raise InputError(
             tr("{name} is not a table: line {line} cannot be read ({reason}).").format(

@@ -7,7 +7,7 @@ from apd_viewer.cases.case import MOST_STEPS
 from apd_viewer.cases.study_case import CaseSetting
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
-from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, check_no_factor
+from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, check_not_factor
 from apd_viewer.geometry.solver.convergence import CRITERIA, LARGEST_SEED, LARGEST_TOLERANCE, MOST_ITERATIONS
 from apd_viewer.geometry.solver.methods import MOST_VERTICES_IN_CONTACT, method_named
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
@@ -30,7 +30,7 @@ class PlanColumn(NamedTuple):
     parse : callable
         Makes a setting of what a cell says; raises InputError.
     description : str
-        What it is, for the help of the command.
+        Meaning of the column, for the help of the command.
     """
 
     parse: Callable[[str], CaseSetting]
@@ -54,14 +54,14 @@ def _number(least: float, most: float) -> Callable[[str], float]:
 def _percent(text: str) -> float:
     value = _number(LEAST_AREA, MOST_AREA)(text.removesuffix(PERCENT_SIGN))
     if not text.endswith(PERCENT_SIGN):
-        check_no_factor(value)
+        check_not_factor(value)
     return value
 
 
 def _part(text: str) -> float:
     value = _number(0.01, 10_000.0)(text.removesuffix(PERCENT_SIGN))
     if not text.endswith(PERCENT_SIGN):
-        check_no_factor(value, _FACTORS_OF_MOTION)
+        check_not_factor(value, _FACTORS_OF_MOTION)
     return value / 100.0
 
 

@@ -46,7 +46,7 @@ class ResultRow:
     line : int
         Of the plan's file, from 1.
     key : str
-        Of its result; empty where the row is wrong.
+        Key of its result; empty for an invalid row.
     cells : tuple of str
         In the order of the plan's columns.
     status : str
@@ -80,7 +80,7 @@ class ResultTable:
     def competing_folds(self) -> dict[tuple[int, ...], float]:
         """Plan lines of cases with energies differing by over 1 % between seeds.
 
-        Each with its largest energy relative to the smallest, less 1.
+        The value is the largest energy relative to the smallest, less 1.
         """
         if SEED_COLUMN not in self.columns:
             return {}

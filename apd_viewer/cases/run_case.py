@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from apd_viewer.cases.case import Case, CaseStep, case_of, run
+from apd_viewer.cases.case import Case, CaseStep, case_of, case_steps
 from apd_viewer.cases.case_file import DONE, FAILED, CaseResult, damaged_case_error, read_case
 from apd_viewer.cases.plan import parse_cell
 from apd_viewer.cases.plan_columns import LENGTH_COLUMNS
@@ -245,7 +245,7 @@ def failed_result(case: StudyCase, sentence: str) -> CaseResult:
 
 
 def _checked_steps(case: Case, tick: Callable[..., object]) -> Iterator[CaseStep]:
-    for step in run(case, tick):
+    for step in case_steps(case, tick):
         if not np.isfinite(step.frame.U).all():
             raise InputError(tr("It diverged in step {number}.").format(number=step.number))
         # Only the last shape is kept, to save memory.

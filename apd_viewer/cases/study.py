@@ -1,9 +1,9 @@
 """A study: its plan, its engine and its folder.
 
 ======================  ==================================================================
-``cases/KE/KEY.case``   readings, curves and shape of a finished case; what is here is done
+``cases/KE/KEY.case``   readings, curves and shape of a finished case
 ``inputs/``             meshes, selections and sessions, named by their content
-``study.sqlite``        the plan and the readings; made anew from the files if it is lost
+``study.sqlite``        the plan and the readings; rebuilt from the files if lost
 ``results.csv``         the same as a table, and ``results.parquet`` where pyarrow is
 ``curves.csv``          a row a step of every case
 ======================  ==================================================================
@@ -56,7 +56,7 @@ class Study:
     plan : Path
         Table to read.
     retry_failed : bool
-        Whether failed cases are tried again.
+        Whether to run failed cases again.
 
     Raises
     ------
@@ -187,7 +187,7 @@ class StudyStore:
     Parameters
     ----------
     folder : Path
-        Made where it is not there.
+        Folder of the study, created if missing.
 
     Attributes
     ----------
@@ -232,7 +232,7 @@ class StudyStore:
         self._base.close()
         self._lock.remove()
 
-    def _safely(self, act: Callable[[], T]) -> T:
+    def _run_on_database(self, act: Callable[[], T]) -> T:
         """Run a database operation, rebuilding a damaged database; raises InputError."""
         try:
             return act()
@@ -262,12 +262,12 @@ class StudyStore:
         Parameters
         ----------
         retry_failed : bool
-            Whether failed cases count as not done.
+            Whether failed cases count as unfinished.
         """
         self._plan = plan
-        done = self._safely(lambda: self._store_plan(plan))
+        done = self._run_on_database(lambda: self._store_plan(plan))
         if retry_failed:  # results of failed cases stay until replaced
-            known = self._safely(lambda: database.case_rows(self._base))
+            known = self._run_on_database(lambda: database.case_rows(self._base))
             done -= {key for key in done if known[key].status == case_file.FAILED}
         return done
 
@@ -287,7 +287,7 @@ class StudyStore:
     def _reread_case(self, key: str) -> case_file.CaseResult | None:
         """Record the result of a case's file in the database; delete a damaged file.
 
-        Raises InputError if it is there and cannot be read now.
+        Raises InputError if the file exists but cannot be read now.
         """
         path = self._path(key)
         content = read_content(path) if path.exists() else b""
@@ -305,15 +305,15 @@ class StudyStore:
     def curves(self, keys: Iterable[str]) -> dict[str, case_file.Curves]:
         """Curves of finished cases, read from their files; the database is updated, too.
 
-        A case whose file is damaged is not among them, and no longer finished.
+        Cases with damaged files are left out, and count as unfinished.
         """
-        found = self._safely(lambda: {key: self._reread_case(key) for key in sorted(keys)})
+        found = self._run_on_database(lambda: {key: self._reread_case(key) for key in sorted(keys)})
         self.commit()
         return {key: result.curves for key, result in found.items() if result is not None}
 
     def results(self) -> ResultTable:
         """Table of the results so far."""
-        return self._safely(lambda: read_result_table(self._base))
+        return self._run_on_database(lambda: read_result_table(self._base))
 
     def _remove_cases(self, keys: Iterable[str]) -> None:
         for key in keys:
@@ -330,12 +330,12 @@ class StudyStore:
         """
         result = case_file.case_from_bytes(content, with_shape=False)
         case_file.write_case(self._path(result.key), content)
-        self._safely(lambda: database.write_result(self._base, result, len(content)))
+        self._run_on_database(lambda: database.write_result(self._base, result, len(content)))
         if time.monotonic() - self._committed > _COMMIT:
             self.commit()
         return result
 
     def commit(self) -> None:
         """Commit the results added so far."""
-        self._safely(lambda: self._base.commit())
+        self._run_on_database(lambda: self._base.commit())
         self._committed = time.monotonic()

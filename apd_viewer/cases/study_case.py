@@ -56,7 +56,7 @@ class InputFile:
     def from_json(cls, fields: dict[str, str], inputs: Path) -> InputFile:
         """Input file from its JSON fields, with its copy in the folder ``inputs``.
 
-        Raises ValueError if that would be elsewhere.
+        Raises ValueError for a path outside that folder.
         """
         if not fields["digest"].isalnum() or Path(fields["name"]).name != fields["name"]:
             raise ValueError
@@ -73,11 +73,11 @@ class StudyCase:
     mesh : InputFile
         A mesh, or a session with its mesh in it.
     selection : InputFile or None
-        What is painted; None in a session.
+        Painted vertices; None in a session.
     motion : tuple of str
         Steps in words, each written in one way only; none for the motion of a session.
     unit : str
-        Of the mesh; empty where that is not known, or a session says it.
+        Unit of the mesh; empty if unknown, or stored in a session.
     settings : tuple of (str, setting)
         What differs from what is usual, or from the session, by name. Of a mesh always ``contact``, too: yes,
         no, or the number of vertices up to which.
@@ -157,12 +157,12 @@ def _program() -> str:
 class InputFiles:
     """Copies of meshes, selections and sessions, each made once, renewed if damaged.
 
-    A study goes on with what it began with where a file is changed meanwhile, and can be taken elsewhere.
+    A study thus keeps its inputs if the original files change, and its folder can be moved.
 
     Parameters
     ----------
     folder : Path
-        For the copies; made when the first is.
+        Folder of the copies, created with the first one.
     keeps_copies : bool
         Whether copies are made; without, files are only read.
     """
@@ -202,7 +202,7 @@ class InputFiles:
         if suffix != SESSION_SUFFIX:
             return self._copy(content, path)
         source = self._source(content, path)
-        if not _opens(source.path):
+        if not _can_be_opened(source.path):
             # Saved with its mesh embedded, as the session may refer to a file elsewhere.
             state, view = open_session(path)
             if self._keep:
@@ -223,7 +223,7 @@ class InputFiles:
         return InputFile(digest, path.suffix.lower(), input_path(self._folder, digest, path.name))
 
 
-def _opens(path: Path) -> bool:
+def _can_be_opened(path: Path) -> bool:
     """True if a session file exists and can be opened."""
     try:
         return bool(open_session(path))

@@ -50,7 +50,7 @@ class ProgressMeter:
     Parameters
     ----------
     done, failed : int
-        So many were there already.
+        Numbers of finished cases and of failed ones among them.
     """
 
     def __init__(self, cases: int, done: int, failed: int) -> None:
@@ -92,7 +92,7 @@ class StudyForecast(NamedTuple):
     wrong : int
         Rows that no case can be made of.
     seconds : float or None
-        That the rest takes one process, by what was measured so far; None if nothing was.
+        Expected seconds of the remaining cases in one process; None if nothing was measured.
     """
 
     cases: int

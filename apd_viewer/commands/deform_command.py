@@ -131,7 +131,7 @@ def _deform(options: argparse.Namespace) -> None:
         shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
         regions=regions,
         weld=options.weld,
-        progress=result_output.show_progress_line(*last) if sys.stderr.isatty() else None,
+        progress=result_output.progress_line_callback(*last) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
     with ExitStack() as beside:  # output files are replaced together, the mesh before the files beside it
@@ -173,7 +173,7 @@ def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
 
 
 def _member(regions: Sequence[Region], vertices: int) -> np.ndarray:
-    """Region number of each vertex, from 1, or 0; the last where regions overlap."""
+    """Region number of each vertex, 0 for none; the last one where regions overlap."""
     member = np.zeros(vertices, dtype=np.uint8)
     for k, region in enumerate(regions, start=1):
         member[region.vertices] = k

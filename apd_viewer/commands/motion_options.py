@@ -44,7 +44,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
         group.add_argument(option, metavar=metavar, help=what, **how)  # type: ignore[arg-type]
 
     for word, kind in MOTION_KINDS.items():
-        metavar = kind.amount.value if kind.is_one_amount else "WORDS"
+        metavar = kind.amount.value if kind.takes_single_amount else "WORDS"
         add(f"--{word}", f"{word} {{}}", metavar, kind.help)
     add("--handle", "handle {}:", "N", tr("handle moved by the following options; default: 1"))
     add("--motion", "{}", "WORDS", tr("motion in words, as in a plan: “twist 120deg; push 30%%”"))
@@ -107,9 +107,9 @@ def motion_from(
     Parameters
     ----------
     document : Document
-        With its paint.
+        Painted document.
     unit_symbol : str
-        Of the mesh, where no option says it.
+        Unit of the mesh, unless an option gives one.
 
     Raises
     ------

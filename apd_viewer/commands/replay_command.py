@@ -68,7 +68,7 @@ def _replay(options: argparse.Namespace) -> None:
     result_output.check_scalar_options(options)
     _check_animations(options.animation)
     check_files([output, options.report, *result_output.scalar_files(options), *options.animation])
-    progress = result_output.show_progress_line(None) if sys.stderr.isatty() else None
+    progress = result_output.progress_line_callback(None) if sys.stderr.isatty() else None
     with animation_files.replacing_series(options.animation), ExitStack() as beside:
         shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None
         document, result = replay_session(
@@ -120,7 +120,7 @@ def _write_animations(
 def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     """Report field with the measurements at rest and at ``U`` (n, 3), if any.
 
-    Lengths are in mesh units, angles in degrees; what cannot be measured is None.
+    Lengths are in mesh units, angles in degrees; missing values are None.
     """
     shapes, F = (("_rest", document.mesh.V), ("", U)), document.mesh.joined_F
     measured = [
@@ -162,7 +162,7 @@ def replay_session(
 ) -> tuple[Document, Result]:
     """Solve a saved session until its shape has converged.
 
-    A saved shape that has settled is the answer already: it is measured anew, and stays as it is.
+    A saved shape that has already settled is only measured again.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def replay_session(
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
-    """True if the saved shape has converged, with held vertices in place, targets met."""
+    """True if the saved shape has converged with all targets met."""
     frame, document = state.frame, state.document
     if not frame.settled or (frame.converged and state.has_unmet_target):
         return False

@@ -46,7 +46,7 @@ def write_result(
     return save_mesh(mesh, result.U, output)
 
 
-def show_progress_line(
+def progress_line_callback(
     iterations: int | None, most_iterations: int = DEFAULT_CONVERGENCE.most_iterations
 ) -> Callable[[Frame], None]:
     """Callback to show the progress of the iterations on one terminal line."""
@@ -97,7 +97,7 @@ def mesh_remarks(mesh: Mesh) -> list[str]:
 
 
 def result_lines(result: Result) -> list[str]:
-    """Lines on the area and volume against rest, and on capped openings."""
+    """Lines on the area and volume relative to rest, and on capped openings."""
     lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
     if result.volume is not None and result.volume_rest:
         lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))

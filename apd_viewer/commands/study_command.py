@@ -229,7 +229,7 @@ def _line_sentence(line: int, sentence: str) -> str:
 
 
 def _first_lines(lines: list[str]) -> list[str]:
-    """The first lines, and the number of the omitted ones."""
+    """First lines, and the number of omitted lines."""
     more = len(lines) - _MOST_SAID
     return lines if more <= 0 else [*lines[:_MOST_SAID], tr("... and {more:,} more").format(more=more)]
 

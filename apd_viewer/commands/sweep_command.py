@@ -14,8 +14,8 @@ from apd_viewer.cases.case import (
     Case,
     CaseStep,
     case_of,
+    case_steps,
     cases_by_method,
-    run,
 )
 from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
@@ -132,7 +132,7 @@ def _run(
         progress.show(SWEPT_SHARE * ((number + done) / len(cases)), title)
 
     def steps_of(number: int, case: Case) -> Iterator[CaseStep]:
-        for step in run(case, partial(tick, number, METHODS[case.method].short_title)):
+        for step in case_steps(case, partial(tick, number, METHODS[case.method].short_title)):
             if folder is not None:
                 save_mesh(mesh, step.frame.U, mesh_path(folder, suffix, step))
             if kept is not None:

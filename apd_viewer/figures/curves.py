@@ -25,9 +25,9 @@ def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float]
     Parameters
     ----------
     path : Path
-        Of the picture; its ending is replaced.
+        Path of the picture; its suffix is replaced.
     newtons : two floats, optional
-        Of a load of 1, if it is known, and the factor by which they may be too low.
+        Newtons per load of 1, if known, and the largest factor by which they may be too low.
     """
     scale = 1.0 if newtons is None else newtons[0]
     ways = [way for way in (pressed.steps, pressed.steps[-1:] + pressed.released) if len(way) > 1]
@@ -90,7 +90,7 @@ def draw_sweep_curves(
     Parameters
     ----------
     abscissa : str
-        What tells the steps apart: see :attr:`apd_viewer.cases.case.Case.abscissa`.
+        Quantity on the horizontal axis: see :attr:`apd_viewer.cases.case.Case.abscissa`.
     obstacles : sequence of str
         Names of the obstacles; each has a curve of its load.
     """

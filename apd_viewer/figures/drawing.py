@@ -1,6 +1,6 @@
 """Rendering of shapes side by side, in a separate process.
 
-Where there is no OpenGL, VTK takes the process with it that asks for a picture.
+Without OpenGL, VTK crashes the process that renders.
 """
 
 import json
@@ -57,7 +57,7 @@ def _draw(job: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.
             else:
                 _show_change(plotter, F, U, areas)
             _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1], job["font"])
-            _aim(plotter, look, up, *fit)
+            _set_camera(plotter, look, up, *fit)
         plotter.subplot(0, 0)
         _legend(plotter, job["legend"], size[0] / count, job["font"])
         plotter.screenshot(picture["path"])
@@ -127,7 +127,7 @@ def _fit(
 ) -> tuple[np.ndarray, float, float]:
     """Centre, half height and depth of a view of all shapes.
 
-    ``aspect`` is the width of a panel by its height.
+    ``aspect`` is the width of a panel over its height.
     """
     toward = view_direction / np.linalg.norm(view_direction)
     right = np.cross(up, toward)
@@ -142,7 +142,7 @@ def _fit(
     return middle @ axes, float(half), float(depth)
 
 
-def _aim(
+def _set_camera(
     plotter: Any, view_direction: np.ndarray, up: np.ndarray, middle: np.ndarray, half: float, depth: float
 ) -> None:
     """Set the camera of a panel to the view common to all shapes."""

@@ -18,9 +18,9 @@ _COLORS = 128
 
 
 def check_film(path: Path, other_suffixes: Sequence[str] = ()) -> None:
-    """Raise InputError unless a video can be written to ``path``.
+    """Raise InputError unless a film can be written to ``path``.
 
-    ``other_suffixes`` are endings to be named beside those of films.
+    ``other_suffixes`` are listed in the error besides those of films.
     """
     kinds = *FILM_SUFFIXES, *other_suffixes
     if path.suffix.lower() not in FILM_SUFFIXES:

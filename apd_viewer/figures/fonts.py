@@ -39,7 +39,7 @@ def font_file(language: str = LANGUAGE) -> Path | None:
 
 
 @cache
-def families(language: str = LANGUAGE) -> list[str]:
+def font_families(language: str = LANGUAGE) -> list[str]:
     """Font families for matplotlib, in order of preference for each letter."""
     path = font_file(language)
     if path is None:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from apd_viewer.cases.case import case_of, run
+from apd_viewer.cases.case import case_of, case_steps
 from apd_viewer.figures.style import BLUE, INK, ORANGE, QUIET, VERMILION, draw_figure, zero_line
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import translation
@@ -54,9 +54,9 @@ class HandleCurvePoint(NamedTuple):
     motion : str
         "twist" or "pull".
     asked : float
-        Degrees of a twist; of a pull the way along the axis by the height of the mesh.
+        Degrees of a twist; for a pull, the displacement along the axis over the height of the mesh.
     got : float
-        Of a pull likewise; of a twist the drift by the height.
+        Actual displacement of a pull; drift relative to the height for a twist.
     """
 
     motion: str
@@ -81,7 +81,7 @@ def loss_curve(
             solver.iterate()
             if iteration in LOSS_ITERATIONS:
                 found.append(LossCurvePoint(_WIDEST * part, iteration, solver.frame().area_error))
-    for step in run(case, lambda done: tick(0.1 + 0.9 * done)):
+    for step in case_steps(case, lambda done: tick(0.1 + 0.9 * done)):
         found.append(LossCurvePoint(step.degrees, 0, step.frame.area_error))
     return found
 
@@ -93,7 +93,7 @@ def handle_curve(
     found = []
     height = float(np.linalg.norm(_base_to_handle(document)))
     document = document.with_settings(method="paper")
-    for step in run(case_of(document, steps, motion=[_TWIST]), lambda done: tick(0.6 * done)):
+    for step in case_steps(case_of(document, steps, motion=[_TWIST]), lambda done: tick(0.6 * done)):
         found.append(HandleCurvePoint("twist", step.degrees, step.frame.handle_drift / height))
     ways = [
         *_pull_points(document, -_PUSH, lambda done: tick(0.6 + 0.2 * done)),
@@ -106,7 +106,7 @@ def _pull_points(document: Document, fraction: float, tick: ProgressCallback) ->
     line = _base_to_handle(document)
     case = case_of(document.with_pose(0, translation(fraction * line)), _STEPS_OF_A_PULL)
     handle = document.labels == HANDLE
-    for step in run(case, tick):
+    for step in case_steps(case, tick):
         away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)
         got = float(away @ line / (line @ line))
         yield HandleCurvePoint("pull", fraction * step.share + 0.0, round(got, 12) + 0.0)

@@ -36,7 +36,7 @@ class Picture(NamedTuple):
         PNG file.
     shapes : sequence of (n, 3) float array, or of paths of .npy files
     captions : sequence of sequence of str
-        For each shape a title, and what stands below it.
+        Title and further lines of each shape.
     first_colors : (n, 3) uint8 array or None
         Colours of the first shape instead of what has changed: of one at rest, where nothing has.
     """
@@ -77,15 +77,15 @@ def draw_shapes(
     Parameters
     ----------
     mesh : Mesh
-        Whose triangles these are, and with which the area of each is compared.
+        Mesh of the triangles, with the rest areas for comparison.
     size : (int, int)
         Pixels.
     view_direction, up : (float, float, float)
-        From the shape to the viewer, and what is up.
+        Direction from the shape to the viewer, and up direction.
     legend : bool
-        Whether to say below the first shape what the colours mean.
+        Whether to draw the colour legend below the first shape.
     on_drawn : callable
-        Called with the number of pictures that are done.
+        Called with the number of finished pictures.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from apd_viewer.figures.fonts import families
+from apd_viewer.figures.fonts import font_families
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.notation import localized_number
 
@@ -64,7 +64,7 @@ def draw_figure(fill: Callable[[Figure], None], size: tuple[float, float], folde
     InputError
         If a file cannot be written.
     """
-    with mpl.rc_context(_LOOK | {"font.family": families()}):
+    with mpl.rc_context(_LOOK | {"font.family": font_families()}):
         figure = Figure(figsize=size, layout="constrained", facecolor="white")
         FigureCanvasAgg(figure)
         fill(figure)

@@ -13,8 +13,8 @@ from apd_viewer.geometry.mesh.arrays import diagonal, significant_digits
 from apd_viewer.language import tr
 
 DECK_SUFFIX = ".inp"
-# Triangles with nodes in the middle of their edges, and without. CalculiX makes solid wedges of them; those
-# without are too stiff in bending by far.
+# Triangles with midside nodes, and without. CalculiX expands them to solid wedges; without midside nodes
+# these are far too stiff in bending.
 SIX_NODES, THREE_NODES = "S6", "S3"
 _STRI65 = "Abaqus calls the elements S6 STRI65; rename them there."
 _ABAQUS = "Abaqus does not know OUTPUT=2D, by which CalculiX keeps the numbers of the nodes; remove it there."
@@ -74,7 +74,7 @@ class Deck(NamedTuple):
     F : (m, 3) int array
         Triangles without seams.
     used_faces : (k,) int array
-        Those of ``F`` that become elements.
+        Triangles of ``F`` used as elements.
     steps : sequence of sequences of (k, 3) float arrays
         Displacements of each of the sets ``held_sets`` at the end of each step, mesh units.
     notes : tuple of str

@@ -1,6 +1,6 @@
 """Self-contained HTML page with tables and pictures, for light, dark and print.
 
-It names nothing outside itself: pictures are in it as PNG or SVG, files as links that hold them.
+It refers to no other files: pictures are embedded as PNG or SVG, files as data links.
 """
 
 import base64
@@ -26,7 +26,7 @@ class PageTable:
 class PageGrid:
     """Table with column headings; the first column holds the row names.
 
-    A cell is some lines, each with a remark in smaller letters.
+    A cell consists of lines, each with a remark in small print.
     """
 
     head: tuple[str, ...]

@@ -1,7 +1,7 @@
 """Detection of external changes to files by their content.
 
-Clocks may be wrong, so no time is compared with now, nor with another file's. Where a tool has written the
-same again, nothing has changed.
+Clocks may be wrong, so no time is compared with the current time or with another file's. A file rewritten
+with the same content counts as unchanged.
 """
 
 import hashlib
@@ -30,12 +30,12 @@ class KnownFile:
     Parameters
     ----------
     scratch : Path or None
-        What is about to be moved there; None takes what is there.
+        Scratch file with the new content, moved to the path later; None reads the path itself.
 
     Attributes
     ----------
     state : FileState
-        By the last look; whoever knows its format says whether it is incomplete.
+        State at the last check; only a reader of the format can find it incomplete.
     """
 
     def __init__(self, path: Path, scratch: Path | None = None) -> None:
@@ -64,7 +64,7 @@ def _content(path: Path) -> str | None:
 def file_stamp(path: Path) -> tuple[int, ...] | None:
     """Metadata of a regular file, for detecting changes without reading it.
 
-    The time of the last change of its entry, which no tool can set, is among them.
+    It includes the inode's change time, which no tool can set.
     """
     try:
         found = os.stat(path)  # noqa: PTH116  # Path raises on names that are too long
@@ -84,11 +84,11 @@ class Fingerprint(NamedTuple):
     Attributes
     ----------
     place : str
-        Where it is, for people: what is in the home folder begins with ``~``, which tells nobody's name.
+        Path for display: paths in the home folder begin with ``~``, which hides the user's name.
     size : int or None
-        In bytes; None if it cannot be read any more.
+        Size in bytes; None for an unreadable file.
     sha256 : str
-        In hexadecimal; empty if it cannot be read any more.
+        Digest in hexadecimal; empty for an unreadable file.
     """
 
     place: str

@@ -1,7 +1,7 @@
 """Mesh formats, and the table of their properties.
 
-What is opened, offered and written, the words for it and the endings in packages follow from the rows. The
-readers are in meshes.py, since the help of the command line does not wait for them.
+The formats to open, offer and write, their names and the suffixes in packages follow from the rows. The
+readers are in meshes.py, so that the help of the command line loads faster.
 """
 
 from enum import Enum
@@ -30,7 +30,7 @@ class MeshFormat(NamedTuple):
     has_digits : bool
         Export takes a number of decimals.
     has_parts : bool
-        It refers to files beside it.
+        Whether it may refer to files beside it.
     """
 
     name: str

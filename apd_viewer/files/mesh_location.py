@@ -33,7 +33,7 @@ class MissingMesh:
     Attributes
     ----------
     description : dict
-        What :func:`mesh_location_to_json` wrote about it.
+        Description by :func:`mesh_location_to_json`.
     reason : str
         Sentence for people.
     """
@@ -76,7 +76,7 @@ def is_mesh_in_file(mesh: Mesh) -> bool:
 def mesh_members(mesh: Mesh, prefix: str = "") -> dict[str, bytes]:
     """Archive members of a mesh: its file content or its arrays.
 
-    Their names begin with ``prefix``, to tell the meshes of an archive apart.
+    Their names begin with ``prefix``, to distinguish several meshes in an archive.
     """
     return {f"{prefix}{name}": content for name, content in _members(mesh).items()}
 
@@ -100,7 +100,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
     Parameters
     ----------
     description : JsonFields
-        What :func:`mesh_location_to_json` wrote, and in "embedded" the members that hold the copy.
+        Description by :func:`mesh_location_to_json`, with the members of a copy in "embedded".
     archive : Archive
         Read from there.
     prefix : str
@@ -114,7 +114,7 @@ def find_mesh(description: JsonFields, session: Path, archive: Archive, prefix: 
         If what was written down is damaged.
     """
     name, digest = _file_name(description), description.text("digest")
-    places, problems = _places(description, session, name), []
+    places, problems = _candidate_paths(description, session, name), []
     there = [path for path in places if os.path.isfile(path)]  # noqa: PTH113  # Path raises on long names
     for path in there:
         stamp = file_stamp(path)
@@ -148,7 +148,7 @@ def _file_name(description: JsonFields) -> str:
     return name
 
 
-def _places(description: JsonFields, session: Path, name: str) -> list[Path]:
+def _candidate_paths(description: JsonFields, session: Path, name: str) -> list[Path]:
     """Candidate paths of the mesh's file."""
     folder = Path(os.path.abspath(session.parent))  # noqa: PTH100
     places = [Path(description.text("path"))] if description.has_value("path") else []

@@ -62,7 +62,7 @@ class WrittenMesh(NamedTuple):
     area : float
         Measured on the file.
     dropped : tuple of str
-        What the file that it was opened from has, and the new one has not.
+        Contents of the opened file that are missing from the new one.
     """
 
     area: float
@@ -85,8 +85,8 @@ def suffix_for(mesh: Mesh) -> str:
 def check_shapes(mesh: Mesh, path: Path, is_moving: np.ndarray) -> None:
     """Raise InputError unless the file of ``mesh`` can store deformed shapes.
 
-    Before they are computed: what is written to ``path`` in the format of the mesh is its own file, which may
-    not hold a shape in which the vertices ``is_moving`` (n,) go each their own way.
+    Called before they are computed: ``path`` in the format of the mesh gets a copy of its file, which may be
+    unable to store independent displacements of the vertices ``is_moving`` (n,).
     """
     if mesh.origin is not None and mesh.origin.suffix == path.suffix.lower():
         ways = np.random.default_rng(0).uniform(0.0, 1e-3 * np.ptp(mesh.V, axis=0).max(), mesh.V.shape)
@@ -105,10 +105,10 @@ def dropped_contents(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
 def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = None) -> WrittenMesh:
     """Write ``mesh`` with the positions ``U``; the suffix selects the format.
 
-    In the format that the mesh was opened from it is the same file with other coordinates: what did not move
-    stands there as it stood, digit by digit. In any other, positions and triangles are written anew: PLY, STL
-    and GLB hold single precision then, OBJ and OFF 15 significant digits. GLB is in metres: lengths in a unit
-    that is known are converted.
+    In its original format, the mesh is the same file with other coordinates; those of unmoved vertices are
+    kept digit by digit. In any other format, positions and triangles are written to a new file: PLY, STL and
+    GLB in single precision, OBJ and OFF with 15 significant digits. GLB is in metres: lengths in a known unit
+    are converted.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
         )
     from apd_viewer.geometry.mesh.operators import area  # imported late, since it is slow to load
 
-    metre = _metre(mesh, path, mesh.unit if unit is None else unit)
+    metre = _metre_factor(mesh, path, mesh.unit if unit is None else unit)
     content = _content(mesh, metre * U, path)
     try:
         V, F, *_ = parsed_mesh(content, path)
@@ -174,7 +174,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
     return WrittenMesh(area(V, F), dropped_contents(mesh, path))
 
 
-def _metre(mesh: Mesh, path: Path, unit: str) -> float:
+def _metre_factor(mesh: Mesh, path: Path, unit: str) -> float:
     """Metres per unit for a new file in metres; else 1."""
     is_new = mesh.origin is None or mesh.origin.suffix != path.suffix.lower()
     return METRES.get(unit, 1.0) if is_new and MESH_FORMATS[path.suffix.lower()].is_in_metres else 1.0

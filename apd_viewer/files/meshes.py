@@ -104,7 +104,7 @@ def largest_coordinate(X: np.ndarray) -> float:
 def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
     """Raise InputError on a missing, unsupported or empty file, before reading it.
 
-    What ends in one of ``more_suffixes`` is no mesh, but can be opened too.
+    Files with one of ``more_suffixes`` are no meshes, but can be opened too.
     """
     # os.path: Path raises on names that are too long.
     if not os.path.exists(path):  # noqa: PTH110
@@ -141,7 +141,7 @@ _Key = TypeVar("_Key")
 
 _HEAD = 4096  # bytes searched at the start and the end of a file
 _SHOWN = 40  # maximum number of characters quoted from a text
-# Patterns at the start of files in readable formats: OBJ last, whose lines others may have, too.
+# Patterns at the start of files in readable formats: OBJ last, as other formats may have such lines, too.
 _OPENED = {suffix: MESH_FORMATS[suffix].opening for suffix in reversed(MESH_FORMATS)}
 _COMPRESSED = {
     "gzip": rb"\x1f\x8b",

@@ -31,7 +31,7 @@ def write_report(
 ) -> None:
     """Write the readings of ``result`` and further fields as JSON; raises InputError.
 
-    ``target`` is the target shape to compare with, if there is one.
+    ``target`` is the target shape for comparison, if any.
     """
     readings = asdict(result)
     del readings["U"]
@@ -59,7 +59,7 @@ def write_report(
 def target_distance_fields(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]:
     """Report fields of the distances between a shape ``U`` (n, 3) and a target shape.
 
-    Those of vertices from the same vertices only where the triangles are the same.
+    Distances between corresponding vertices are given only for equal triangles.
     """
     found = target.target_distance(mesh, U)
     assert found is not None
@@ -76,7 +76,7 @@ def target_distance_fields(target: TargetShape, mesh: Mesh, U: np.ndarray) -> di
 def shape_check_fields(check: ShapeCheck) -> dict[str, Any]:
     """Report fields of self-intersections, bounding boxes and the convex hull.
 
-    The number of intersections is None where the library is missing that finds them.
+    The number of intersections is None if the library for finding them is not installed.
     """
     return {
         "self_intersections": None if check.crossing is None else len(check.crossing),

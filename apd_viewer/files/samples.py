@@ -25,7 +25,7 @@ class Sample:
     settings : mapping
         Fields of the document that begin otherwise than those of any mesh.
     pivot : (3,) tuple of floats or None
-        What the handle turns about, mesh units; None is its centre.
+        Centre of rotation of the handle, mesh units; None is the handle's centre.
     unit : str
         Symbol of the unit of length.
     material : str
@@ -77,5 +77,5 @@ def open_sample(name: str) -> tuple[Mesh, np.ndarray]:
 
 
 def sample_of(path: Path | None) -> Sample | None:
-    """Sample in a file; None if it is none."""
+    """Sample stored in a file; None for any other file."""
     return next((each for name, each in SAMPLES.items() if resource_path(f"{name}.obj") == path), None)

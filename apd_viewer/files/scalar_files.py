@@ -54,8 +54,8 @@ def write_scalars(
 ) -> None:
     """Write scalars of the shape ``U`` (n, 3) as CSV or PLY, depending on the suffix.
 
-    A PLY has the shape with the scalars of vertices and faces; a CSV a table of the ``rows`` asked for, with
-    the ids first. A value that is not a number is left empty in a CSV.
+    A PLY contains the shape with vertex and face scalars; a CSV contains the requested ``rows`` with ids in
+    the first column. NaN is left empty in a CSV.
 
     Raises
     ------

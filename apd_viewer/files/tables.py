@@ -31,7 +31,7 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
         Names, for the first line.
     rows : (r, c) float array, or sequence of rows that have words too
         Read back, they are the same to the last digit; whole numbers are written as such, and words as by
-        :func:`text_cell`.
+        :func:`escaped_cell`.
 
     Raises
     ------
@@ -40,27 +40,27 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
     """
     with replacing_file(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
-        writer.writerow([text_cell(column) for column in columns])
+        writer.writerow([escaped_cell(column) for column in columns])
         writer.writerows([_written_cell(cell) for cell in row] for row in rows)
 
 
 def _written_cell(cell: Cell) -> str:
     if isinstance(cell, str):
-        return text_cell(cell)
+        return escaped_cell(cell)
     if cell is None or cell != cell:
         return ""
     value = float(cell)
     return str(int(value)) if value.is_integer() and abs(value) < 2**53 else repr(value)
 
 
-def text_cell(text: str) -> str:
+def escaped_cell(text: str) -> str:
     """CSV cell for a string; a spreadsheet formula is guarded with '.
 
-    Numbers stay as they are. :func:`cell_text` gives the text again.
+    Numbers are unchanged. :func:`unescaped_cell` restores the text.
     """
     return text if _NUMBER.fullmatch(text) else _UNGUARDED.sub("'", text)
 
 
-def cell_text(cell: str) -> str:
-    """Original string of a cell written by :func:`text_cell`."""
+def unescaped_cell(cell: str) -> str:
+    """Original string of a cell written by :func:`escaped_cell`."""
     return _GUARDED.sub("", cell)

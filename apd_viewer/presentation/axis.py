@@ -19,7 +19,7 @@ class Axis:
     Attributes
     ----------
     ticks : callable
-        At most so many places on the axis, each with what is written there.
+        Function giving at most a number of positions on the axis, with their labels.
     """
 
     low: float

@@ -1,8 +1,8 @@
 """Colour maps of values: Crameri's, perceptually uniform, colour-blind safe.
 
 From F. Crameri, Scientific colour maps 8 (doi 10.5281/zenodo.1243862, MIT licence), without their darkest
-ends, on which light and shade could not be seen. Between the knots it is straight, as near to the original
-as an eye can see.
+ends, on which shading would be invisible. Linear interpolation between the knots is indistinguishable from
+the original.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ class ColorMap:
     Attributes
     ----------
     knots : tuple of (r, g, b)
-        From 0 to 255, at even steps.
+        Colours from 0 to 255 at equal steps.
     """
 
     knots: tuple[tuple[int, int, int], ...]

@@ -18,7 +18,7 @@ _LETTERS = 'font-family="system-ui, sans-serif" font-size="12"'
 def legend_svg(scale: Scale, unit: Unit, span: tuple[float, float] | None, ink: str = "currentColor") -> str:
     """Draw a scale with labels, title and the largest change within ``span`` as SVG.
 
-    Its colours are named "scale"; a page must have that name only once.
+    The id of its colours is "scale", which must be unique in a page.
     """
     wide, low = WIDTH - 2 * _LEFT, _TOP + _BAR
     offsets = np.linspace(0.0, 1.0, _STOPS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from apd_viewer.files.tables import text_cell
+from apd_viewer.files.tables import escaped_cell
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_grouped, format_signed, format_significant
@@ -128,7 +128,7 @@ def measurement_report_rows(
 def value_table(readings: Sequence[MeasurementReading], unit: Unit) -> str:
     """Tab-separated table of all values, for a spreadsheet."""
     head = tr("Measurement"), tr("Now"), tr("At rest"), tr("Change")
-    return "\n".join("\t".join(map(text_cell, row)) for row in (head, *value_rows(readings, unit))) + "\n"
+    return "\n".join("\t".join(map(escaped_cell, row)) for row in (head, *value_rows(readings, unit))) + "\n"
 
 
 def _title(reading: MeasurementReading, name: str) -> str:

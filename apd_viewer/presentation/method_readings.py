@@ -22,8 +22,8 @@ ReadingsByName = dict[str, float]
 def method_readings(state: State, outcome: MethodOutcome) -> ReadingsByName:
     """Measurements of one method; NaN if unknown.
 
-    ``area_error`` is relative to rest, as in reports, and ``area_miss`` to what is asked for, of every method
-    alike. The volume is that of an open surface with its openings capped.
+    ``area_error`` is relative to rest, as in reports, and ``area_miss`` to the target, for every method. The
+    volume of an open surface includes its capped openings.
     """
     rest, frame, cost = state.inspection, outcome.frame, outcome.cost
     if frame is None:

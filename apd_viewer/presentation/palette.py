@@ -1,7 +1,7 @@
 """Colours of the mesh: Okabe and Ito's and their shades, colour-blind safe.
 
-What moves is warm and what stays is blue; regions have the colours in between. Lightness alone parts
-neighbours too, and the panel names them all.
+Moving parts are warm and fixed parts blue; regions have the colours in between. Neighbouring colours also
+differ in lightness, and the panel names all parts.
 """
 
 import numpy as np

@@ -26,7 +26,7 @@ class ProgressLine:
     Parameters
     ----------
     iterations : int or None
-        How many there will be, where that is known.
+        Number of all iterations, if known.
     """
 
     def __init__(self, iterations: int | None = None) -> None:

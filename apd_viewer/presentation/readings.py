@@ -20,7 +20,7 @@ from apd_viewer.presentation.number_format import (
     format_signed,
     format_significant,
 )
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.status_text import caps_phrase
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def area_percent(state: State) -> str:
 
 
 def area(state: State, unit: Unit) -> str:
-    """Current and rest area."""
+    """Text of the current area and the rest area."""
     return _now_and_rest(state.frame.area, state.inspection.area, unit, 2)
 
 
@@ -57,9 +57,9 @@ def _now_and_rest(now: float, rest: float, unit: Unit, power: int) -> str:
 
 
 def area_verdict(state: State) -> str:
-    """Change of the total area, compared with its target."""
+    """Text of the change of the total area, compared with its target."""
     document, change = state.document, format_signed(100 * state.frame.area_error, 3)
-    asked = kept_percentages(document)[0]
+    asked = goal_percentages(document)[0]
     if asked is None:
         return f"{change} %"
     wanted = asked / 100.0
@@ -97,17 +97,17 @@ def distances(found: SurfaceDistance | None, unit: Unit, size: float) -> tuple[s
 
 
 def local_change(state: State) -> str:
-    """Largest local area change."""
+    """Text of the largest local area change."""
     return f"{format_short(100 * _rounded(state.frame.local_change))} %"
 
 
 def largest_edge_strain(state: State) -> str:
-    """Strain of the most stretched or shortened edge, with its sign."""
+    """Text of the strain of the most stretched or shortened edge, with its sign."""
     return f"{format_short_signed(100 * _rounded(state.frame.largest_edge_strain))} %"
 
 
 def mean_edge_strain(state: State) -> str:
-    """Mean absolute strain of the edges."""
+    """Text of the mean absolute strain of the edges."""
     return f"{format_short(100 * _rounded(state.frame.mean_edge_strain))} %"
 
 
@@ -124,7 +124,7 @@ class VolumeReadingText(NamedTuple):
 
 
 def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]:
-    """Current and rest volume; with capped openings for an open surface."""
+    """Texts of current and rest volume; openings of an open surface are capped."""
     if rest.volume_capped is None:
         return frame.volume, rest.volume
     return frame.volume_capped, rest.volume_capped
@@ -175,7 +175,7 @@ def contact(state: State, unit: Unit) -> ContactReadingText:
 
 
 def compactness_text(state: State) -> tuple[str, str]:
-    """Compactness of a closed shape, and its change."""
+    """Text of the compactness of a closed shape, and its change."""
     rest, now = state.inspection, state.frame
     if not rest.volume or now.volume is None or not now.area > 0.0:
         return NO_VALUE, ""
@@ -184,7 +184,7 @@ def compactness_text(state: State) -> tuple[str, str]:
 
 
 def extent(found: ShapeCheck | None, unit: Unit) -> str:
-    """Side lengths of the axis-aligned bounding box."""
+    """Text of the side lengths of the axis-aligned bounding box."""
     if found is None or math.isnan(found.packed):
         return PENDING if found is None else NO_VALUE
     return unit.format_length(" × ".join(format_short(side) for side in found.size))
@@ -247,7 +247,7 @@ def drift(state: State, unit: Unit) -> str:
 def motion(state: State, k: int, unit: Unit) -> str:
     """Displacement, rotation and scale of a handle from rest, where not trivial.
 
-    While contact lets it lag behind, what it was asked for and what it has reached.
+    Both the requested and the reached motion while contact delays the handle.
     """
     document, frame = state.document, state.frame
     if not document.label_counts[HANDLE + k]:
@@ -315,7 +315,7 @@ def _amounts(document: Document, k: int, unit: Unit, size: float) -> _Amounts:
 def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool]:
     """Total rotation in degrees, and a flag for a twist.
 
-    A twist has the sign that it was typed with: that about the line from the base to the handle.
+    A twist has the sign as typed, about the line from the base to the handle.
     """
     handle = document.handles[k]
     rotation, lines = handle.rotation, [] if handle.former_twist_axis is None else [handle.former_twist_axis]
@@ -329,7 +329,7 @@ def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
-    """Area of each region, in percent of its rest area and in square units."""
+    """Text of each region's area, in percent of its rest area and square units."""
     document, said = state.document, []
     rest, targets = document.rest_areas, [region.area for region in document.regions]
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):

@@ -24,7 +24,7 @@ from apd_viewer.presentation.number_format import (
     format_short,
     format_significant,
 )
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import held_turn_phrase
@@ -52,7 +52,7 @@ class ReportReadings:
     Attributes
     ----------
     file : Fingerprint or None
-        None where the mesh came from no file.
+        Fingerprint of the mesh file, if there is one.
     session : bytes
         A session with all of it, as a file; empty where it is too long.
     target_distances : dict of str to float, or None
@@ -131,7 +131,7 @@ _RIGID = 1e-9  # smaller deviations of a pose's scale from 1 are rounding
 def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
     """Blocks on the method and all settings."""
     document, settings = state.document, state.document.settings
-    area, volume, *_ = kept_percentages(document)
+    area, volume, *_ = goal_percentages(document)
     values = {**vars(settings), "area": area, "volume": volume}
     rows = [
         row

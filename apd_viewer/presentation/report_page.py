@@ -40,7 +40,7 @@ class ReportSubject:
     shape_check, rest_check : ShapeCheck
         Of the shape, and of the mesh at rest.
     requested_at : datetime
-        When it was asked for.
+        Time of the request.
     """
 
     state: State

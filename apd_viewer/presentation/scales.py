@@ -48,9 +48,9 @@ class ScaleKind(Enum):
 class MeasureTraits(NamedTuple):
     """Title, tooltip and computation of a measure.
 
-    ``values(deviation, U, is_cancelled)`` are those (n,) at the vertices of a shape ``U`` (n, 3); None if
-    ``is_cancelled()`` has ended a measure that takes long. The ``note`` is written below the colours,
-    ``missing_note`` in its place where no vertex has a value.
+    ``values(deviation, U, is_cancelled)`` gives the values (n,) at the vertices of a shape ``U`` (n, 3); None
+    if ``is_cancelled()`` has ended a slow measure. The ``note`` is written below the colours, or
+    ``missing_note`` if no vertex has a value.
     """
 
     title: str
@@ -210,11 +210,11 @@ class Scale:
     Attributes
     ----------
     reach : float
-        The end of the scale: of a ratio what is gained there, 0.1 for 10 %, at the other end the ratio is one
-        over that; else a length or a curvature, in mesh units.
+        End of the scale: for ratios the relative gain, 0.1 for 10 %, with the inverse ratio at the other end;
+        otherwise a length or a curvature, in mesh units.
     neutral : float
-        Up to where a change counts for none, in the same way; 0 where there is no sign. At most half of the
-        reach: of what counts for none nothing may be at the ends, where the colours are strongest.
+        Largest change displayed as none, in the same form; 0 for values without a sign. At most half of the
+        reach, so that no negligible change lies near the ends, where the colours are strongest.
     """
 
     measure: Measure
@@ -242,7 +242,7 @@ class Scale:
     def fitted_to(self, span: tuple[float, float], size: float = 1.0) -> Scale:
         """Scale fitted to the largest absolute value of a span.
 
-        Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
+        A span of rounding errors on a mesh of this ``size`` leaves the scale unchanged.
         """
         reach = max(map(abs, span))
         if self.measure.traits.kind is ScaleKind.RATIO:

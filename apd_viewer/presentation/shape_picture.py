@@ -1,8 +1,8 @@
 """Small pictures of shapes, rasterized in memory without OpenGL or a window.
 
-Each triangle is divided into the rows of pixels that it covers, and of each pixel the nearest triangle is
-kept; colours and light follow once this is known. All is done for many triangles at a time, in portions of a
-fixed size, so that memory is bounded whatever the mesh. The same shape gives the same picture.
+Each triangle is divided into rows of covered pixels, and the nearest triangle at each pixel is found; colours
+and light are computed for the visible triangles only. Triangles are processed in batches of a fixed size, so
+that memory is bounded for any mesh. The same shape gives the same picture.
 """
 
 import math
@@ -54,7 +54,7 @@ def shape_picture(
     size : int
         Longer side of each, pixels.
     view_direction, up : (float, float, float)
-        From the shapes to the viewer, and what is up.
+        Direction from the shapes to the viewer, and up direction.
 
     Returns
     -------
@@ -167,7 +167,7 @@ def _concatenated_ranges(first: int, low: np.ndarray, high: np.ndarray) -> tuple
 def _spans(corners: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """First column of each triangle (r, 3, 3) at height ``y``, and one past its last.
 
-    Columns count by their middle, and ends are half open: of triangles with a common edge one has each pixel.
+    Columns are tested at their middle, with half-open ends: triangles with a common edge share no pixel.
     """
     left, right = np.full(len(y), np.inf), np.full(len(y), -np.inf)
     for k in range(3):

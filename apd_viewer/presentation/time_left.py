@@ -1,8 +1,8 @@
 """Estimate of the time until convergence, from the decay of the solver's measure.
 
-The measure falls geometrically, but for bumps where the surface buckles: a straight line through its
-logarithm over time, fitted to the recent half of a descent, tells when it is at its tolerance. Where the line
-does not fall clearly the time is not known, but for what the solver itself expects before its descent.
+The measure falls geometrically, except for bumps when the surface buckles: a line fitted to its logarithm in
+the recent half of a descent predicts the time at which it reaches its tolerance. If the line does not clearly
+fall, the time is unknown, unless the solver itself gave an estimate before its descent.
 """
 
 import math
@@ -24,12 +24,12 @@ _STEPS = ((60.0, 5.0), (120.0, 15.0), (3600.0, 60.0))
 class TimeLeftEstimate:
     """Smoothed estimate of the time of convergence.
 
-    Moments are seconds by one clock. Every motion has a forecast of its own.
+    Moments are seconds of one clock. Each motion needs a new estimate.
 
     Parameters
     ----------
     moment : float
-        When the solver began.
+        Start of the solver.
     """
 
     def __init__(self, moment: float) -> None:

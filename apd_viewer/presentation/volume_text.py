@@ -45,7 +45,7 @@ def volume_rows(
     Parameters
     ----------
     density : float or None
-        That of the material, g/cm³.
+        Density of the material, g/cm³.
     bag : float
         Litres.
     """
@@ -253,9 +253,9 @@ def bulk_density(density: float | None, readings: VolumeReadings, packing: float
     Parameters
     ----------
     density : float or None
-        That of the material, g/cm³.
+        Density of the material, g/cm³.
     packing : float
-        Share of the bag that the hulls fill.
+        Volume fraction of the hulls in the bag.
     """
     bulk = readings.hull.bulk(packing)
     if density is None or readings.material is None or not bulk > 0.0:

@@ -1,7 +1,7 @@
 """Autosave of unsaved work after every finished step, for recovery after a crash.
 
-It is safe from the end of this program as soon as the file is in its place, and from that of the power once
-it has been flushed.
+It survives the end of this program as soon as the file is in its place, and a power failure once it has been
+flushed.
 """
 
 import logging
@@ -25,7 +25,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.state_store import Activity, Listener, StateStore
-from apd_viewer.session.storage.recovery_file import RecoveryFile, claim_path, make_private, remove_with_lock
+from apd_viewer.session.storage.recovery_file import RecoveryFile, claim_path, make_private, remove_and_unlock
 from apd_viewer.session.storage.session_file import save_session
 
 # A step waits until its copy is written: 5 ms, or 0.1 s for a million vertices. If writing takes longer
@@ -145,7 +145,7 @@ class AutosaveWriter:
     Parameters
     ----------
     folder : Path
-        Made when it is needed.
+        Folder of the file, created if missing.
     wake : callable
         Called on the thread when there is a failure to take.
     """
@@ -169,8 +169,8 @@ class AutosaveWriter:
     def put(self, copy: AutosaveCopy | None, patience: float = 0.0) -> None:
         """Queue ``copy``, replacing any other in the queue; None removes the file.
 
-        Returns once that is done, but after ``patience`` seconds at the latest, and at once where the one
-        before took longer than that.
+        Returns when it is written, after ``patience`` seconds at the latest, and at once if the previous
+        write took longer than that.
         """
         with self._doing:
             self._asked += 1
@@ -246,7 +246,7 @@ class AutosaveWriter:
 
     def _remove(self) -> None:
         if self._mine is not None:
-            remove_with_lock(*self._mine)
+            remove_and_unlock(*self._mine)
             self._mine = None
 
     def _write(self, copy: AutosaveCopy) -> Path:

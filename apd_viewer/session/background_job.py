@@ -31,11 +31,11 @@ class Job:
     Parameters
     ----------
     title : str
-        What is being done, for people: "Opening bunny.obj".
+        Title for the user: "Opening bunny.obj".
     on_done : callable
         Called by the owner with the value, on the owner's thread.
     can_be_cancelled : bool
-        Whether the owner may forget it: what writes is to be whole.
+        Whether the owner may discard it; a write must be completed.
     """
 
     def __init__(

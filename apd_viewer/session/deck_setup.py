@@ -121,7 +121,7 @@ def _regions(document: Document, used: np.ndarray) -> list[DeckRegion]:
 def deck_wall(text: WallText, unit: Unit, size: float) -> DeckWall:
     """Wall in the units of a deck, with comments on default values.
 
-    They are consistent: the mesh unit, newtons and seconds.
+    The units are consistent: the mesh unit, newtons and seconds.
 
     Parameters
     ----------

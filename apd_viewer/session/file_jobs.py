@@ -71,8 +71,8 @@ class FileJobs:
     ) -> None:
         """Run ``load()`` in the background and open its result.
 
-        ``path`` is the session file that it is in; ``is_saved`` is False for work in no file. ``is_named``
-        tells that the name of its mesh does not say what it is.
+        ``path`` is its session file; ``is_saved`` is False for work without a file. ``is_named`` is True for
+        a title other than the name of the mesh.
         """
         title = tr("Opening {name}").format(name=name)
 
@@ -146,7 +146,7 @@ class FileJobs:
     def export_timeline(self, path: str | Path, timeline: Timeline, newtons: Sequence[float]) -> None:
         """Export a timeline as a table or an animation, in the background.
 
-        ``newtons`` are those per load, for each step; NaN where unknown.
+        ``newtons`` are newtons per load at each step; NaN if unknown.
         """
         path = Path(path)
 
@@ -196,7 +196,7 @@ class FileJobs:
             ``on_file_changed(file)``: somebody else has changed the file, and nothing was written. None
             says so in a sentence.
         replaceable : KnownFile or None
-            What may be replaced besides: such a file.
+            Known file that may be replaced, instead of the session file of the displayed mesh.
         """
         path, state = Path(path), self._gestures.state_before or self._store.required_state()
         known = replaceable or self._saved_work.known_file_at(path)

@@ -19,7 +19,7 @@ class Gestures:
     Attributes
     ----------
     state_before : State or None
-        Where the gesture under way began.
+        State at the start of the current gesture.
     """
 
     def __init__(self, store: StateStore, listener: Listener) -> None:

@@ -41,7 +41,7 @@ class HandleEditor(DocumentEditor):
     def end_drag(self, k: int = 0) -> None:
         """End the drag of a handle; solve along its path after half a turn or more.
 
-        The hand came there at its own pace, and a shape with many minima would tell.
+        Otherwise the shape would depend on the pace of the drag if it has many minima.
         """
         before, document = self._gestures.state_before, self._store.required_state().document
         if before is not None:  # another mesh may have ended the drag
@@ -69,7 +69,7 @@ class HandleEditor(DocumentEditor):
         amount = kind.parse(
             unambiguous_text(text), self._store.unit, document.mesh.named_lengths, now.at_rest
         )
-        amount = kind.remaining(amount, motion, now) if is_total else amount
+        amount = kind.remaining_amount(amount, motion, now) if is_total else amount
         return motion_path.MotionStep(k, motion, (amount,), line)
 
     def move_by(
@@ -101,7 +101,7 @@ class HandleEditor(DocumentEditor):
     def solve_poses(self, document: Document) -> None:
         """Solve a document, along the handle paths if they include half a turn or more.
 
-        Anew too if they wound before: the shortest way back would leave the shape wound by a full turn.
+        Also if they did so before: the shortest way back would leave the shape twisted by a full turn.
         """
         before = self._store.required_state().document
         regripped = document.grip is not before.grip

@@ -11,7 +11,7 @@ from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import next_name, unique_name, without_holds
+from apd_viewer.session.model.document_parts import next_name, unique_name, without_base_and_handles
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
 from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS, plate_pair
 from apd_viewer.session.model.state import State
@@ -26,7 +26,7 @@ _SAME = 1e-9
 class ObstacleEditor(DocumentEditor):
     """Editor of the obstacles of the document; each change is an undo step.
 
-    Obstacles push by contact, which is turned on with the first of them.
+    Obstacles act by contact, which is turned on with the first obstacle.
     """
 
     # Adding obstacles
@@ -53,7 +53,7 @@ class ObstacleEditor(DocumentEditor):
     def add(self, obstacle: NamedObstacle, thickness: float | None = None) -> int | None:
         """Add an obstacle with a unique name and turn on contact; return its index.
 
-        None, and a sentence to the listener, where that is not possible.
+        If that is impossible, returns None and sends a sentence to the listener.
         """
         title = tr("Add {name}").format(name=self._with_new_name(obstacle).name)
         return self._add(title, (self._with_new_name(obstacle),), thickness)
@@ -74,16 +74,16 @@ class ObstacleEditor(DocumentEditor):
         )
 
     def put_press(self, axis: np.ndarray, thickness: float | None = None, **settings: Any) -> int | None:
-        """Put two plates on both sides that press a mesh without base and handles.
+        """Put a plate on either side to press a mesh without base and handles.
 
-        A pair of plates that is there goes; walls without stiffness, which would crumple, get one.
+        Replaces the last pair of facing plates; walls without stiffness, which would crumple, get one.
 
         Parameters
         ----------
         settings
             Changed as well.
         """
-        document = without_holds(self._gestures.state_without_gesture().document)
+        document = without_base_and_handles(self._gestures.state_without_gesture().document)
         pair = plate_pair(document)
         kept = tuple(each for k, each in enumerate(document.obstacles) if pair is None or k not in pair[:2])
         stiffness = document.settings.stiffness or PROPOSED_STIFFNESS

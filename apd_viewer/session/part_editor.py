@@ -122,7 +122,7 @@ class Painting(DocumentEditor):
     def paint_region(self, ids: np.ndarray, number: int) -> None:
         """Assign vertices ``ids`` to region ``number`` (from 1; 0 erases) in a gesture.
 
-        One number past the last makes a region: the first stroke needs none to be there.
+        The first number past the last creates a region, for a first stroke without any.
         """
         state = self._store.required_state()
         if self._gestures.state_before is not None:

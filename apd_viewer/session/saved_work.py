@@ -23,11 +23,11 @@ class SavedDocument(NamedTuple):
     Attributes
     ----------
     file : KnownFile or None
-        None where it came from a mesh and has never been saved.
+        Session file; None for a mesh that was never saved.
     embeds_mesh : bool
         Whether the file has a copy of the mesh.
     title : str
-        Of what was opened, such as the case of a study; empty where session or mesh tell.
+        Title of an opened case or the like; empty to use the names of session and mesh.
     """
 
     document: Document
@@ -39,8 +39,8 @@ class SavedDocument(NamedTuple):
 class SavedWork:
     """Record of saved documents and of changes to their files.
 
-    The shape is no work of its own: it follows from the document. Undo leads back to other meshes, so the
-    last saved document of each opened mesh is kept; baking makes another mesh with the same triangles.
+    The shape is not work by itself, since it follows from the document. Undo can return to earlier meshes, so
+    the last saved document of each opened mesh is kept; baking makes another mesh with the same triangles.
     """
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:

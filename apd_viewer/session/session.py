@@ -1,6 +1,6 @@
 """Session: one open mesh and its workers, without a window.
 
-All methods, of the parts too, are called on one thread.
+All methods, including those of the parts, are called on one thread.
 """
 
 import time

@@ -1,7 +1,7 @@
 """The displayed state, and the solver's activity on its shape.
 
-All methods are called on the owner's thread. Whatever happens ends in one replacement of the state, which
-tells the one listener what was and what is; it compares by identity and shows what differs.
+All methods are called on the owner's thread. Every event results in one replacement of the state, reported to
+the listener with the old and the new state; it compares by identity and displays the differences.
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ class StateStore:
     state : State or None
         None until a mesh is open.
     trace : Trace
-        The readings on the way to the shape on screen.
+        Trace of readings up to the displayed shape.
     unit : Unit
         Of the lengths of the mesh.
     silence_text : str
         Sentence on a solver that does not answer; empty while it does.
     compiled_share : float or None
-        Share of the kernels compiled for this computer; None if not yet known.
+        Fraction of the kernels compiled for this computer; None if unknown.
     """
 
     def __init__(self, listener: Listener, worker: SolverWorker) -> None:
@@ -84,7 +84,7 @@ class StateStore:
     def is_previewing(self) -> bool:
         """True while the first shape waits for the compilation of kernels.
 
-        So far it is known only where the handles are to be.
+        Until then, only the targets of the handles are known.
         """
         return self.is_preparing and self.compiled_share is not None and self.compiled_share < 1.0
 
@@ -102,7 +102,7 @@ class StateStore:
     def jump_to(self, state: State, from_grip: bool = False) -> None:
         """Replace the state, and discard pending frames of the previous one.
 
-        What is left to iterate begins with its shape, or ``from_grip`` with that at the grip.
+        The next iterations start from its shape, or from the grip shape with ``from_grip``.
         """
         if self.state is None or state.document.mesh is not self.state.document.mesh:
             self._warned = None

@@ -18,13 +18,13 @@ _RETRIES = 5
 class TimelinePlayer:
     """Player of documents one after another, each until its shape is at rest.
 
-    The solver that follows a drag follows them too, and whatever else changes the document ends the motion.
-    Once there is a timeline, plates moved by hand add to it as well.
+    The solver of a drag also solves these documents; any other change of the document ends the motion.
+    Plates moved by hand are added to an existing timeline as well.
 
     Attributes
     ----------
     timeline : Timeline
-        What was come to.
+        Steps recorded so far.
     done, count : int
         Steps that are done, and all steps, of the motion under way or the last one.
     """
@@ -50,7 +50,7 @@ class TimelinePlayer:
     # Motions
 
     def begin(self) -> None:
-        """Begin a run at the current state, for what comes of it by hand."""
+        """Begin a run at the current state, for motions by hand."""
         self.timeline = self.timeline.begun_at(self._gestures.state_without_gesture())
         self._listener.status_changed()
 
@@ -64,7 +64,7 @@ class TimelinePlayer:
         self._store.solve(self._ahead[0])
 
     def stop(self) -> None:
-        """End the motion under way; its present step comes to rest and is the last one."""
+        """End the motion under way once its current step has come to rest."""
         if self._ahead:
             self._ahead = self._ahead[: 2 if self._ahead[0] is self._detour else 1]
             self.count = self.done + 1
@@ -78,7 +78,7 @@ class TimelinePlayer:
         self._listener.status_changed()
 
     def follow_state(self) -> None:
-        """End the motion where something else has changed the document."""
+        """End the motion if something else has changed the document."""
         if self._ahead and self._store.required_state().document is not self._ahead[0]:
             self._ahead = ()
             self._listener.status_changed()
@@ -130,7 +130,7 @@ class TimelinePlayer:
             self._listener.status_changed()
 
     def _is_moved_by_hand(self, state: State) -> bool:
-        """True if plates came to rest at a place that is not on the timeline."""
+        """True if the plates came to rest at a position not on the timeline."""
         if not self.timeline.is_of(state.document) or plate_pair(state.document) is None:
             return False
         moved = state.document.obstacles is not self.timeline.steps[-1].state.document.obstacles
@@ -155,6 +155,6 @@ class TimelinePlayer:
 
     @property
     def shown(self) -> int | None:
-        """Number of the step on screen; None if it is another shape."""
+        """Number of the displayed step; None for any other shape."""
         state = self._store.state
         return None if state is None else self.timeline.index_of(state)

@@ -120,7 +120,7 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
     ----------
     mesh : Mesh, pyvista.PolyData, trimesh.Trimesh, path or None
     shows_errors : bool
-        Whether the window says what is wrong with a file, where there is a display.
+        Whether to report an unusable file in the window, given a display.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def run(mesh: object = None, shows_errors: bool = False) -> None:
     limit_threads(PreferenceValues(settings)[THREADS])
     shell = Shell(settings)
     if shown is None:
-        shell.canvas.show_opening_mesh(*open_sample("bottle"))
+        shell.canvas.show_loading_mesh(*open_sample("bottle"))
         shell.requests.open_sample("bottle")
     elif isinstance(shown, Mesh):
         shell.requests.show_mesh(shown)

@@ -36,8 +36,8 @@ def has_display() -> bool:
 def display_connection() -> Iterator[None]:
     """Context manager keeping a display available until Qt connects to it.
 
-    The platform that Qt tries first is tried here, in milliseconds. Only where that fails, Qt itself is
-    tried in a process of its own: it may find another one.
+    The platform that Qt tries first is tested here, in milliseconds. Only if that fails, Qt itself is started
+    in another process: it may find another platform.
 
     Raises
     ------

@@ -10,8 +10,8 @@ INTERVAL = 500  # ms between two checks
 class GuiThreadGC(QObject):
     """Collect cyclic garbage from a timer of the GUI thread.
 
-    Python collects on whichever thread happens to allocate. A QTimer that dies on a worker thread
-    takes the process with it.
+    Python collects garbage on any allocating thread. A QTimer destroyed on a worker thread would crash the
+    process.
     """
 
     def __init__(self, parent: QObject | None = None) -> None:

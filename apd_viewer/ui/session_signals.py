@@ -141,7 +141,7 @@ def connect_canvas(
 ) -> None:
     """Connect painting and dragging on the canvas; each drag is one undo step.
 
-    ``show_message`` says a sentence to the user, ``prompt`` what is to be done next, or nothing any more.
+    ``show_message`` shows a sentence to the user, ``prompt`` an instruction, or none if empty.
     """
     loop = canvas.selectors[SelectionMode.LOOP]
     assert isinstance(loop, ClickTool)

@@ -25,8 +25,8 @@ from apd_viewer.ui.widgets.wheel import ignore_wheel
 class Shell(QtWidgets.QMainWindow):
     """Main window: canvas in the middle, tools on the left, readings on the right.
 
-    It needs no session, nor the libraries of a session, so that it can be shown at once. The camera can be
-    turned and files can be requested; all else takes a :class:`~apd_viewer.ui.workbench.Workbench`.
+    Without a session and its libraries, so that it can be shown at once. The camera can be moved and files
+    can be requested; everything else needs a :class:`~apd_viewer.ui.workbench.Workbench`.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Shell(QtWidgets.QMainWindow):
         toggles = self.docks.toggles
         self.menus = WindowMenus(self, self.requests, self._take, self.canvas.frame_mesh, toggles)
         self.preferences.restore_layout(self)
-        for name in ("study", "timeline"):  # no study is open yet, and nothing was pressed
+        for name in ("study", "timeline"):  # without contents until a study or a press
             self.docks[name].hide()
         values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
         self.canvas.choose_mode(values[SELECTION_MODE])
@@ -210,7 +210,7 @@ class HistoryList(QtWidgets.QListWidget):
     Attributes
     ----------
     chosen : Signal(int)
-        How many steps are to be done from now on, from 0.
+        Number of steps to be done from then on, from 0.
     """
 
     chosen = Signal(int)

@@ -35,7 +35,7 @@ from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.scene.scene_picture import small_picture
 from apd_viewer.ui.settings_page import settings_dialog
 from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
-from apd_viewer.ui.settings_page.settings_dialog import SettingsPage
+from apd_viewer.ui.settings_page.settings_dialog import SettingsDialogOpener
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.simulate.press_controller import PressController
@@ -97,7 +97,7 @@ class Workbench(QObject):
         shell, canvas, memory = self.shell, self.canvas, self.preferences
         session, notice = self.session, self.notice
         self.units = Units(memory, lambda: memory.values[UNIT])
-        self.settings_page = SettingsPage(shell, memory.values, lambda: self.help.open_sheet())
+        self.settings_page = SettingsDialogOpener(shell, memory.values, lambda: self.help.open_sheet())
         self.volume = VolumeController(
             self.panel, self.findings, memory, self.display_options.overlay, session
         )
@@ -213,7 +213,7 @@ class Workbench(QObject):
         signals = self.signals
         signals.woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         signals.changed.connect(self._show)
-        signals.changed.connect(self.motion_preview.follow)
+        signals.changed.connect(self.motion_preview.follow_document)
         signals.status_changed.connect(self.files.show_title)
         signals.status_changed.connect(self.target.refresh)
         signals.status_changed.connect(self._show_status)
@@ -310,9 +310,9 @@ class Workbench(QObject):
 
     def _show(self, old: State | None, new: State) -> None:
         document = new.document
-        self.parts.follow(None if old is None else old.document, document)
+        self.parts.follow_document(None if old is None else old.document, document)
         self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
-        self.display_options.follow(new)
+        self.display_options.follow_state(new)
         if old is None or old.document.mesh is not document.mesh:
             self.findings.show_mesh_findings(new.inspection.findings)
             if old is None or old.document.mesh.F is not document.mesh.F:
@@ -321,7 +321,7 @@ class Workbench(QObject):
         self.symmetry.refresh()
         if old is None or old.document is not document:
             self.poses.refresh()
-            self.actions_.follow(document)
+            self.actions_.follow_document(document)
         self.volume.follow(old, new)
         self.actions_.pose.show_symmetry(document.mirror_axis is not None)
         self.plots.refresh()
@@ -365,9 +365,9 @@ class Workbench(QObject):
         self.panel.show_status(session)
         self.empty_state.setVisible(state is None and session.jobs.current is None)
         self.status.show_session(session)
-        self.next_step.follow(session.store)
-        self.notice.show_lasting_failure(session.store.silence_text)
-        self.recovery.follow(session)
+        self.next_step.follow_store(session.store)
+        self.notice.show_persistent_failure(session.store.silence_text)
+        self.recovery.follow_session(session)
         self.help.refresh()
 
     def _show_tool(self, tool: Tool) -> None:

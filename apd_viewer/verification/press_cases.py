@@ -96,8 +96,8 @@ def _cylinder(n: int, _: bool) -> CaseResults:
         poisson=_POISSON,
         convergence=Convergence(energy_tolerance=1e-10, imperfection=0.0),
     )
-    classical = 4.0 * np.pi * np.sqrt(material.plate_rigidity * material.young)
-    shortening = classical / (2.0 * np.pi * material.young) * height
+    classical = 4.0 * np.pi * np.sqrt(material.plate_rigidity * material.tensile_stiffness)
+    shortening = classical / (2.0 * np.pi * material.tensile_stiffness) * height
     strains, energies = [0.0], [0.0]
     for strain in _STRAINS:
         solver.aim(V[solver.fixed] * [1.0, 1.0 - strain * shortening / height, 1.0])

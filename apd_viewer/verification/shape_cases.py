@@ -200,7 +200,7 @@ def _catenoid_curve() -> np.ndarray:
 
 _SHORTEST_BAND = float(np.sqrt(3.0))  # of a smooth band of paper, length / width
 _BAND_LENGTHS, _BAND_THICKNESS, _BAND_GAP = (3.0, 1.6), 0.005, 0.02  # widths
-_STRETCHED = 1e-3  # mean area change that paper does not bear
+_STRETCHED = 1e-3  # mean area change beyond the limit of paper
 
 
 def _band_path(V: np.ndarray, length: float) -> np.ndarray:

@@ -82,7 +82,7 @@ def run_cases(
     ----------
     cases : sequence of VerificationCase
     tick : callable
-        Called before each resolution with the share of the work that is done, and the title of the case.
+        Called before each resolution with the finished fraction of the work, and the title of the case.
     """
     weights = [_weights(case) for case in cases]
     whole, done = max(1.0, sum(map(sum, weights))), 0.0

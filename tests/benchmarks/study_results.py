@@ -121,7 +121,7 @@ def main():
         gaps.measure(
             "read again",
             lambda: cases.folder_watch.watch_folder(folder),
-            lambda: not cases.folder_watch._task.busy,
+            lambda: not cases.folder_watch._task.is_busy,
         )
         print(f"{memory() - before:.0f} MiB more at the end", flush=True)
         window.shell.close()

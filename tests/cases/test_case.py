@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from meshes import box, ends
 
-from apd_viewer.cases.case import case_of, cases_by_method, run
+from apd_viewer.cases.case import case_of, case_steps, cases_by_method
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
@@ -31,14 +31,14 @@ def bar():
 def swept(document, steps, last_share=1.0, methods=COMPARED_METHODS, **limits):
     """The steps by each of the methods."""
     cases = cases_by_method(case_of(document, steps, last_share, **limits), methods)
-    return [step for case in cases for step in run(case)]
+    return [step for case in cases for step in case_steps(case)]
 
 
 def held_at(document, step):
     return step.frame.U[document.labels == 2]
 
 
-def test_run_holds_the_handle_at_each_step_at_its_part_of_the_motion(bar):
+def test_case_steps_holds_the_handle_at_each_step_at_its_part_of_the_motion(bar):
     found = swept(bar.with_pose(0, BENT), 4, methods=["arap", "exact"])
     assert [(step.method, step.share) for step in found] == [
         (method, part) for method in ("arap", "exact") for part in (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -53,7 +53,7 @@ def test_run_holds_the_handle_at_each_step_at_its_part_of_the_motion(bar):
     np.testing.assert_allclose(found[0].frame.U, bar.mesh.V, atol=1e-12)
 
 
-def test_run_is_not_changed_by_contact_before_anything_touches(bar):
+def test_case_steps_is_not_changed_by_contact_before_anything_touches(bar):
     bent = bar.with_pose(0, BENT)
     apart, passing = (swept(bent.with_settings(contact=on), 3, methods=["exact"]) for on in (True, False))
     assert [step.frame.contact.pairs for step in apart] == [0, 0, 0, 0]
@@ -61,7 +61,7 @@ def test_run_is_not_changed_by_contact_before_anything_touches(bar):
         np.testing.assert_allclose(one.frame.U, other.frame.U, atol=1e-6)
 
 
-def test_run_has_the_readings_of_its_shapes(bar):
+def test_case_steps_has_the_readings_of_its_shapes(bar):
     for step in swept(bar.with_pose(0, BENT), 3, methods=["arap", "paper"]):
         shape = trimesh.Trimesh(step.frame.U, bar.mesh.F, process=False)
         assert shape.area == pytest.approx(step.frame.area, rel=1e-12)
@@ -69,7 +69,7 @@ def test_run_has_the_readings_of_its_shapes(bar):
         assert step.volume_error == pytest.approx(shape.volume / 24 - 1, abs=1e-12)
 
 
-def test_run_lets_each_method_do_what_it_is_for(bar):
+def test_case_steps_lets_each_method_do_what_it_is_for(bar):
     found = swept(bar.with_pose(0, BENT), 4)
     error = {
         m: max(abs(s.frame.area_error) for s in found if s.method == m) for m in ("arap", "paper", "exact")
@@ -82,7 +82,7 @@ def test_run_lets_each_method_do_what_it_is_for(bar):
     assert all(np.array(energies["arap"]) <= np.array(energies["exact"]) * (1 + 1e-6) + 1e-12)
 
 
-def test_run_ends_a_step_where_it_would_end_from_rest(bar):
+def test_case_steps_ends_a_step_where_it_would_end_from_rest(bar):
     """In so mild a motion there is one shape of least energy, whichever way leads to it."""
     held = bar.with_pose(0, BENT).constraints()
     direct = deform(bar.mesh.V, bar.mesh.F, held.fixed, held.targets, "arap", handle=held.handles)
@@ -90,10 +90,10 @@ def test_run_ends_a_step_where_it_would_end_from_rest(bar):
     assert last.energy == pytest.approx(direct.energy, rel=1e-4)
 
 
-def test_run_of_a_twist_goes_past_half_a_turn(bar):
+def test_case_steps_of_a_twist_goes_past_half_a_turn(bar):
     twist = [MotionStep(0, MOTIONS["TWIST"], (np.pi,))]
     case = case_of(bar.with_settings(method="arap"), 4, 1.5, motion=twist)
-    found = list(run(case))
+    found = list(case_steps(case))
     assert case.abscissa == "degrees"
     assert [step.degrees for step in found] == pytest.approx([0, 67.5, 135, 202.5, 270])
     X = bar.mesh.V[bar.labels == 2] - [1, 1, 0]
@@ -110,14 +110,14 @@ def test_abscissa_is_what_tells_the_steps_apart(bar):
         assert case_of(bar.with_pose(0, pose), 2).abscissa == kind
 
 
-def test_run_takes_at_no_step_more_iterations_than_it_may(bar):
+def test_case_steps_takes_at_no_step_more_iterations_than_it_may(bar):
     document = bar.with_pose(0, BENT).with_settings(contact=False)
     found = swept(document, 3, methods=["exact"], iterations=2)
     assert all(step.frame.iteration <= 2 for step in found)
     assert not found[-1].frame.settled
 
 
-def test_run_ends_in_contact_with_the_shape_of_a_deformation_by_any_number_of_steps(bar):
+def test_case_steps_ends_in_contact_with_the_shape_of_a_deformation_by_any_number_of_steps(bar):
     document = bar.with_pose(0, BENT)
     held = document.constraints()
     alone = deform(bar.mesh.V, bar.mesh.F, held.fixed, held.targets, handle=held.handles, area=100.0)
@@ -127,9 +127,9 @@ def test_run_ends_in_contact_with_the_shape_of_a_deformation_by_any_number_of_st
         np.testing.assert_allclose(last.U, alone.U, atol=1e-7)  # as far as shapes at rest agree
 
 
-def test_run_ticks_never_go_back_and_can_end_it(bar):
+def test_case_steps_ticks_never_go_back_and_can_end_it(bar):
     case, ticks = case_of(bar.with_pose(0, BENT).with_settings(method="arap"), 3), []
-    list(run(case, ticks.append))
+    list(case_steps(case, ticks.append))
     assert ticks == sorted(ticks)
     assert 0.5 < ticks[-1] <= 1
 
@@ -137,7 +137,7 @@ def test_run_ticks_never_go_back_and_can_end_it(bar):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        next(run(case, stop))
+        next(case_steps(case, stop))
 
 
 WRONG = {
@@ -169,10 +169,10 @@ def test_case_of_says_what_cannot_be_swept(case, bar):
         act(bar)
 
 
-def test_run_says_at_each_step_what_turn_is_held(bar):
+def test_case_steps_says_at_each_step_what_turn_is_held(bar):
     turn = (MotionStep(0, MOTIONS["TWIST"], (np.radians(-400.0),)),)
     case = case_of(bar.with_settings(contact=False, method="arap"), 5, motion=turn)
-    steps = list(run(case))
+    steps = list(case_steps(case))
     assert [step.readings["turned"] for step in steps] == pytest.approx(
         [0.0, -80.0, -160.0, -240.0, -320.0, -400.0]
     )

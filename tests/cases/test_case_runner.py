@@ -47,7 +47,7 @@ class Pseudo:
             else:
                 future.set_result(found)
 
-    def check_workers(self):
+    def supervise_workers(self):
         pass
 
 

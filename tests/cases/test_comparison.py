@@ -68,7 +68,7 @@ def test_comparison_brings_each_method_to_what_it_comes_to_alone(begun, cold):
             area=102.0 if method in ("paper", "exact") else None,
         )
         frame = outcome.frame
-        assert outcome.finished
+        assert outcome.is_finished
         np.testing.assert_allclose(frame.U, alone.U, atol=1e-9)
         assert frame.iteration == alone.iterations
         assert frame.converged == alone.converged
@@ -138,9 +138,9 @@ def test_comparison_ends_its_process_with_the_last_method(begun, cold):
     assert threading.active_count() == threads
     comparison.set_methods(("arap", "paper"))
     assert comparison.current_method == "paper"
-    assert comparison.outcomes["arap"].finished
+    assert comparison.outcomes["arap"].is_finished
     finish(comparison)
-    assert comparison.outcomes["paper"].finished
+    assert comparison.outcomes["paper"].is_finished
     assert threading.active_count() == threads
 
 

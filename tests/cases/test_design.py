@@ -165,7 +165,7 @@ def test_design_table_varies_every_motion(name):
     kind = MOTIONS[name].kind
     given = GIVEN | {"motion": in_words(name, "{by}")}
     designs = [design_table(given, [parse_variable(f"by=1,{kind.example}")], GRID, 2, 0)]
-    if kind.is_one_amount:
+    if kind.takes_single_amount:
         designs.append(design_table(GIVEN, [parse_variable(f"{kind.word}=1,{kind.example}")], GRID, 2, 0))
     for names, rows in designs:
         motions = [row[names.index("motion")] for row in rows]

@@ -6,7 +6,7 @@ import trimesh
 from meshes import ends, tube
 
 from apd_viewer.cases import run_case as module
-from apd_viewer.cases.case import case_of, run as steps_of
+from apd_viewer.cases.case import case_of, case_steps as steps_of
 from apd_viewer.cases.case_file import case_path, case_to_bytes, write_case
 from apd_viewer.cases.run_case import CaseDocuments, case_session, run_case
 from apd_viewer.files.meshes import open_mesh

@@ -7,7 +7,7 @@ import matplotlib as mpl
 import pytest
 from matplotlib import font_manager
 
-from apd_viewer.figures.fonts import families, font_file
+from apd_viewer.figures.fonts import font_families, font_file
 from apd_viewer.figures.style import draw_figure
 
 
@@ -18,11 +18,11 @@ def system(monkeypatch):
     def fonts(*paths):
         monkeypatch.setattr(font_manager, "findSystemFonts", lambda: list(map(str, paths)))
         font_file.cache_clear()
-        families.cache_clear()
+        font_families.cache_clear()
 
     yield fonts
     font_file.cache_clear()
-    families.cache_clear()
+    font_families.cache_clear()
 
 
 @pytest.fixture
@@ -32,17 +32,17 @@ def font(tmp_path):
     return Path(shutil.copy(own, tmp_path / "msyh.ttf"))
 
 
-def test_families_are_the_same_everywhere_for_languages_in_latin_letters(system, font):
+def test_font_families_are_the_same_everywhere_for_languages_in_latin_letters(system, font):
     system(font)
     for language in ("en", "de"):
         assert font_file(language) is None
-        assert families(language) == ["DejaVu Sans"]
+        assert font_families(language) == ["DejaVu Sans"]
 
 
-def test_families_of_chinese_take_what_is_missing_from_a_font_of_the_system(system, font):
+def test_font_families_of_chinese_take_what_is_missing_from_a_font_of_the_system(system, font):
     system(font.with_name("arial.ttf"), font)
     assert font_file("zh_CN") == font
-    assert families("zh_CN") == ["DejaVu Sans", "DejaVu Serif"]
+    assert font_families("zh_CN") == ["DejaVu Sans", "DejaVu Serif"]
 
 
 def test_font_file_is_the_best_of_several(system, font):
@@ -51,10 +51,10 @@ def test_font_file_is_the_best_of_several(system, font):
     assert font_file("zh_CN") == best
 
 
-def test_families_of_chinese_are_those_of_all_on_a_system_without_chinese_fonts(system):
+def test_font_families_of_chinese_are_those_of_all_on_a_system_without_chinese_fonts(system):
     system()
     assert font_file("zh_CN") is None
-    assert families("zh_CN") == ["DejaVu Sans"]
+    assert font_families("zh_CN") == ["DejaVu Sans"]
 
 
 @pytest.mark.parametrize("name", [r"$\frac{$", r"a $ \b $"])

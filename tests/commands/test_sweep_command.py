@@ -288,7 +288,7 @@ def test_sweep_command_says_what_is_wrong_in_a_line_and_writes_nothing(case, bar
 def test_sweep_command_says_before_work_what_is_in_the_way_in_the_output(
     name, said, session, sweep, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(sweep_command, "run", lambda *_: pytest.fail("it has begun"))
+    monkeypatch.setattr(sweep_command, "case_steps", lambda *_: pytest.fail("it has begun"))
     (tmp_path / "out" / "b.gif").mkdir(parents=True)
     (tmp_path / "out" / "a").write_text("mine")
     status, _, err, _ = sweep(session, "--methods", "exact", "--animation", tmp_path / "out" / name)

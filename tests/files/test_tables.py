@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given, strategies as st
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.tables import cell_text, text_cell, write_table
+from apd_viewer.files.tables import escaped_cell, unescaped_cell, write_table
 
 SIGNS = "=+-@\N{FULLWIDTH EQUALS SIGN}\N{FULLWIDTH COMMERCIAL AT}"
 FORMULAS = ["=1+1", "+1+1", "-2+3+cmd|' /C calc'!A0", "@SUM(A1)", "\t=1+1", "\r=1+1", " =1+1"]
@@ -64,9 +64,9 @@ def is_number(text):
 @given(st.text(st.sampled_from("=+-@'; \t\r\n,1a.%\N{FULLWIDTH EQUALS SIGN}")) | st.text())
 @example("-1.5")
 @example("'=1+1")
-def test_text_cell_is_never_a_formula_and_comes_back(text):
-    cell = text_cell(text)
-    assert cell_text(cell) == text
+def test_escaped_cell_is_never_a_formula_and_comes_back(text):
+    cell = escaped_cell(text)
+    assert unescaped_cell(cell) == text
     if is_number(text):
         assert cell == text
     elif re.search("[^-+=@.,;%' \t\r\n0-9]", text):
@@ -80,10 +80,10 @@ def test_write_table_lets_a_formula_stay_text_in_the_file(tmp_path, text):
     with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as stream:
         lines = list(csv.reader(stream))
     assert not any(map(computed, (lines[0][0], lines[1][0])))
-    assert [cell_text(lines[0][0]), cell_text(lines[1][0])] == [text, text]
+    assert [unescaped_cell(lines[0][0]), unescaped_cell(lines[1][0])] == [text, text]
     assert [lines[1][1], lines[2][0]] == ["-1.5", "-1.5"]
 
 
 @pytest.mark.parametrize("text", ["no = formula", "twist 30deg; push 10%", "it's", "-20%", "+2.34 %", ""])
-def test_text_cell_writes_other_texts_as_they_are(text):
-    assert text_cell(text) == text
+def test_escaped_cell_writes_other_texts_as_they_are(text):
+    assert escaped_cell(text) == text

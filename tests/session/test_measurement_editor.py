@@ -9,7 +9,7 @@ from driven_session import BENT, VIEW
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.files.tables import cell_text
+from apd_viewer.files.tables import unescaped_cell
 from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
 from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
@@ -195,4 +195,4 @@ def test_measurement_words_keep_a_name_text_in_the_spreadsheet_it_is_copied_to(s
     session.measurements.rename(0, "=1+1\t@x")
     line = words.value_table(readings(session), Unit.MILLIMETRE).splitlines()[1]
     assert not [cell for cell in line.split("\t") if cell[:1] in ("=", "@")]
-    assert cell_text(line).startswith("=1+1\t@x\t")
+    assert unescaped_cell(line).startswith("=1+1\t@x\t")

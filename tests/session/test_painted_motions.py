@@ -8,7 +8,7 @@ from driven_session import VIEW, Driven
 from hypothesis import given, settings, strategies as st
 from meshes import tube
 
-from apd_viewer.cases.case import case_of, run
+from apd_viewer.cases.case import case_of, case_steps
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -191,7 +191,7 @@ def test_relative_to_rest_takes_studies_of_a_painted_shape_along_the_whole_motio
     a_base_stroke(twisted)
     twist(twisted, 10)
     case = case_of(document(twisted).with_settings(method="arap"), 3)
-    steps = list(run(case))
+    steps = list(case_steps(case))
     assert case.abscissa == "degrees"
     assert [step.degrees for step in steps] == pytest.approx([0, 10, 20, 30])
     top = document(twisted).labels == HANDLE

@@ -5,7 +5,7 @@ import pytest
 from driven_session import Driven
 from meshes import tube
 
-from apd_viewer.cases.case import case_of, run
+from apd_viewer.cases.case import case_of, case_steps
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
@@ -118,12 +118,12 @@ def test_walk_arrives_as_well_when_something_else_is_asked_in_its_middle(session
     assert state.frame.converged
 
 
-def test_run_goes_around_twice(session):
+def test_case_steps_goes_around_twice(session):
     session.settings.set_contact(False)
     session.handles.move_by(MOTIONS["TWIST"], "720", 0)
     case = case_of(session.store.state.document.with_settings(method="exact"), 16, iterations=20)
     assert case.abscissa == "degrees"
-    steps = list(run(case))
+    steps = list(case_steps(case))
     assert [step.degrees for step in steps] == pytest.approx(np.linspace(0, 720, 17))
     held = case.document.mesh.V[case.document.labels == HANDLE]
     for step in (steps[8], steps[16]):
@@ -138,11 +138,11 @@ def test_move_by_tells_of_walls_that_pass_unless_kept_apart(wall, contact):
     assert any("unwind" in text for text in wall.told) is not contact
 
 
-def test_run_of_half_a_turn_has_its_way(session):
+def test_case_steps_of_half_a_turn_has_its_way(session):
     session.handles.move_by(MOTIONS["TWIST"], "-180", 0)
     assert reading(session) == "−180.0°"
     document = session.store.state.document.with_settings(method="arap")
-    steps = list(run(case_of(document, 2, iterations=5)))
+    steps = list(case_steps(case_of(document, 2, iterations=5)))
     assert steps[1].degrees == pytest.approx(90.0)
 
 

@@ -365,7 +365,7 @@ def parts(driver):
     bar.setValue(bar.maximum())
     driver.scene("the end of the panel")
     for operation in list(PartOperation)[:5]:
-        window.edits.reshape(operation)
+        window.edits.edit_part(operation)
     driver.idle()
     driver.scene("the history")
     session.settings.change(method="paper")

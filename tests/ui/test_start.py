@@ -136,7 +136,7 @@ def test_preview_surface_shows_the_bottle_before_the_start_and_it_is_not_touched
     view = early.canvas.viewport
     mesh, labels = open_sample("bottle")
     empty = view.screenshot().copy() if QGuiApplication.platformName() != "offscreen" else None
-    early.canvas.show_opening_mesh(mesh, labels)
+    early.canvas.show_loading_mesh(mesh, labels)
     early.requests.open_sample("bottle")
     settle(qtbot, view)
     early.canvas.choose_tool(Tool.BASE)
@@ -157,7 +157,7 @@ def test_preview_surface_looks_like_the_opened_mesh(qtbot, early):
     if QGuiApplication.platformName() == "offscreen":
         pytest.skip("the offscreen platform has no OpenGL, so there is no picture to compare")
     view = early.canvas.viewport
-    early.canvas.show_opening_mesh(*open_sample("bottle"))
+    early.canvas.show_loading_mesh(*open_sample("bottle"))
     early.requests.open_sample("bottle")
     sketch = view.screenshot().astype(int)
     idle(qtbot, Workbench(early))
@@ -166,7 +166,7 @@ def test_preview_surface_looks_like_the_opened_mesh(qtbot, early):
 
 
 def test_preview_surface_leaves_room_for_the_gizmo(qtbot, early):
-    early.canvas.show_opening_mesh(*open_sample("bottle"))
+    early.canvas.show_loading_mesh(*open_sample("bottle"))
     early.requests.open_sample("bottle")
     sketched = early.canvas.viewport.camera_controller.camera
     idle(qtbot, Workbench(early))
@@ -177,7 +177,7 @@ def test_preview_surface_leaves_room_for_the_gizmo(qtbot, early):
 
 
 def test_canvas_frames_another_mesh_than_the_sketched_one(qtbot, early):
-    early.canvas.show_opening_mesh(*open_sample("bottle"))
+    early.canvas.show_loading_mesh(*open_sample("bottle"))
     early.requests.open_sample("duck")
     before = early.canvas.viewport.camera_controller.camera.key
     idle(qtbot, Workbench(early))

@@ -119,7 +119,7 @@ def install_files(folder: Path, command: Sequence[str]) -> list[str]:
     Parameters
     ----------
     folder : Path
-        Of data; made if it is not there.
+        Data folder, created if missing.
     command : sequence of str
         The words that start this program, beginning with a path.
 

@@ -92,7 +92,7 @@ class AnimationTargets:
     def scratch_path(self, path: Path, scratch: Path, stack: ExitStack) -> Path:
         """Scratch path of an animation until all files are written.
 
-        In ``scratch`` if it belongs in the output folder, or else where it moves from when ``stack`` closes.
+        In ``scratch`` for a file in the output folder; otherwise it is moved when ``stack`` closes.
         """
         return scratch / path.name if self._is_in_output(path) else scratch_path_beside(path, stack)
 

@@ -15,8 +15,8 @@ _ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # termination signals, not all of whi
 def prepare_streams() -> None:
     """Make the standard streams safe for any text.
 
-    What a stream cannot encode is written as a question mark. A closed one swallows what is written: the next
-    file to be opened would take its number, and its place.
+    Unencodable characters are written as question marks. A closed stream is replaced by one that discards its
+    output: otherwise the next opened file would get its descriptor.
     """
     for number in range(3):
         try:
@@ -47,7 +47,7 @@ def print_error(sentence: str) -> None:
 def exit_on_signals() -> Iterator[None]:
     """Let SIGTERM and similar signals raise SystemExit, so that clean-up code runs.
 
-    Those that have another handler, or are ignored as by nohup, stay as they are.
+    Signals with another handler, or ignored as by nohup, are left unchanged.
     """
     numbers = [getattr(signal, name) for name in _ENDING if hasattr(signal, name)]
     if threading.current_thread() is not threading.main_thread():

@@ -1,6 +1,6 @@
 """Animation file formats, selected by suffix.
 
-Neither has triangles: a cache is played on the mesh of the file that was opened here.
+Point caches have no triangles: they are played back on the imported mesh file.
 """
 
 import os
@@ -90,7 +90,7 @@ def write_animation(animation: Animation, path: Path) -> None:
 def replacing_series(paths: Sequence[Path]) -> Iterator[None]:
     """Context deleting the VTU files of replaced series at ``paths`` on exit.
 
-    Only those in the folder of its name: a series of another program may list anything.
+    Only files in the folder of the series are deleted: a PVD of another program may list any files.
     """
     before = _series_files(paths)
     yield

@@ -1,7 +1,7 @@
 """Sequence of mesh shapes, each stored in its own file.
 
-A point cache names no vertices: its points are those of the mesh that it is put on, in their order. So it has
-to follow what importers make of the file, and not the file alone.
+A point cache contains no vertex ids: its points are assigned to the vertices of a mesh in order. The order
+must therefore be that of an imported mesh, not that of its file.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -58,8 +58,8 @@ class Animation:
 class ShapeRecorder:
     """Recorder of an unknown number of shapes in a bounded number of files.
 
-    Once they are full every other one is deleted, and from then on every other shape is left out; the latest
-    is always there.
+    When all files are used, every other one is deleted, and from then on every other shape is skipped; the
+    latest shape is always kept.
 
     Parameters
     ----------
@@ -109,9 +109,9 @@ _FACES_ALONE = (".obj", ".glb", ".gltf")
 def imported_vertices(mesh: Mesh) -> np.ndarray:
     """Vertices in the order of Blender's importer, (k,) int array.
 
-    STL has no vertices but corners: equal ones, in single precision, become one vertex, in the order in which
-    they first come. Of OBJ and glTF only the vertices of faces are imported. Of all other formats, and of a
-    mesh without a file, each vertex is.
+    STL has no vertices but corners: those equal in single precision become one vertex, in order of first
+    appearance. From OBJ and glTF only the vertices of faces are imported; from all other formats, and for a
+    mesh without a file, all vertices.
     """
     read = mesh.origin.mesh if isinstance(mesh.origin, BakedOrigin) else mesh
     suffix = mesh.origin.suffix if mesh.origin else ""

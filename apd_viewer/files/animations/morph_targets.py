@@ -1,7 +1,7 @@
 """GLB with one morph target per shape, played back by animated weights.
 
-The first shape is the mesh itself, and the targets are the differences of the others from it. Where one
-weight goes from 1 to 0 and the next from 0 to 1 the shape goes straight from one to the other. See the
+The first shape is the mesh itself, and the targets are the differences of the others from it. While one
+weight decreases from 1 to 0 and the next increases from 0 to 1, the shape is interpolated linearly. See the
 specification of glTF 2.0, 3.7.2.2 (morph targets) and 3.11 (animations).
 """
 
@@ -189,8 +189,8 @@ _ANY = 0.0, 0.0, 1.0  # normal at vertices without any area, since glTF requires
 def shading_normals(mesh: Mesh, U: np.ndarray) -> np.ndarray:
     """Unit vertex normals (n, 3) of the shape ``U`` (n, 3).
 
-    Those of the file turned with their triangles, averaged where the corners of a vertex have several;
-    without any those of a smooth surface, the same on both sides of a seam.
+    The normals of the file are rotated with their triangles, and averaged if a vertex has several; without
+    any, they are those of a smooth surface, equal on both sides of a seam.
     """
     if mesh.corner_normals is None:
         N = vertex_normals(U, mesh.joined_F)[mesh.weld.representative]

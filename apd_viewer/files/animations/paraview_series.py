@@ -26,7 +26,7 @@ _END = "  </Collection>\n</VTKFile>\n"
 def write_series(animation: Animation, path: Path) -> None:
     """Write the shapes as PVD, with a folder of the same name for their VTU files.
 
-    Points have the scalars of vertices, with the displacement as a vector, and cells those of triangles: see
+    Points have the vertex scalars, with the displacement as a vector, and cells the triangle scalars: see
     :class:`apd_viewer.geometry.analysis.scalars.Scalars`. The times are those of the animation.
 
     Raises

@@ -1,7 +1,7 @@
 """Wavefront OBJ: vertices and faces in file order; coordinates updated in place.
 
-Libraries split vertices at texture seams or drop some of them; a selection made for the file would
-then no longer fit. What is not ``v`` or ``f`` is not read, and comes back as it was; only ``vn`` turns along.
+Libraries split vertices at texture seams or drop some of them, so that a selection for the file would
+no longer fit. Statements other than ``v`` and ``f`` are kept unchanged; only ``vn`` is rotated.
 """
 
 import posixpath
@@ -158,7 +158,7 @@ _OPTION = re.compile(r"-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-
 class ObjFaces(NamedTuple):
     """Polygons, with normal and texture-coordinate indices (c,) of their corners.
 
-    Numbers from 0; -1 for missing ones.
+    Indices start at 0; missing ones are -1.
     """
 
     polygons: Polygons
@@ -223,7 +223,7 @@ def parse_faces(text: bytes) -> ObjFaces:
     ValueError
         If an ``f`` line cannot be understood; the message says which.
     """
-    alike = _faces_alike(text)
+    alike = _uniform_faces(text)
     if alike is not None:
         return alike
     corners = list(_corners(text))
@@ -234,7 +234,7 @@ def parse_faces(text: bytes) -> ObjFaces:
     return ObjFaces(Polygons.from_faces([face[0] for face in corners]), normal, texture)
 
 
-def _faces_alike(text: bytes) -> ObjFaces | None:
+def _uniform_faces(text: bytes) -> ObjFaces | None:
     """Fast path for faces all written in one form; None for mixed forms."""
     face = None if b"\\\n" in text or b"\\\r\n" in text else _FACE.search(text)
     corners = face[1].split() if face else []

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.formats.ply_elements import PlyElement, one_row_a_line
+from apd_viewer.files.formats.ply_elements import PlyElement, with_one_row_per_line
 from apd_viewer.files.formats.polygon_mesh import (
     ParsedMesh,
     Polygons,
@@ -125,7 +125,7 @@ def _one_row_a_line(text: bytes) -> bytes | None:
     numbers_of_a_row = ("x", "y", "z", "nx", "ny", "nz")[: 6 if head[2] else 3]
     vertex = PlyElement("vertex", n, [(name, None, "f8") for name in numbers_of_a_row])
     elements = vertex, PlyElement("face", m, [("vertices", "u4", "i8")])
-    return one_row_a_line(text, rows[0][0], elements) if rows else None
+    return with_one_row_per_line(text, rows[0][0], elements) if rows else None
 
 
 def _header(rows: list[tuple[int, bytes]]) -> tuple[re.Match[bytes], int, int, list[tuple[int, bytes]]]:

@@ -1,6 +1,6 @@
 """3MF: objects of a build, placed by transforms of build items and components.
 
-Numbers of objects hold within their own part (3MF Core Specification 1.3 and Production Extension 1.1).
+Object numbers are local to their part (3MF Core Specification 1.3 and Production Extension 1.1).
 
 Section 4 of the 3MF Core Specification 1.3, and the extensions for production, beam lattices and slices.
 """
@@ -201,7 +201,7 @@ class ObjectUse(NamedTuple):
     object_id : str
         Of the object in its part.
     matrix : (4, 4) float array
-        To where it is shown.
+        Matrix to the coordinates of the build.
     """
 
     path: str

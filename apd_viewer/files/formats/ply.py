@@ -99,7 +99,7 @@ class PlyFile:
             table = np.frombuffer(body, element.row_dtype(self.order), element.rows, start)
             table[name][which] = values[which]
             return
-        for row, offsets in enumerate(ply_elements.walk_rows(self.content, start, element, self.order)):
+        for row, offsets in enumerate(ply_elements.row_offsets(self.content, start, element, self.order)):
             if which[row]:
                 struct.pack_into(
                     self.order + ply_elements.STRUCT_CODES[kind], body, offsets[name], values[row]
@@ -126,7 +126,7 @@ class PlyFile:
         return np.array(
             [
                 [struct.unpack_from(codes[name], self.content, offsets[name])[0] for name in names]
-                for offsets in ply_elements.walk_rows(self.content, start, element, self.order)
+                for offsets in ply_elements.row_offsets(self.content, start, element, self.order)
             ]
         ).reshape(-1, len(names))
 
@@ -155,7 +155,7 @@ def read_ply(content: bytes) -> ParsedMesh:
     try:
         return _read(file, start)
     except ValueError:
-        text = None if order else ply_elements.one_row_a_line(content, start, elements)
+        text = None if order else ply_elements.with_one_row_per_line(content, start, elements)
         if text is None:
             raise
     return _read(replace(file, text=text, starts=[]), start)
@@ -172,13 +172,13 @@ def _read(file: PlyFile, start: int) -> ParsedMesh:
             V, origin = file.columns(at, ply_elements.AXES), file
         if element.name in ("face", "tristrips") and element.rows:
             found, start = ply_elements.read_faces(text, start, element, order)
-            faces.append(found if element.name == "face" else ply_elements.strip_faces(found))
+            faces.append(found if element.name == "face" else ply_elements.faces_of_strips(found))
         elif not order:
             start = ply_elements.text_end(text, start, element)
         elif not element.has_lists:
             start += element.rows * element.row_dtype(order).itemsize
         else:
-            for offsets in ply_elements.walk_rows(text, start, element, order):
+            for offsets in ply_elements.row_offsets(text, start, element, order):
                 start = offsets[""]
     rest = text[start:] if order else text[start:].strip()
     return ParsedMesh(

@@ -38,30 +38,30 @@ def read_faces(content: bytes, start: int, element: PlyElement, order: str) -> t
                 return Polygons.from_faces(alike), text_end(content, start, element)
         faces = [parse_integers(row[column][0].split()) for row in text_rows(content, start, element)]
         return Polygons.from_faces(faces), text_end(content, start, element)
-    binary = _faces_alike(content, start, element, order, name)
+    binary = _uniform_faces(content, start, element, order, name)
     if binary is not None:
         return binary
     code = next(STRUCT_CODES[kind] for other, _, kind in element.properties if other == name)
     size = struct.calcsize(code)
     faces = []
-    for offsets in walk_rows(content, start, element, order):
+    for offsets in row_offsets(content, start, element, order):
         count = (offsets[f"{name} end"] - offsets[name]) // size
         faces.append(list(struct.unpack_from(f"{order}{count}{code}", content, offsets[name])))
         end = offsets[""]
     return Polygons.from_faces(faces), end
 
 
-def strip_faces(strips: Polygons) -> Polygons:
+def faces_of_strips(strips: Polygons) -> Polygons:
     """Triangles of strips, without the degenerate ones between them."""
     T = strip_triangles(np.insert(strips.corner, strips.start[1:-1], -1))
     return Polygons.from_array(T[(np.roll(T, 1, axis=1) != T).all(axis=1)])
 
 
-def _faces_alike(
+def _uniform_faces(
     content: bytes, start: int, element: PlyElement, order: str, name: str
 ) -> tuple[Polygons, int] | None:
     """Fast path of read_faces for rows of equal length; None if lengths differ."""
-    first = next(walk_rows(content, start, element, order))
+    first = next(row_offsets(content, start, element, order))
     lengths = {
         other: (first[f"{other} end"] - first[other]) // np.dtype(kind).itemsize
         for other, length, kind in element.properties
@@ -76,7 +76,7 @@ def _faces_alike(
     return Polygons.from_array(rows[name].astype(np.int64)), start + rows.nbytes
 
 
-def walk_rows(content: bytes, start: int, element: PlyElement, order: str) -> Iterator[dict[str, int]]:
+def row_offsets(content: bytes, start: int, element: PlyElement, order: str) -> Iterator[dict[str, int]]:
     """Property offsets of each row ("... end" for list ends, "" for the row end)."""
     sizes = [
         (
@@ -163,10 +163,10 @@ def _row(words: list[tuple[bytes, int, int]], element: PlyElement) -> list[tuple
     return cells
 
 
-def one_row_a_line(content: bytes, start: int, elements: Sequence[PlyElement]) -> bytes | None:
+def with_one_row_per_line(content: bytes, start: int, elements: Sequence[PlyElement]) -> bytes | None:
     """Wrapped text rewritten with one row per line, at the same length.
 
-    None if there are more words or fewer than the elements have.
+    None if the number of words does not match the elements.
     """
     body = bytearray(content[:start] + content[start:].translate(_BLANK))
     words = _WORD.finditer(content, start)

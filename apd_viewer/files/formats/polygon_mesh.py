@@ -20,8 +20,8 @@ _LONGEST = 1e30  # longest accepted normal; the square of a longer one overflows
 class ParsedMesh(NamedTuple):
     """Positions (n, 3), triangles (m, 3) and origin of a mesh file, with remarks.
 
-    The ``remarks`` say what is strange about the file, and what it has that was not read. The ``unit`` of
-    length is the symbol of the one that the file states; without one it is empty.
+    The ``remarks`` list peculiarities of the file, and contents that were not read. The ``unit`` is the
+    symbol of the unit of length stated in the file; empty without one.
     """
 
     V: np.ndarray
@@ -126,7 +126,7 @@ class Polygons(NamedTuple):
     def triangle_corners(self, V: np.ndarray) -> np.ndarray:
         """Triangles (m, 3) of the faces as indices into ``corner``, in face order.
 
-        A fan around the first corner, unless that folds over where the face is not convex.
+        A fan around the first corner, unless it would fold over in a non-convex face.
         """
         sizes = np.diff(self.start)
         first = np.concatenate([[0], np.cumsum(np.maximum(sizes - 2, 0))])
@@ -198,13 +198,13 @@ def _projected_corners(X: np.ndarray) -> np.ndarray:
 def _is_ear(x: np.ndarray, left: np.ndarray, k: int) -> bool:
     own = left[[k - 1, k, (k + 1) % len(left)]]
     a, b, c = x[own]
-    if _turn(a, b, c) <= 0.0:
+    if _side(a, b, c) <= 0.0:
         return False
     others = x[np.setdiff1d(left, own)]
-    inside = (_turn(a, b, others) >= 0.0) & (_turn(b, c, others) >= 0.0) & (_turn(c, a, others) >= 0.0)
+    inside = (_side(a, b, others) >= 0.0) & (_side(b, c, others) >= 0.0) & (_side(c, a, others) >= 0.0)
     return not inside.any()
 
 
-def _turn(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
+def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Twice the signed area of plane triangles a, b, p; positive for p on the left."""
     return (b[0] - a[0]) * (p[..., 1] - a[1]) - (b[1] - a[1]) * (p[..., 0] - a[0])

@@ -60,7 +60,7 @@ class StlFile:
             # Normals follow from the corners as rounded to single precision.
             facets["normal"][had] = _normals(facets["corners"][had].astype(np.float64))
             return bytes(body)
-        text, edits = _nameless(self.content), TextEdits(self.content)
+        text, edits = _with_blank_names(self.content), TextEdits(self.content)
         edits.replace_numbers(_spans(_VERTEX, text), mesh.V.ravel(), U.ravel())
         old = _numbers(_NORMAL, text)
         if len(old) == len(moved):
@@ -109,7 +109,7 @@ def read_stl(content: bytes) -> ParsedMesh:
         with np.errstate(invalid="ignore"):  # NaN coordinates are rejected later
             V.reshape(-1, 3, 3)[...] = np.frombuffer(content, _FACET, m, _HEAD)["corners"]
         return ParsedMesh(V, np.arange(3 * m).reshape(-1, 3), StlFile(content, m), remarks)
-    V, remarks = _text(_nameless(content))
+    V, remarks = _text(_with_blank_names(content))
     return ParsedMesh(V, np.arange(len(V)).reshape(-1, 3), StlFile(content, None), remarks)
 
 
@@ -126,7 +126,7 @@ def _binary(content: bytes) -> tuple[int, tuple[str, ...]]:
     return m, trailing_bytes_remark(len(rest))
 
 
-def _nameless(content: bytes) -> bytes:
+def _with_blank_names(content: bytes) -> bytes:
     """Lower-case text of the same length with the names of the solids blanked."""
     return _NAME.sub(lambda match: b"solid" + b" " * len(match[1]), with_line_feeds(content).lower())
 

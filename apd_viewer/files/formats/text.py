@@ -139,7 +139,7 @@ class Splice(NamedTuple):
 def spliced_content(content: bytes, splices: Iterable[Splice]) -> bytes:
     """Content with all splices applied; raises ValueError if two overlap.
 
-    What is added to one number is summed.
+    Several increments of one number are summed.
     """
     sums: dict[tuple[int, int], int] = {}
     news: dict[tuple[int, int], bytes] = {}

@@ -66,15 +66,15 @@ def joined_texture(
 ) -> Texture | None:
     """Texture of triangles with one image each; None if no triangle has one.
 
-    Several images become one, in which none is repeated.
+    Several images are combined into one atlas, which cannot be tiled.
 
     Parameters
     ----------
     uv : (k, 2) float array
     uv_of : (m, 3) int array
-        Which of them each corner has; -1 is none.
+        Index into them for each corner; -1 is none.
     image_of : (m,) int array
-        Which of ``images`` each triangle has; -1 is none.
+        Index into ``images`` for each triangle; -1 is none.
     images : list of (h, w, 3) uint8 arrays
     """
     good = np.isfinite(uv).all(axis=1)

@@ -23,9 +23,9 @@ class VertexBlock(NamedTuple):
     Attributes
     ----------
     matrix : (4, 4) or (n, 4, 4) float array
-        To the world; in a skin each vertex has its own.
+        Matrix to world coordinates; with a skin, one for each vertex.
     position_shift, normal_shift : (n, 3) float array or None
-        What morph targets add to the positions, and to the normals.
+        Displacements of the positions and of the normals by morph targets.
     """
 
     first_vertex: int

@@ -136,9 +136,9 @@ class GltfInstance(NamedTuple):
     Attributes
     ----------
     matrix : (4, 4) float array
-        To the world.
+        Matrix to world coordinates.
     joints : (j, 4, 4) float array or None
-        Of a skin: from the pose in which it was bound to the world.
+        Matrices of a skin, from the bind pose to world coordinates.
     weights : list of float
         Of the morph targets; the default ones.
     """
@@ -153,7 +153,7 @@ class GltfInstance(NamedTuple):
     ) -> np.ndarray:
         """World matrix (4, 4) of a primitive's vertices, or (n, 4, 4) if skinned.
 
-        In a skin the matrix of the node itself does not count.
+        With a skin, the matrix of the node itself has no effect.
         """
         if self.joints is None or "JOINTS_0" not in primitive["attributes"]:
             return self.matrix

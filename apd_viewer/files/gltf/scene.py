@@ -1,6 +1,6 @@
 """glTF documents: containers, validated lookups and node matrices.
 
-Every look into the document asks first whether there is what the format promises, or says what is wrong.
+All access to the document is validated against the format, with an error naming the problem.
 """
 
 import base64

@@ -1,6 +1,6 @@
 """Selection on a mesh: base, handles and named regions, without motion.
 
-A vertex is named by its id in the order of the mesh's file, from 0, a run of them by the first and the last::
+Vertices are given by ids in the order of the mesh file, from 0; runs of ids by the first and the last one::
 
     {"format": "apd-selection", "version": 1,
      "mesh": {"vertices": 162, "faces": 320, "digest": "9f86d0…"},
@@ -8,8 +8,8 @@ A vertex is named by its id in the order of the mesh's file, from 0, a run of th
      "handles": [{"name": "Handle 1", "vertices": [[40, 52]]}],
      "regions": [{"name": "Label", "area": 100.0, "vertices": [[60, 99], 104]}]}
 
-What is in none of the parts is free. ``digest`` is :attr:`Mesh.digest`; it may be left out, and so may empty
-parts. An ``area`` that is null is only measured.
+All other vertices are free. ``digest`` is :attr:`Mesh.digest`; it can be omitted, and so can empty parts.
+A region with the ``area`` null is only measured.
 """
 
 from __future__ import annotations
@@ -77,8 +77,8 @@ class Selection:
     regions : tuple of str
         Names; a region may hold no vertex.
     areas : tuple of float or None, one for each region
-        What its area should be, in percent of its area at rest; None only measures it.
-    same_mesh : bool
+        Target area in percent of the area at rest; None only measures it.
+    is_for_same_mesh : bool
         False if its file says that it was made for other positions or triangles than those of the mesh that
         it was read for, although for as many: for another shape of the mesh, as a rule.
     """
@@ -88,7 +88,7 @@ class Selection:
     handles: tuple[str, ...]
     regions: tuple[str, ...] = ()
     areas: tuple[float | None, ...] = ()
-    same_mesh: bool = True
+    is_for_same_mesh: bool = True
 
     def __post_init__(self) -> None:
         _check_names(_HANDLES, self.handles, MOST_HANDLES)
@@ -115,7 +115,7 @@ class Selection:
         handles: Sequence[str] = (),
         regions: Sequence[str] = (),
         areas: Sequence[float | None] = (),
-        same_mesh: bool = True,
+        is_for_same_mesh: bool = True,
     ) -> Selection:
         """Selection with default names for unnamed handles and regions."""
         if member is None:
@@ -124,7 +124,7 @@ class Selection:
         handles = handles or [default_name(tr("Handle"), k + 1) for k in range(count)]
         regions = regions or [default_name(tr("Region"), k + 1) for k in range(_largest_code(member))]
         areas = areas or [None] * len(regions)
-        return cls(labels, member, tuple(handles), tuple(regions), tuple(areas), same_mesh)
+        return cls(labels, member, tuple(handles), tuple(regions), tuple(areas), is_for_same_mesh)
 
 
 def checked_labels(numbers: np.ndarray, n: int) -> np.ndarray:
@@ -228,7 +228,7 @@ def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
         raise ValueError(tr("its format is not “{format}”").format(format=_FORMAT))
     if document.get("version") != _VERSION:
         raise InputError(tr("Its version is not supported; save it again as version 1."))
-    same_mesh = _is_for_mesh(_object(document.get("mesh"), tr("its “mesh”")), mesh)
+    is_for_same_mesh = _is_for_mesh(_object(document.get("mesh"), tr("its “mesh”")), mesh)
     n = len(mesh.V)
     handles = _parts(document, "handles", MOST_HANDLES)
     regions = _parts(document, "regions", MOST_REGIONS)
@@ -240,7 +240,7 @@ def selection_from_json(content: bytes, mesh: Mesh) -> Selection:
         [part.get("name", "") for part in handles],
         [part.get("name", "") for part in regions],
         [part.get("area") for part in regions],
-        same_mesh,
+        is_for_same_mesh,
     )
 
 

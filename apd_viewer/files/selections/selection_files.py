@@ -12,7 +12,7 @@ suffix   what it is                                          what it holds
 
 ``apd_label`` is 0 base, 1 free, 2 handle, 3 the next handle and so on; ``apd_region``, which may be left
 out, is 0 in no region, 1 in the first one and so on. Any program that keeps the properties of vertices may
-have written the file; positions and faces are not looked at.
+have written the file; positions and faces are ignored.
 
 ``labels`` (n,) and ``member`` (n,) are as in :class:`Selection`, ``handles`` and ``regions`` are names,
 ``areas`` are percentages, nan where an area is only measured, and ``digest`` is :attr:`Mesh.digest`. Only
@@ -240,9 +240,9 @@ SELECTION_FORMATS = tuple(_WRITERS)
 def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
     """Read a selection on ``mesh``; unknown suffixes are read as ``.sel``.
 
-    A file for another number of vertices is refused, and so is one that names another number of triangles.
-    One that was made for other positions is not, for a deformed copy keeps its selection: see
-    :attr:`Selection.same_mesh`.
+    A file for another number of vertices or triangles is refused. A file for other positions is accepted,
+    since selections also fit deformed copies: see
+    :attr:`Selection.is_for_same_mesh`.
 
     Raises
     ------
@@ -286,7 +286,7 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
     Returns
     -------
     tuple of str
-        What the format cannot hold of this selection and was left out, in words.
+        Contents of the selection left out, as the format cannot hold them, in words.
     """
     path = Path(path)
     write = _WRITERS.get(path.suffix.lower())

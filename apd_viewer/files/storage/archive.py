@@ -43,7 +43,7 @@ def write_archive(
 ) -> None:
     """Write members to a ZIP archive; equal members give identical files.
 
-    ``at_once`` is for a file that is wanted in a moment: not packed, and there before it is on the disk.
+    ``at_once`` is for an urgent file: uncompressed, and in place before it has been flushed to disk.
     ``finish`` is that of :func:`apd_viewer.files.storage.atomic_file.replacing_file`.
 
     Raises

@@ -1,7 +1,7 @@
 """Atomic writes of files and folders: whole or not at all.
 
-Beside each scratch folder lies a file, which is locked while the folder is being filled. So it is known which
-ones were left by a killed program, whatever the clock says.
+A file beside each scratch folder is locked while the folder is being filled. Folders left behind by a killed
+program are thus recognised independently of the clock.
 """
 
 import contextlib
@@ -31,12 +31,12 @@ def replacing_file(
 ) -> Iterator[Path]:
     """Context of a scratch file beside ``path``, moved to ``path`` on success.
 
-    Whatever goes wrong on the way, the file that was at ``path`` before stays as it was. With ``at_once``
-    that holds for whatever becomes of this program, but not where power fails before :func:`flush_to_disk`.
-    ``finish(scratch)`` is called last, with the whole file; where it raises, nothing is moved.
+    After any error, the previous file at ``path`` is unchanged. With ``at_once`` this includes the death of
+    this program, but not a power failure before :func:`flush_to_disk`.
+    ``finish(scratch)`` is called last, with the whole file; if it raises, nothing is moved.
 
-    What is no regular file stays: a pipe that a program reads from, a character device such as /dev/null and
-    this program's own output get the whole content at once, and anything else is refused.
+    Only regular files are replaced: a pipe with a reader, a character device such as /dev/null and this
+    program's own output receive the whole content at once, and anything else is refused.
 
     Raises
     ------
@@ -181,7 +181,7 @@ _PREFIX, _LOCK = ".apd-viewer-", ".lock"
 def staging_folder(folder: Path) -> Iterator[Path]:
     """Scratch folder as a context; its files move to ``folder`` on exit.
 
-    Until then ``folder`` stays as it is, or is not there. Files in it that are not written anew are kept.
+    Until then ``folder`` is unchanged, or missing. Files in it that are not replaced are kept.
 
     Raises
     ------

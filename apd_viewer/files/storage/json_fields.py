@@ -19,14 +19,14 @@ _LONGEST = 10_000  # maximum number of characters of a text
 class JsonFields:
     """Validated fields of a JSON object; unknown fields are ignored.
 
-    All methods raise ValueError, with a phrase, where a field is missing or is something else than it should.
+    All methods raise ValueError, with a phrase, if a field is missing or of another type.
 
     Parameters
     ----------
     value : object
-        What JSON made of it.
+        Value parsed from JSON.
     name : str
-        What to call it in an error.
+        Name of the object in error messages.
     """
 
     def __init__(self, value: object, name: str) -> None:

@@ -1,9 +1,9 @@
 """Reading of regular files only, with one-sentence errors and no library output.
 
-All that anyone names is opened here: a pipe would wait for a writer, and a device may never end.
+All files named by users are opened here: a pipe would wait for a writer, and a device may never end.
 
-A mesh may come from a stranger, and what it names is read without asking. So a name is resolved first, links
-included, and only what then lies in the folder of the mesh or below it is opened.
+A mesh may be untrusted, but the files named in it are read without asking. Their names are therefore resolved
+first, including links, and only files in the folder of the mesh or below it are opened.
 """
 
 import errno
@@ -132,9 +132,9 @@ def sibling_content(name: str, mesh: Path | None, most: int | None = None) -> by
     Parameters
     ----------
     name : str
-        As the mesh says it, relative to its folder; backslashes are slashes.
+        Name as written in the mesh, relative to its folder; backslashes are slashes.
     mesh : path or None
-        Of the mesh; without one there are no neighbours.
+        Path of the mesh; without one there are no neighbouring files.
     most : int or None
         Bytes read at most; None is all of them.
 

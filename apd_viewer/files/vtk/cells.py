@@ -53,7 +53,7 @@ def check_cell_types(types: np.ndarray) -> None:
 def cell_faces(cells: Polygons, types: np.ndarray) -> Polygons:
     """Faces of cells with given types (p,), in order; strips become triangles.
 
-    Raises InputError on cells that are no flat faces, ValueError on impossible ones.
+    Raises InputError on cells other than flat faces, ValueError on invalid ones.
     """
     if len(types) != len(cells.start) - 1:
         raise ValueError(tr("the number of its cells differs from that of their types"))

@@ -14,7 +14,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.formats.polygon_mesh import ParsedMesh, Polygons, concatenated
 from apd_viewer.files.formats.text import Splice, excerpt, spliced_content, text_values, with_replaced_values
 from apd_viewer.files.vtk.cells import POLYGON, STRIP, cell_faces, cells_to_polygons, point_positions
-from apd_viewer.files.vtk.xml_arrays import retyped_array
+from apd_viewer.files.vtk.xml_arrays import updated_array
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -61,7 +61,7 @@ class VtkLegacyFile:
         old, start, end, is_text = self.points
         if is_text:
             return Splice(start, end, with_replaced_values(self.content[start:end], old, values))
-        return Splice(start, end, retyped_array(old, values).tobytes())
+        return Splice(start, end, updated_array(old, values).tobytes())
 
     def _norm_updates(self, U: np.ndarray) -> Iterator[Splice]:
         """Updates of the stored range of distances from the origin, if any."""
@@ -236,7 +236,7 @@ class LegacyReader:
     Parameters
     ----------
     start : int
-        Where to begin.
+        Offset of the first byte.
     """
 
     def __init__(self, content: bytes, start: int, is_binary: bool) -> None:

@@ -100,15 +100,15 @@ class _EncodedBytes:
     """Bytes of the file, stored raw or in base64."""
 
     content: bytes
-    in_base64: bool
+    is_base64: bool
 
     def decode(self, start: int, size: int) -> tuple[bytes, int]:
         """Decode ``size`` bytes from offset ``start``; return them and the end offset."""
-        length = -(-size // 3) * 4 if self.in_base64 else size
+        length = -(-size // 3) * 4 if self.is_base64 else size
         found = self.content[start : start + length]
         if len(found) < length:
             raise ValueError(_ENDS)
-        if not self.in_base64:
+        if not self.is_base64:
             return found, start + length
         try:
             return base64.b64decode(found, validate=True)[:size], start + length
@@ -117,7 +117,7 @@ class _EncodedBytes:
 
     def encode(self, data: bytes) -> bytes:
         """Encode data as in the file."""
-        return base64.b64encode(data) if self.in_base64 else data
+        return base64.b64encode(data) if self.is_base64 else data
 
 
 class XmlArray(NamedTuple):
@@ -130,9 +130,9 @@ class XmlArray(NamedTuple):
     start, end : int
         Of all that is written anew if a value changes.
     header : dtype or None
-        Of the sizes before the values; None for a text.
+        Type of the sizes before the values; None for text.
     has_separate_header : bool
-        Whether these are written in base64 of their own.
+        Whether these sizes are a separate base64 text.
     block : int
         Bytes that are packed together; 0 if they are not.
     """
@@ -194,14 +194,14 @@ class XmlArrays:
             return XmlArray(np.empty(0, dtype=kind), start, start)
         return self._binary_array(start + len(text) - len(text.lstrip()), kind, True)
 
-    def _binary_array(self, start: int, kind: str, in_base64: bool) -> XmlArray:
-        coded = _EncodedBytes(self.content, in_base64)
+    def _binary_array(self, start: int, kind: str, is_base64: bool) -> XmlArray:
+        coded = _EncodedBytes(self.content, is_base64)
         head, behind = coded.decode(start, self._header.itemsize)
         if self._compressor:
             data, end, block = self._blocks(coded, start, self._number(head))
             return XmlArray(self._numbers(data, kind), start, end, self._header, True, block)
         size = self._number(head)
-        apart = in_base64 and self._header.itemsize % 3 != 0 and self.content[behind - 1 : behind] == b"="
+        apart = is_base64 and self._header.itemsize % 3 != 0 and self.content[behind - 1 : behind] == b"="
         if apart:
             data, end = coded.decode(behind, size)
         else:
@@ -241,7 +241,7 @@ class XmlArrays:
         """File content of an array's span with new ``values`` (k,)."""
         if stored.header is None:
             return with_replaced_values(self.content[stored.start : stored.end], stored.values, values)
-        new = retyped_array(stored.values, values)
+        new = updated_array(stored.values, values)
         coded = _EncodedBytes(b"", element.attributes.get("format") != "appended" or not self._is_raw)
         return self._packed_bytes(coded, stored, new.tobytes())
 
@@ -259,8 +259,8 @@ class XmlArrays:
         return coded.encode(head) + coded.encode(b"".join(blocks))
 
 
-def retyped_array(old: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Copy of ``old`` (k,) in its type, with ``values`` where they differ."""
+def updated_array(old: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Copy of ``old`` (k,) in its type, updated to ``values`` where they differ."""
     changed, new = values != old, old.copy()
     with np.errstate(all="ignore"):  # overflow is detected when the file is read back
         new[changed] = values[changed]

@@ -102,7 +102,7 @@ def read_vtp(content: bytes) -> ParsedMesh:
 def read_vtu(content: bytes) -> ParsedMesh:
     """Positions (n, 3) and triangles (m, 3) of a flat UnstructuredGrid file.
 
-    Raises ValueError where it cannot be understood, InputError on volume cells.
+    Raises ValueError on invalid content, InputError on volume cells.
     """
     return _read(content, ".vtu")
 

@@ -1,9 +1,9 @@
 """Histogram of the local area change of a surface, in one pass.
 
-The change of a triangle is measured by ``c = max(r, 1/r) - 1``, r the ratio of its area to that at rest,
-on the side of what has grown or of what has shrunk: then halved and doubled lie equally far from unchanged,
-and no logarithm is needed of every triangle. The bins are so narrow against their distance from zero
-that any coarser histogram and any percentile follow from them.
+The change of a triangle is measured by ``c = max(r, 1/r) - 1``, r the ratio of its area to the rest area,
+separately for growth and shrinkage: half and twice the area are then equally far from no change, without
+a logarithm per triangle. The bins are so narrow relative to their distance from zero that any coarser
+histogram and any percentile can be derived from them.
 """
 
 import math
@@ -67,11 +67,11 @@ _ALL_OCTAVES = np.concatenate([-_OCTAVES[:0:-1], _OCTAVES])
 
 
 def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
-    """Area changes of ``F`` (m, 3) at ``U`` (n, 3) relative to ``rest`` (m,)."""
+    """Area changes of triangles ``F`` at ``U`` (n, 3), with ``rest`` areas (m,)."""
     parts = np.zeros((_PARTS, 2, _BINS + 1))
     found = np.zeros((_PARTS, 2))
     with cores_for(len(U)):
-        _sort_in(U, F, rest, SLIVER * rest.mean(), parts, found)
+        _bin_triangles(U, F, rest, SLIVER * rest.mean(), parts, found)
     weights, moved, largest = parts.sum(axis=0), found[:, 0].sum(), float(found[:, 1].max())
     total = weights.sum()
     if total == 0.0:
@@ -88,7 +88,7 @@ def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
 
 
 @parallel()
-def _sort_in(
+def _bin_triangles(
     U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, parts: np.ndarray, found: np.ndarray
 ) -> None:
     """Bin the triangles in fixed blocks, each into ``parts[p]`` and ``found[p]``.
@@ -98,13 +98,13 @@ def _sort_in(
     share = (len(F) + len(parts) - 1) // len(parts)
     for p in prange(len(parts)):
         first, end = p * share, (p + 1) * share
-        found[p, 0], found[p, 1] = _sort_part(U, F[first:end], rest[first:end], least, parts[p])
+        found[p, 0], found[p, 1] = _bin_block(U, F[first:end], rest[first:end], least, parts[p])
 
 
 # Three passes over a block of triangles, the second pure arithmetic, are three times as fast as
 # one. Not inlined: inside a parallel loop it would not be vectorized.
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sort_part(
+def _bin_block(
     U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, weights: np.ndarray
 ) -> tuple[float, float]:
     """Add rest areas to the bins; return the total and the largest change."""

@@ -1,7 +1,7 @@
 """Deviation of a shape from its rest or target shape, one value per vertex.
 
-Ratios are natural logarithms: twice and half are equally far from zero, and zero is no change. A vertex
-without a triangle, or whose triangles had no area at rest, has no value: it is not a number.
+Ratios are natural logarithms: twice and half are equally far from zero, and zero is no change. The value of
+a vertex without a triangle, or with triangles of no area at rest, is NaN.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarc
 
 
 class Deviation:
-    """Comparison of shapes of a mesh with its rest shape.
+    """Deviations of a mesh's shapes from its rest shape or a target shape.
 
     Parameters
     ----------
@@ -28,9 +28,9 @@ class Deviation:
     F : (m, 3) int array
         Triangles, with the vertices at a seam named by one of them.
     source : (n,) int array
-        For each vertex the one that its place is named by; empty if there is no seam.
+        For each vertex, the representative of its position; empty without seams.
     target : TargetShape, optional
-        What two of the measures compare with.
+        Shape of comparison for two of the measures.
 
     Attributes
     ----------
@@ -275,9 +275,9 @@ def extreme_vertices(values: np.ndarray, U: np.ndarray, least_distance: float, m
     values : (n,) float array
     U : (n, 3) float array
     least_distance : float
-        Their least distance.
+        Least distance between the vertices.
     most : int
-        How many at most.
+        Largest number of vertices.
     """
     size = np.where(np.isnan(values), 0.0, np.abs(values))
     found: list[int] = []

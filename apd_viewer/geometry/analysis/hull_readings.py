@@ -48,7 +48,7 @@ class HullReadings(NamedTuple):
     def bulk(self, packing: float = PACKING) -> float:
         """Container volume per object in a random packing.
 
-        ``packing`` is the share of the container that they fill.
+        ``packing`` is the volume fraction of the objects in the container.
         """
         if not 0.0 < as_float(packing) <= 1.0:
             raise InputError(tr("The packing must be a fraction above 0 and at most 1, such as 0.64."))
@@ -113,8 +113,8 @@ def convex_hull(points: np.ndarray) -> ConvexHull | None:
 def minimum_width(hull: ConvexHull) -> float:
     """Least distance between two parallel planes enclosing the hull.
 
-    Exact up to 4,000 corners. Of more, a part finds the direction, and all give the extent along it: never
-    less than the minimum, and on a sphere at most 0.1 % more.
+    Exact up to 4,000 corners. Beyond that, the direction is found from some corners, and the extent along it
+    from all: never less than the minimum, and on a sphere at most 0.1 % more.
     """
     few = hull.corners[:: -(-len(hull.corners) // _ENOUGH)]
     part = hull if len(few) == len(hull.corners) else convex_hull(few)
@@ -125,9 +125,9 @@ def minimum_width(hull: ConvexHull) -> float:
 def _narrowest_direction(hull: ConvexHull) -> np.ndarray:
     """Direction (3,) of the minimum width, of any length.
 
-    The two planes hold either a face and a corner, or two edges [Houle & Toussaint 1988], so all of these are
-    tried. The normals of planes through an edge lie between those of its two faces; along that arc the lowest
-    corner changes where two linear functions meet, and only there the other plane can hold an edge.
+    The two planes contain either a face and a corner, or two edges [Houle & Toussaint 1988]; all cases are
+    tried. The normals of planes through an edge form an arc between the normals of its two faces; the other
+    plane can contain an edge only where the lowest corner changes along this arc.
     """
     corners = hull.corners - hull.corners.mean(axis=0)
     extents, low = _extents(hull.normals, corners)
@@ -188,8 +188,8 @@ def box_volume(points: np.ndarray) -> float:
 def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
     """Sides of the smallest box found around ``corners`` (k, 3), shortest first.
 
-    No algorithm for it is exact and quick. The search is the same every time, and never worse than the box
-    along the axes.
+    No algorithm is both exact and fast. The search is deterministic, and its result never larger than the
+    axis-aligned box.
     """
     # Imported here: scipy would delay the first picture, and few runs need a convex hull.
     from scipy.optimize import minimize
@@ -219,7 +219,7 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
 def _rotation_matrix(x: float, y: float, z: float) -> np.ndarray:
     """Matrix of a rotation vector.
 
-    It has the bits of scipy's, which takes seven times as long for one.
+    Equal to scipy's result to the bit, but seven times as fast for a single matrix.
     """
     angle = math.sqrt(x * x + y * y + z * z)
     square = angle * angle

@@ -30,7 +30,7 @@ class Inspection:
     Attributes
     ----------
     vertices, faces : int
-        As the file has them.
+        Counts of the file.
     components : int
         Connected pieces of the surface, after vertices at the same position are joined.
     area, volume : float
@@ -38,11 +38,11 @@ class Inspection:
     volume_capped : float or None
         Of an open surface with flat caps over its ``openings``; None where that encloses nothing.
     openings : int
-        How many are capped.
+        Number of capped openings.
     size : tuple of float
         Extent along x, y and z.
     double_wall : DoubleWall or None
-        Of a vessel whose surface is around its wall, not around what it holds.
+        Wall of a vessel with an inner and an outer surface.
     findings : tuple of Finding
     """
 

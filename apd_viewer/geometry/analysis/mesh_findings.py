@@ -37,7 +37,7 @@ class Finding:
     kind : str
         A name for scripts, always the same.
     sentence : str
-        What it is, and what comes of it.
+        Sentence on the property and its consequences.
     vertices : (k,) int array
         Where: vertices of the file, ascending; empty where it is the whole mesh.
     """

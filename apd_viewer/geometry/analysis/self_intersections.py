@@ -44,8 +44,8 @@ class _Edges(NamedTuple):
 def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     """Triangles piercing or overlapping another one.
 
-    A vertex or an edge that lies on another triangle does not count, as where the vertices on one side of an
-    edge hang between those on the other. Nor do two triangles with an edge in common, however sharp the fold.
+    Vertices or edges lying on another triangle do not count, as at T-joints; neither do two triangles with a
+    common edge, however sharp the fold.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
 def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     """Pairs of triangles piercing or overlapping each other, (p, 2) int array.
 
-    Some are there twice, in either order. See :func:`crossings`.
+    Some pairs occur twice, in either order. See :func:`crossings`.
     """
     try:
         import ipctk  # Imported here: few runs of the program need it.

@@ -57,10 +57,10 @@ class TargetShape:
     def distances(self, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False) -> np.ndarray | None:
         """Distance (n,) of each point of ``U`` (n, 3) from the target surface.
 
-        None if ``is_cancelled()`` has ended it.
+        None if cancelled by ``is_cancelled()``.
         """
         near = frozen(np.full(U.shape, np.inf))
-        if len(self.mesh.V) == len(U) and self._all_used:
+        if len(self.mesh.V) == len(U) and self._uses_all_vertices:
             near = self.mesh.V
         return cancellable_distances(is_cancelled, U, near, self.mesh.V, self._boxes)
 
@@ -95,7 +95,7 @@ class TargetShape:
         return bounding_hierarchy(self.mesh.V, self.mesh.F.astype(np.int32))
 
     @cached_property
-    def _all_used(self) -> bool:
+    def _uses_all_vertices(self) -> bool:
         """True if every vertex of the target belongs to a triangle."""
         return len(np.unique(self.mesh.F)) == len(self.mesh.V)
 

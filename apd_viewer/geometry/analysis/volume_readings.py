@@ -31,7 +31,7 @@ class VolumeReadings(NamedTuple):
         Area times thickness: nothing can be crushed to less. None if the thickness is not known. Of a
         double-walled vessel the volume between its walls.
     capacity : float or None
-        What a double-walled vessel holds; None for others.
+        Capacity of a double-walled vessel; None for other shapes.
 
     Examples
     --------

@@ -48,7 +48,7 @@ def _relative_motion(U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool
 
 
 @njit(cache=True, nogil=True)
-def _strain_and_rest(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, float]:
+def _strain_and_remainder(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, float]:
     """Bound on a pair's closing rate: strain rate per gap, plus a remainder.
 
     An affine motion ``x + t A x`` shortens no distance faster than by the norm of the symmetric part of
@@ -124,7 +124,7 @@ def _free_share(
     for _ in range(_MOST_STEPS):
         rate = motion
         if motion > _MANY * left:
-            strain, rest = _strain_and_rest(X, D, edges)
+            strain, rest = _strain_and_remainder(X, D, edges)
             rate = min(motion, strain * (left + floor) + rest)
         if rate == 0.0:
             return 1.0  # even with a gap below the floor: the pair does not approach
@@ -179,7 +179,7 @@ def detect_collisions(
     low_after, share : (p,) float arrays
         Written into: lower bounds of the gaps at ``W``, and the share of the way that is free.
     radius : float
-        What is round ends so far before its points: gaps are less than distances by it.
+        Radius of a rounded obstacle: gaps are smaller than distances from its points by this amount.
     """
     count = (len(pairs) + _PORTION - 1) // _PORTION
     energies, blocked = np.zeros(count), np.zeros(count, np.int64)

@@ -39,7 +39,7 @@ class DirectedSprings(NamedTuple):
     constants : (p,) float array
         A quarter of the energy's second derivative by the gap.
     weights : (p, 4) float array
-        How the gap's vector is made of the vertices' positions.
+        Coefficients of the vertices' positions in the vector of the gap.
     directions : (p, 3) float array
         Unit vectors along the gaps.
     """
@@ -67,7 +67,7 @@ class Contact:
     thickness : float
         Distance that walls keep, mesh units.
     followers : Followers, optional
-        What is carried along by the surface, and touches too.
+        Vertices carried along by the surface, and in contact too.
     obstacles : sequence of Obstacle
 
     Attributes
@@ -78,11 +78,11 @@ class Contact:
     followers : Followers
     obstacles : list of ObstaclePairs
     start : (n, 3) float array
-        Where ways begin.
+        Shape at the start of the next step.
     touching_pairs : int
-        Pairs in touch at the last :meth:`gradient`.
+        Number of touching pairs at the last :meth:`quarter_gradient`.
     least_gap : float
-        Their least gap; infinite without any.
+        Least gap of these pairs; infinite without any.
     examined_parts : int
         Parts of the last way of :meth:`move_to`, and of the way back, that were looked at.
     """
@@ -118,15 +118,15 @@ class Contact:
         self.obstacles = [ObstaclePairs(V, self._F, E, obstacle, self.thickness) for obstacle in obstacles]
 
     def can_start_at(self, U: np.ndarray, shifts: np.ndarray | None = None) -> bool:
-        """True if ``U`` (n, 3) intersects no obstacle, and itself only as at rest.
+        """True if ``U`` (n, 3) meets no obstacle, and itself only where it does at rest.
 
         Parameters
         ----------
         U : (n, 3) float array
         shifts : (o, 3) float array, optional
-            Of the obstacles; without, where they are.
+            Displacements of the obstacles; the current ones by default.
         """
-        return self.is_clear(U, self.shifts if shifts is None else shifts) and self._may_cross_so(U)
+        return self.is_clear(U, self.shifts if shifts is None else shifts) and self._crosses_as_at_rest(U)
 
     def is_clear(self, U: np.ndarray, shifts: np.ndarray) -> bool:
         """True if ``U`` (n, 3) intersects no obstacle displaced by ``shifts`` (o, 3)."""
@@ -134,8 +134,8 @@ class Contact:
         at_each = zip(self.obstacles, shifts, strict=True)
         return all(pairs.clearance(placed, shift) > 0.0 for pairs, shift in at_each)
 
-    def _may_cross_so(self, U: np.ndarray) -> bool:
-        """True if ``U`` (n, 3) intersects itself only as at rest."""
+    def _crosses_as_at_rest(self, U: np.ndarray) -> bool:
+        """True if ``U`` (n, 3) intersects itself only where the rest shape does."""
         pairs = crossing_pairs(self.followers.with_followers(U), self._F) if len(self._F) else None
         if pairs is None:
             return True
@@ -210,16 +210,16 @@ class Contact:
         ----------
         W : (n, 3) float array
         shifts : (o, 3) float array, optional
-            Where the obstacles go; without, they stay.
+            Displacements of the obstacles at the end; without, they stay.
         """
         start, before, self.examined_parts = self.start, self.shifts, 0
-        if self._goes(W, before if shifts is None else shifts):
+        if self._move_in_substeps(W, before if shifts is None else shifts):
             return True
-        if not self._goes(start, before):
+        if not self._move_in_substeps(start, before):
             self.start_at(start, before)
         return False
 
-    def _goes(self, W: np.ndarray, shifts: np.ndarray) -> bool:
+    def _move_in_substeps(self, W: np.ndarray, shifts: np.ndarray) -> bool:
         """Move straight to ``W`` in substeps; return False once one is blocked."""
         start, before, done, part = self.start, self.shifts, 0.0, 1.0
         while done < 1.0:
@@ -241,7 +241,7 @@ class Contact:
         """Energy at either end of the last collision-free step, in elastic energy units."""
         return 4.0 * self._stiffness * (self._energy_ahead if U is self._ahead else self._energy)
 
-    def gradient(self, U: np.ndarray) -> np.ndarray:
+    def quarter_gradient(self, U: np.ndarray) -> np.ndarray:
         """A quarter of the gradient (n, 3) of the contact energy."""
         placed = self._placed_at(U)
         g, self.touching_pairs, self.least_gap = self._pairs.gradient(placed)
@@ -258,7 +258,7 @@ class Contact:
 
     @property
     def loads(self) -> np.ndarray:
-        """Forces (o, 3) on the obstacles at the last :meth:`gradient`, energy per length."""
+        """Forces (o, 3) on the obstacles at the last gradient, energy per length."""
         forces = np.array([pairs.force for pairs in self.obstacles]).reshape(-1, 3)
         return -4.0 * self._stiffness * forces
 

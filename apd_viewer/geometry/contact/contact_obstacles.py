@@ -44,7 +44,7 @@ class Obstacle:
         Parameters
         ----------
         points : (p, 3) float array
-            Where those of the obstacle are.
+            Positions of the obstacle's points.
         X : (k, 3) float array
             Behind a plate distances are negative.
         """

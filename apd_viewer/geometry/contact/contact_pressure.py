@@ -48,13 +48,13 @@ class ContactPressure:
     def relative_pressure(self, U: np.ndarray) -> np.ndarray:
         """Contact pressure (n,) at ``U`` (n, 3), relative to its maximum.
 
-        The pressure is the force of the gaps on a vertex over a third of the area around it. It is NaN where
-        nothing is kept apart, and 0 everywhere as long as nothing touches.
+        The pressure is the force of the gaps on a vertex over a third of the area around it. It is NaN for
+        vertices without contact, and 0 everywhere if nothing touches.
         """
         U, F = np.ascontiguousarray(U[self._weld.first]), self._shape.F
         with cores_for(len(U)):
             self._contact.start_at(U)
-            force = np.linalg.norm(self._contact.gradient(U), axis=1)
+            force = np.linalg.norm(self._contact.quarter_gradient(U), axis=1)
             area = vertex_areas(U, F)
         pressure = np.divide(force, area, out=np.zeros(len(U)), where=area > 0.0)
         pressure = np.where(self._has_contact, pressure / (pressure.max() or 1.0), np.nan)

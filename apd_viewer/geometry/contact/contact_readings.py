@@ -16,12 +16,12 @@ def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dic
     ----------
     contact : Contact
     U : (n, 3) float array
-        Where the last free way ended or began.
+        Either end of the last collision-free step.
     shifts : (o, 3) float array
-        How far the obstacles have come.
+        Displacements reached by the obstacles.
     """
     contact.accept_shape(U)
-    contact.gradient(U)
+    contact.quarter_gradient(U)
     least = float(contact.least_gap) if contact.touching_pairs else None
     carried = np.flatnonzero((contact.followers.exempt_groups > 0).any(axis=0))
     touch = FrameContact(

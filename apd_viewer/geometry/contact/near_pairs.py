@@ -1,7 +1,7 @@
 """List of near pairs, kept complete while a surface moves.
 
-Listed are all pairs that may be in touch; of all others, every pair of near patches keeps a lower bound of
-what their gaps exceed their range by. Only where a step could use that up are two patches searched again.
+All pairs that may touch are listed; for all others, every pair of near patches keeps a lower bound of the
+excess of their gaps over their range. Two patches are searched again only if a step could exhaust it.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ _FARTHEST = 1.0
 _LONGEST = 1.5
 # Margin above the range, in mean edge lengths, within which exact gaps replace lower bounds.
 _MARGIN = 0.1
-_CORNER = 3.0**0.5  # bound of a vector's length by its largest coordinate
-# Fraction of the look-ahead below which a bound triggers a search ahead of need.
+_CORNER = 3.0**0.5  # largest ratio of a vector's length to its largest coordinate
+# Fraction of the look-ahead: a search starts early once a bound falls below it.
 _SOON = 0.5
 # Smallest gap after a step: the least of these fractions of the range, the pair's range and its listed gap.
 _FLOOR, _FLOOR_OF_RANGE, _FLOOR_OF_GAP = 5e-3, 0.1, 0.5

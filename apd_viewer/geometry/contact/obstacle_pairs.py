@@ -18,7 +18,7 @@ _LEFT = 0.5
 _MARGIN = 0.5
 # Distance ahead of an obstacle within which vertices move along, in lengths of its step.
 _CARRIED = 8.0
-_CORNER = 3.0**0.5  # bound of a vector's length by its largest coordinate
+_CORNER = 3.0**0.5  # largest ratio of a vector's length to its largest coordinate
 
 
 class ObstaclePairs:
@@ -39,7 +39,7 @@ class ObstaclePairs:
     ----------
     obstacle : Obstacle
     shift, shift_ahead : (3,) float arrays
-        How far the obstacle is from its place, and where it goes on the next way.
+        Displacement of the obstacle from its initial position, and at the end of its next step.
     points, points_ahead : (p, 3) float arrays
         Its points there.
     energy_ahead : float
@@ -136,7 +136,7 @@ class ObstaclePairs:
     def pushed_by_obstacle(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
         """``W`` (n, 3), pushed ahead of the obstacle in its next motion.
 
-        What is next to the obstacle at ``U`` goes along with it, and farther vertices less and less.
+        Vertices near the obstacle at ``U`` move along with it, farther ones less and less.
         """
         move = self.points_ahead[0] - self.points[0]
         if not move.any():
@@ -174,7 +174,7 @@ def clearance(obstacle: Obstacle, shift: np.ndarray, U: np.ndarray, F: np.ndarra
     ----------
     obstacle : Obstacle
     shift : (3,) float array
-        How far it is from its place, mesh units.
+        Displacement from the initial position, mesh units.
     U : (n, 3) float array
     F : (m, 3) int array
     """

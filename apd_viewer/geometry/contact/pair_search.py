@@ -28,7 +28,7 @@ class FoundPairs(NamedTuple):
     ----------
     pairs : (p, 4) int array
     is_edge_pair : (p,) bool array
-        True of two edges.
+        True for pairs of two edges.
     owner : (p,) int array
         Row among the pairs of patches that were searched.
     gap : (p,) float array
@@ -91,7 +91,7 @@ class PairSearch:
             int(np.diff(each.start).max()) for each in (patches.vertices, patches.edges, patches.faces)
         )
         while True:
-            *found, bound, count = _near(
+            *found, bound, count = _find_pairs(
                 self._V, U, patch_pairs, self._reach, self._touches, margins, *patches.covered_vertices,
                 *patches.vertices, vertices, *patches.edges, self._E, *patches.faces, self._F,
                 self._together, most, self._capacity, _TASKS,
@@ -104,7 +104,7 @@ class PairSearch:
 
 
 @njit(cache=True, nogil=True)
-def _box_of(U: np.ndarray, start: np.ndarray, item: np.ndarray, p: int, box: np.ndarray) -> None:
+def _write_box(U: np.ndarray, start: np.ndarray, item: np.ndarray, p: int, box: np.ndarray) -> None:
     """Write the bounding box of the vertices of a patch."""
     for c in range(3):
         low, high = np.inf, -np.inf
@@ -115,7 +115,7 @@ def _box_of(U: np.ndarray, start: np.ndarray, item: np.ndarray, p: int, box: np.
 
 
 @njit(cache=True, nogil=True)
-def _gathered(
+def _gather(
     U: np.ndarray, start: np.ndarray, item: np.ndarray, S: np.ndarray, p: int, other: np.ndarray, r: float,
     ids: np.ndarray, boxes: np.ndarray,
 ) -> int:  # fmt: skip
@@ -136,7 +136,7 @@ def _gathered(
 
 
 @njit(cache=True, nogil=True)
-def _goes_together(exempt_groups: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
+def _are_both_exempt(exempt_groups: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
     for z in range(len(exempt_groups)):
         p, q, r, s = exempt_groups[z, a], exempt_groups[z, b], exempt_groups[z, c], exempt_groups[z, d]
         if p != 0 and abs(p) == abs(q) == abs(r) == abs(s) and max(p, q, r, s) > 0:
@@ -151,7 +151,7 @@ def _range_of(at_rest: float, reach: float, touches: float) -> float:
 
 
 @parallel()
-def _near(
+def _find_pairs(
     V: np.ndarray, U: np.ndarray, between: np.ndarray, reach: float, touches: float, beyond: np.ndarray,
     rstart: np.ndarray, ritem: np.ndarray, vstart: np.ndarray, vitem: np.ndarray, S: np.ndarray,
     estart: np.ndarray, eitem: np.ndarray, E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
@@ -172,14 +172,14 @@ def _near(
         A, B = np.empty((most, 6)), np.empty((most, 6))
         for o in range(task, len(between), tasks):
             i, j = between[o, 0], between[o, 1]
-            _box_of(U, rstart, ritem, i, box[0])
-            _box_of(U, rstart, ritem, j, box[1])
+            _write_box(U, rstart, ritem, i, box[0])
+            _write_box(U, rstart, ritem, j, box[1])
             bound[o] = max(beyond[o], box_distance(box[0], 0, box[1], 0) - reach)
             if bound[o] > beyond[o]:
                 continue
             r = reach + beyond[o]
-            ones = _gathered(U, estart, eitem, E, i, box[1], r, one, A)
-            others = _gathered(U, estart, eitem, E, j, box[0], r, other, B) if ones > 0 else 0
+            ones = _gather(U, estart, eitem, E, i, box[1], r, one, A)
+            others = _gather(U, estart, eitem, E, j, box[0], r, other, B) if ones > 0 else 0
             for x in range(ones):
                 f = one[x]
                 a, b = E[f, 0], E[f, 1]
@@ -188,7 +188,7 @@ def _near(
                     if (i == j and g <= f) or not boxes_within(A, x, B, y, r):
                         continue
                     c, d = E[g, 0], E[g, 1]
-                    if a in (c, d) or b in (c, d) or _goes_together(exempt_groups, a, b, c, d):
+                    if a in (c, d) or b in (c, d) or _are_both_exempt(exempt_groups, a, b, c, d):
                         continue
                     q = edge_edge(U, a, b, c, d)[0]
                     if q >= r * r:
@@ -203,8 +203,8 @@ def _near(
                         n += 1
             for turn in range(1 if i == j else 2):
                 mine, its = (i, j) if turn == 0 else (j, i)
-                ones = _gathered(U, vstart, vitem, S, mine, box[1 - turn], r, one, A)
-                others = _gathered(U, fstart, fitem, F, its, box[turn], r, other, B) if ones > 0 else 0
+                ones = _gather(U, vstart, vitem, S, mine, box[1 - turn], r, one, A)
+                others = _gather(U, fstart, fitem, F, its, box[turn], r, other, B) if ones > 0 else 0
                 for x in range(ones):
                     v = one[x]
                     for y in range(others):
@@ -213,7 +213,7 @@ def _near(
                         if (
                             not boxes_within(A, x, B, y, r)
                             or v in (a, b, c)
-                            or _goes_together(exempt_groups, v, a, b, c)
+                            or _are_both_exempt(exempt_groups, v, a, b, c)
                         ):
                             continue
                         q = vertex_triangle(U, v, a, b, c)[0]

@@ -1,7 +1,7 @@
 """Patches of a surface, and upper bounds of the approach of two patches.
 
-A pair of patches keeps a budget: a lower bound of all gaps between them that are not listed. A way from U to
-W takes from it only what brings the two nearer, so that motion in common costs nothing.
+A pair of patches keeps a budget: a lower bound of all unlisted gaps between them. A step from U to W reduces
+it only by the approach of the two patches, so that common motion costs nothing.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Patches:
     used_vertices : int array
         Vertices with triangles.
     vertices, edges, faces : PatchItems
-        Those of every patch; an edge and a triangle belong to the patch of their first vertex.
+        Items of every patch; an edge and a triangle belong to the patch of their first vertex.
     covered_vertices : PatchItems
         Vertices of every patch and of its edges and triangles.
     """
@@ -238,7 +238,7 @@ def _spin(
 
 
 @njit(cache=True, nogil=True)
-def _seen_from(M: np.ndarray, i: int, j: int, turning: int) -> float:
+def _relative_displacement(M: np.ndarray, i: int, j: int, turning: int) -> float:
     """Relative displacement of two patch centres, seen from the patch ``turning``."""
     x, y, z = M[j, 0] - M[i, 0], M[j, 1] - M[i, 1], M[j, 2] - M[i, 2]
     wx, wy, wz = M[turning, 6], M[turning, 7], M[turning, 8]
@@ -258,7 +258,7 @@ def _approaches(M: np.ndarray, pairs: np.ndarray) -> np.ndarray:
         for c in range(6, 9):
             spin += (M[i, c] - M[j, c]) ** 2
         spin = np.sqrt(spin)
-        one = _seen_from(M, i, j, i) + spin * M[j, 9]
-        other = _seen_from(M, i, j, j) + spin * M[i, 9]
+        one = _relative_displacement(M, i, j, i) + spin * M[j, 9]
+        other = _relative_displacement(M, i, j, j) + spin * M[i, 9]
         bounds[e] = min(one, other) + M[i, 10] + M[j, 10]
     return bounds

@@ -238,7 +238,7 @@ def ring_weights(
     normals: np.ndarray,
     hat_gradients: np.ndarray,
 ) -> np.ndarray:
-    """Weights ``w_it`` of the corners of all triangles, (m, 3).
+    """Weight ``w_it`` of each triangle t in the rings of its corners i, (m, 3).
 
     Let u be a quadratic function of the place around vertex i, seen along the normal, and H its second
     derivatives. The weights are in proportion to ``part_t A_t``, and such that

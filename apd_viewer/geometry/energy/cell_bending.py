@@ -1,4 +1,4 @@
-"""Bending stiffness of the cells of Eq. 1, and the load excess it causes.
+"""Bending stiffness of the cells of Eq. 1, and the resulting load overestimate.
 
 A cell compares its edges with turned straight ones. Bent to a curvature k along the direction u, an edge e
 leaves the tangent plane by ``k (e . u)^2 / 2``, and the best rotation takes only what is linear in e from it:

@@ -1,15 +1,15 @@
 """Elastic surface with held vertices: local step and factored global step.
 
-The energy is a sum of terms, each a squared distance to the nearest of what the term would rather see:
-cells that are only turned (Eq. 1), triangles that keep their shape or area (:class:`Membrane`), triangles
-that deform like their neighbours (:class:`Bending`). While those are held, the energy is quadratic in the
-positions and its matrix is always the same:
+The energy is a sum of terms, each the squared distance to a projection onto preferred shapes: rotated cells
+(Eq. 1), triangles with their rest shape or rest area (:class:`Membrane`), triangles that deform like their
+neighbours (:class:`Bending`). For fixed projections, the energy is quadratic in the positions, with a
+constant matrix:
 
     grad E = 4 (K U - b),        K factored once, b from the local step.
 
-Where there is bending, triangles that collapse push back (:class:`AreaBarrier`): a force of the gradient
-that b knows nothing of, as without a line search a global step would follow it too far.
-Springs draw some vertices to places of their own; they add to K and to b, and know no local step.
+With bending, collapsing triangles push back (:class:`AreaPenalty`): this force is part of the gradient, but
+not of b, because without a line search a global step would follow it too far.
+Springs pull soft vertices to their targets; they add to K and to b, and have no local step.
 """
 
 from __future__ import annotations
@@ -59,11 +59,11 @@ class ElasticSurface(HeldSurface):
     Attributes
     ----------
     membrane : Membrane or None
-        What keeps shape and area of every triangle; None if the material has no such term.
+        Term preserving shape and area of every triangle; None if the material has none.
     factor : Factor
         Of :attr:`factored_matrix`.
     metric : Metric
-        What :meth:`solve` applies: ``factor``, or the factor of another positive definite matrix.
+        Metric of :meth:`solve`: ``factor``, or the factor of another positive definite matrix.
     """
 
     def __init__(
@@ -161,7 +161,7 @@ class ElasticSurface(HeldSurface):
         Parameters
         ----------
         targets : (k, 3) float array
-            Where the held vertices are.
+            Positions of the held vertices.
         mult, forces : (g,) and (g, n, 3) float arrays
             ``mult_i forces_i`` are added to ``b``.
         """
@@ -189,12 +189,12 @@ class ElasticSurface(HeldSurface):
         residual = parallel_ops.matrix_product(self.K_ff, parallel_ops.gathered_rows(self.U, self.free))
         parallel_ops.add_combination(residual, _MINUS, self.right_hand_side(targets)[None])
         if self._bending is not None:
-            collapsing = self.rest.area_barrier.gradient(self.U)[self.free]
+            collapsing = self.rest.area_penalty.gradient(self.U)[self.free]
             residual += 0.25 * self.material.bending * collapsing
         return residual
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
         current, q = self.U, self.q.copy()
         self.local_step(U)
         residual = self.residual(targets)
@@ -223,7 +223,7 @@ class ElasticSurface(HeldSurface):
         self._follow_creases()
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Make ``U`` (n, 3) current; return its energy without rotation coupling."""
+        """Do a local step at ``U`` (n, 3); return its energy without rotation coupling."""
         q, self.U = self.q, U
         if self.membrane is not None:
             self.membrane.local_step(U)
@@ -278,7 +278,7 @@ class ElasticSurface(HeldSurface):
         """Energy at ``U`` (n, 3) of bending, springs and ``cells``, with rotations ``q``."""
         E = self.material.rigidity * cells
         if self._bending is not None:
-            E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))
+            E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_penalty.energy(U))
         if len(self.soft.ids):
             away = U[self.soft.ids] - self._targets[len(self.fixed) :]
             E += 2.0 * parallel_ops.inner_product(self.spring_constants, (away * away).sum(axis=1))
@@ -334,7 +334,7 @@ class ProjectedHessian:
         Parameters
         ----------
         least : float
-            What smaller eigenvalues of a triangle's Hessian are replaced by; -inf for none.
+            Lower bound of the eigenvalues of each triangle's Hessian; -inf for none.
         """
         membrane = self._membrane
         patch, rest = membrane.patch, membrane.rest

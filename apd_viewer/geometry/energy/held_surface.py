@@ -20,22 +20,22 @@ class HeldSurface(ABC):
     fixed : (k,) int array
         Held vertices, each once.
     soft : SoftConstraints
-        Free vertices that springs draw. Wherever ``targets`` are asked for, theirs follow those of ``fixed``.
+        Free vertices pulled by springs. Their targets follow those of ``fixed`` in all ``targets``.
 
     Attributes
     ----------
     U : (n, 3) float array
         Current positions. Replaced, never written into.
     free : (f,) int array
-        Vertices that are solved for. Where some are held, a piece without any held vertex is not: nothing
-        says where it belongs, so it stays at rest (see :class:`LooseComponents`).
+        Vertices to solve for. If any are held, components without a held vertex are excluded: their position
+        is undetermined, so they stay at rest (see :class:`LooseComponents`).
     place : (n,) int array
-        Rows of the free vertices; from -1 downwards those of the held, and f of what stays at rest.
+        Rows of the free vertices; from -1 downwards, rows of the held ones; f for vertices at rest.
     spring_constants : (s,) float array
         Of the springs of ``soft``.
     material : Material
     creases : PlasticBending or None
-        What yields where it is bent; None if the material does not.
+        Plastic creases; None for a material that does not yield.
     """
 
     material: Material
@@ -54,7 +54,7 @@ class HeldSurface(ABC):
         self.place[fixed] = -1 - np.arange(len(fixed))
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        """Positions (n, 3), with free vertices at ``X`` and held ones at ``targets``."""
         return parallel_ops.scattered_rows(self.U, self.place, X, targets)
 
     def positions_along(
@@ -86,7 +86,7 @@ class HeldSurface(ABC):
 
     @abstractmethod
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
 
     def commit_creases(self) -> None:  # noqa: B027 (optional)
         """Make the plastic flow at the current positions permanent, if any."""

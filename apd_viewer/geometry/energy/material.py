@@ -40,7 +40,7 @@ class Material:
     poisson: float = 0.0
 
     @property
-    def young(self) -> float:
+    def tensile_stiffness(self) -> float:
         """Young's modulus times thickness at small strains, in uniaxial tension.
 
         With strains e and f along and across, a unit of area has the energy
@@ -55,4 +55,4 @@ class Material:
     @property
     def plate_rigidity(self) -> float:
         """Bending rigidity D of a thin elastic wall, a squared length."""
-        return self.young * self.thickness**2 / (12.0 * (1.0 - self.poisson**2))
+        return self.tensile_stiffness * self.thickness**2 / (12.0 * (1.0 - self.poisson**2))

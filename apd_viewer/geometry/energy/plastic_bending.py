@@ -133,12 +133,12 @@ class PlasticBending:
         if not np.array_equal(q, self._q):
             self._q, self._means, self._sizes = q.copy(), np.empty((len(q), 3, 3)), np.empty(len(q))
             ring = b.patch.start, b.patch.corner, b.weight, b.inverse, b.mean, b.normals
-            change_sizes(*ring, self._creased, self.committed_flow, D, q, self._means, self._sizes)
+            write_means_and_changes(*ring, self._creased, self.committed_flow, D, q, self._means, self._sizes)
         return self._sizes
 
 
 @parallel(fastmath={"contract"})
-def change_sizes(
+def write_means_and_changes(
     start: np.ndarray,
     corner: np.ndarray,
     weight: np.ndarray,
@@ -240,7 +240,7 @@ def tensions(
     scale: float,
     q: np.ndarray,
 ) -> np.ndarray:
-    """Tensions: ``scale sum_i w_it`` times the target in ring i, (m, 3, 3).
+    """Bending force factors: ``scale sum_i w_it`` times the target of ring i.
 
     The target is elastic_i R_i (mean_i + kept_it), and flow keeps the rest where it is.
     """

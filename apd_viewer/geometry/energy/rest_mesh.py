@@ -48,8 +48,8 @@ class ShapeMeasures(NamedTuple):
 class RestMesh:
     """Rest mesh of a deformation, computed once per mesh.
 
-    A mesh far from the origin is solved about its :attr:`centre`: squares of its coordinates would leave no
-    digits for its shape. What is called local is relative to it.
+    A mesh far from the origin is solved relative to its :attr:`centre`, since squares of its coordinates
+    would leave no digits for its shape. Local positions are relative to it.
 
     Parameters
     ----------

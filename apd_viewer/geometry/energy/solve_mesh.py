@@ -109,9 +109,9 @@ class SolveMesh:
         )
 
     @cached_property
-    def area_barrier(self) -> AreaBarrier:
+    def area_penalty(self) -> AreaPenalty:
         """Penalty on collapsing triangles of a stiff wall."""
-        return AreaBarrier(self.V, self.all_triangles.F)
+        return AreaPenalty(self.V, self.all_triangles.F)
 
     @cached_property
     def coarse_mesh(self) -> SolveMesh:
@@ -142,7 +142,7 @@ _WEIGHT, _FROM = 2.0, 0.3
 _FLAT = 1e-3
 
 
-class AreaBarrier:
+class AreaPenalty:
     """Penalty on collapsing triangles, and its gradient.
 
     Parameters

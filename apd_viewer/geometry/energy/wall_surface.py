@@ -67,7 +67,7 @@ class WallSurface(HeldSurface):
         super().__init__(rest, fixed, soft)
         self.material, self._thickness = material, material.thickness
         self._found: tuple[float, np.ndarray] | None = None
-        self.stretching = Stretching(rest.V, rest.all_triangles, material.young, material.poisson)
+        self.stretching = Stretching(rest.V, rest.all_triangles, material.tensile_stiffness, material.poisson)
         unit = replace(material, thickness=1.0).plate_rigidity
         clamps = np.asarray(np.isin(rest.F, fixed).all(axis=1))
         self.hinges = Hinges(rest.V, rest.F, unit, material.poisson, clamps)
@@ -135,17 +135,17 @@ class WallSurface(HeldSurface):
         E = self._energy_and_gradient[0]
         return self.stretching.energy_and_gradient(self.U)[0] / E if E > 0.0 else 0.0
 
-    def draw_to(self, targets: np.ndarray) -> None:
+    def attach_springs(self, targets: np.ndarray) -> None:
         """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
         self._targets = targets
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
-        self.draw_to(targets)
+        self.attach_springs(targets)
         return self._quarter_gradient(self.U, self._energy_and_gradient[1], targets)
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
         return self._quarter_gradient(U, self._energy_and_gradient_at(U)[1], targets)
 
     def _quarter_gradient(self, U: np.ndarray, g: np.ndarray, targets: np.ndarray) -> np.ndarray:
@@ -177,13 +177,13 @@ class WallSurface(HeldSurface):
         Parameters
         ----------
         pattern : BlockPattern
-            With all that is coupled.
+            Pattern of all coupled vertices.
         tensions : (m,) float array
             Weight of each triangle's area in the Lagrangian.
         pressure : float
-            That of the volume.
+            Multiplier of the volume.
         share : float
-            What counts of terms that may not be positive, 0 to 1.
+            Factor of the possibly indefinite terms, 0 to 1.
         """
         flat, hinges, U = self.stretching, self.hinges, self.U
         angles, J = angles_and_gradients(U, hinges.corners)

@@ -1,12 +1,12 @@
 """Calm parts: levels of vertices by the influence of the handles' motion.
 
-A surface that keeps its total area alone pays for a stretch by shrinking everywhere, limbs that have
-nothing to do with the gesture included. What a gesture can reach is told by the harmonic functions h that
-are 1 on a handle and 0 on whatever else is held: ``|grad h|^2`` falls by powers of ten into parts that lead
-nowhere. Each level of it has an area of its own to keep, so that a stretch is paid for nearby. Levels farther
-out are often in several places, such as a belly and the legs: the largest connected part keeps its area
-apart from the others, or a bulge of the one would be paid for by the others. The levels depend on what is
-held alone, and not on where: nothing jumps while a handle moves.
+A surface that preserves only its total area compensates a stretch by shrinking everywhere, even in limbs far
+from the gesture. The reach of a gesture follows from the harmonic functions h, 1 on a handle and 0 on all
+other held vertices: ``|grad h|^2`` falls by powers of ten into dead ends of the surface. Each of its levels
+has an area goal of its own, so that a stretch is compensated nearby. Outer levels often have several parts,
+such as a belly and the legs: the largest connected part has a separate goal, since otherwise the others would
+compensate its bulges. The levels depend only on the set of held vertices, not on their positions, so that
+nothing jumps while a handle moves.
 
 They are found by conjugate gradients. The preconditioner adds to Jacobi's the correction of the coarse level,
 ``P (P^T A P)^-1 P^T`` [Brandt 1977, Multi-level adaptive solutions to boundary-value problems].
@@ -39,7 +39,7 @@ LARGE = 200_000
 _STEPS = 10
 
 
-def calm_levels(
+def calm_level_weights(
     solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
 ) -> np.ndarray:
     """Weights (g, n) of the vertices in each calm level that has an area goal.
@@ -52,7 +52,7 @@ def calm_levels(
     handle_of : (k,) int array
         For each the number of its handle, from 1; 0 is base.
     soft : SoftConstraints
-        What handles draw along.
+        Vertices pulled along by handles.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def gesture_flux(
     Parameters
     ----------
     solve_mesh, held, handle_of, soft
-        See :func:`calm_levels`.
+        See :func:`calm_level_weights`.
     """
     V, F = solve_mesh.V, solve_mesh.F
     size = face_areas(V, F)

@@ -1,7 +1,7 @@
 """Projection onto the goals by Newton's method along a few fixed directions.
 
-With g the gradients of the goals c, the directions are ``y = K^-1 g``: the smoothest ways to change what
-the goals measure. They need not be those of today's gradients, only to lead there.
+With g the gradients of the goals c, the directions are ``y = K^-1 g``: the smoothest displacements that
+change the goals. They may be those of earlier gradients, as long as the goals can be met along them.
 """
 
 from typing import Protocol
@@ -16,7 +16,7 @@ from apd_viewer.geometry.mesh.weighted_areas import row_nonzeros
 # Relative to the value at rest; ten times tighter than documented.
 GOAL_TOLERANCE = 1e-10
 _NEWTON_STEPS = 8
-# Bound of the relative change of slopes per relative miss, measured as about 1.
+# Bound of the relative change of slopes per relative violation of the goals, measured as about 1.
 _CURVED = 4.0
 # Steps whose change is below this fraction of the expected one, or of opposite sign, do not update slopes.
 _PLAUSIBLE = 0.1
@@ -50,9 +50,9 @@ class GoalProjection:
     Attributes
     ----------
     values : (g,) float array
-        What the goals measure at the positions found or looked at last.
+        Values of the goals at the last positions.
     g : (g, n, 3) float array
-        Their gradients at the positions looked at last.
+        Gradients of the goals at the last positions.
     """
 
     def __init__(self, elastic: ElasticResponse, goals: tuple[Goal, ...]) -> None:
@@ -72,10 +72,10 @@ class GoalProjection:
     @property
     def has_met_goals(self) -> bool:
         """True if all goals are met at the last positions."""
-        return self.largest_miss <= GOAL_TOLERANCE
+        return self.largest_violation <= GOAL_TOLERANCE
 
     @property
-    def largest_miss(self) -> float:
+    def largest_violation(self) -> float:
         """Largest goal violation at the last positions, relative to rest."""
         return _largest_violation(self.values, self._target, self._unit)
 
@@ -154,7 +154,7 @@ class GoalProjection:
                 break
             missing = self._target - self.values
             step = share * (self._inverse @ missing)
-            there = parallel_ops.plus_combination(U, step, self._y)
+            there = parallel_ops.with_added_combination(U, step, self._y)
             if foreseen <= GOAL_TOLERANCE:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step

@@ -26,7 +26,7 @@ class Region:
     vertices : int array
         Ids in the order of the file.
     area : float, str or None
-        What its area should be, in percent of its area at rest; None only measures it. Below 10 as text
+        Target area in percent of the area at rest; None only measures it. Below 10 as text
         with its sign, such as ``"5%"``.
 
     Examples
@@ -67,7 +67,7 @@ class Goal:
     rest, target : float
         Value at rest, and the value asked for.
     weight : (n,) float array or None
-        How much of the area around each vertex counts; None counts all of it, or is the volume.
+        Fraction of the area around each vertex in the goal; None for all of it, or for the volume.
     is_smooth : bool
         A triangle has the mean of its corners' weights; without, the least, so that only those count that
         are wholly inside.
@@ -90,8 +90,8 @@ class Goal:
         """Fraction of every triangle included in the goal, (m,) float32 array."""
         return triangle_weights(self.patch.F, self.weight, self.is_smooth)
 
-    def relative_miss(self, value: float) -> float:
-        """Signed deviation of a value from the target, relative to the rest value."""
+    def relative_deviation(self, value: float) -> float:
+        """Signed deviation of a value from its target, relative to the rest value."""
         return (value - self.target) / abs(self.rest)
 
     def shortfall_sentence(self, value: float) -> str:

@@ -35,11 +35,11 @@ def percentage(target: float | str, name: str) -> float:
             )
         )
     if not is_signed:
-        check_no_factor(percent)
+        check_not_factor(percent)
     return percent
 
 
-def check_no_factor(value: float, factors: float = _FACTORS) -> None:
+def check_not_factor(value: float, factors: float = _FACTORS) -> None:
     """Raise InputError for a bare number so small that it may be meant as a factor.
 
     Parameters

@@ -1,8 +1,8 @@
 """Sparse Cholesky factorization: factor once, solve often.
 
-Large systems have a supernodal factor in single precision: a quarter of the time to solve, for six digits;
-steps need no more, and one refinement gives ten. Small ones, and what a supernodal factor does not suit,
-have CHOLMOD's simplicial one.
+Large systems have a supernodal factor in single precision: it solves in a quarter of the time to six digits,
+enough for steps, and one refinement gives ten. Small systems, and those unsuited to a supernodal factor, have
+CHOLMOD's simplicial one.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class LinearSolver:
     factor
         Supernodal factor, or CHOLMOD's where that will not do.
     seconds : float
-        How long the factorization took.
+        Duration of the factorization, seconds.
 
     Raises
     ------
@@ -128,7 +128,7 @@ class _SimplicialFactor:
         self._factor = CholeskySolverD(len(start) - 1, start, column, entry, MatrixType.CSR)
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B``, also refined."""
+        """``A^-1 B`` in double precision; :meth:`refined` is the same."""
         X = np.empty_like(B)
         self._factor.solve(B, X)
         return X

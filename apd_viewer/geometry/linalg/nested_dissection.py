@@ -60,7 +60,7 @@ def _dissection(
         if b - a > leaf:
             for axis in range(3):
                 label += 2
-                count = _take_sides(V, part, axis, heights, side, label)
+                count = _label_halves(V, part, axis, heights, side, label)
                 if min(count, b - a - count) < _LEAST_HALF * (b - a):
                     continue
                 of_lower, of_upper = _count_borders(graph, part, side, label)
@@ -83,7 +83,7 @@ def _dissection(
 
 
 @njit(cache=True, nogil=True)
-def _take_sides(
+def _label_halves(
     V: np.ndarray, vertices: np.ndarray, axis: int, heights: np.ndarray, side: np.ndarray, label: int
 ) -> int:
     """Label the halves of ``vertices``; return the size of the upper one."""

@@ -104,7 +104,7 @@ def add_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
 
 
 @parallel()
-def plus_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
+def with_added_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
     """``X + sum_k c_k A_k`` of ``A`` (k, n, 3) and ``X`` (n, 3)."""
     out = np.empty_like(X)
     for i in prange(len(X)):

@@ -52,13 +52,13 @@ class SupernodalFactor:
     def __init__(self, A: csr_array, nodes: Supernodes) -> None:
         self._A = A
         start, column = A.indptr, A.indices
-        panel = np.append(0, np.cumsum(nodes.own * row_length(nodes.width)))
+        panel = np.append(0, np.cumsum(nodes.own_width * row_length(nodes.width)))
         self._work = np.add.reduceat(np.diff(panel), nodes.task[:-1])[: len(nodes.task) - 1]
         self._shares: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self._panels = np.empty(panel[-1], dtype=np.float32)
         tree = nodes.first, nodes.begin, nodes.later, panel
         kin, matrix = (nodes.child, nodes.sibling), (nodes.order, nodes.place, start, column, A.data)
-        tasks = nodes.task, *self._shared_out(), nodes.stack
+        tasks = nodes.task, *self._tasks_by_core(), nodes.stack
         if not factorize(tree, kin, matrix, tasks, self._panels):
             raise ValueError("the matrix is not positive definite")
         self._order = nodes.order.astype(np.uint32)
@@ -73,7 +73,7 @@ class SupernodalFactor:
         columns = np.empty((numba.config.NUMBA_NUM_THREADS, 3, widest), np.float32)
         self._scratch = np.empty((n, 3), np.float32), np.empty((len(self._work), top, 3), np.float32), columns
 
-    def _shared_out(self) -> tuple[np.ndarray, np.ndarray]:
+    def _tasks_by_core(self) -> tuple[np.ndarray, np.ndarray]:
         """Tasks ordered by core, and the first position of each core's tasks."""
         cores = numba.get_num_threads()
         if cores not in self._shares:
@@ -87,14 +87,14 @@ class SupernodalFactor:
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` to six digits or so, for ``B`` (n, k), float64."""
-        return _in_threes(B, self._solve_three)
+        return _solve_by_threes(B, self._solve_three)
 
     def refined(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` to ten digits or so, for ``B`` (n, k), float64."""
-        return _in_threes(B, self._refine_three)
+        return _solve_by_threes(B, self._refine_three)
 
     def _solve_three(self, B: np.ndarray) -> np.ndarray:
-        X, (turn, share) = np.empty(B.shape), self._shared_out()
+        X, (turn, share) = np.empty(B.shape), self._tasks_by_core()
         solve(self._tree, self._task, turn, share, self._order, self._panels, self._scratch, B, X)
         return X
 
@@ -104,7 +104,7 @@ class SupernodalFactor:
         return X
 
 
-def _in_threes(B: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+def _solve_by_threes(B: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     """Solutions (n, k) for ``B`` (n, k), three columns at a time."""
     if B.shape[1] == 3:
         return solve(np.ascontiguousarray(B))
@@ -168,7 +168,7 @@ def _eliminate(
 ) -> bool:
     """Eliminate the supernodes from ``begin_at`` to ``end_at``.
 
-    What they contribute to later ones lies on the stack; False if the matrix is not definite.
+    Their contributions to later ones go to the stack; False if the matrix is not definite.
     """
     first, begin, later, panel = tree
     widest = 0
@@ -319,7 +319,7 @@ def _forward(
 ) -> None:
     """``x_later += W^T x`` of the supernodes from ``begin_at`` to ``end_at``.
 
-    What comes after all places of ``x`` but those of ``beyond`` is added to ``beyond`` instead.
+    Contributions beyond the positions of ``x`` are added to ``beyond`` instead.
     """
     first, begin, later, panel = tree
     t, u, v = columns[0], columns[1], columns[2]

@@ -2,8 +2,8 @@
 
 Each group of a nested dissection is a supernode: its unknowns are eliminated at once, from a dense matrix
 [Ng & Peyton 1993, Block Sparse Cholesky Algorithms on Advanced Uniprocessor Computers]. Subtrees of
-supernodes know nothing of each other, so they are tasks that can run side by side; what is left, the top of
-the tree, follows them. The tasks depend on the matrix alone, so sums are the same on any number of cores.
+supernodes are independent, so they are tasks that can run in parallel; the rest, the top of the tree, follows
+them. The tasks depend on the matrix alone, so sums are the same on any number of cores.
 """
 
 import numpy as np
@@ -38,7 +38,7 @@ class Supernodes:
     task : (t + 1,) int64 array
         Supernodes ``task[i]`` to ``task[i + 1]`` need no other task; the top begins at ``task[-1]``.
     stack : (t + 2,) int64 array
-        Where the contributions of each task and of the top begin, while one waits for the next.
+        Start of the contributions of each task and of the top, until the next one takes them.
     """
 
     def __init__(self, V: np.ndarray, start: np.ndarray, column: np.ndarray) -> None:
@@ -53,19 +53,19 @@ class Supernodes:
         self.stack = _stack(np.diff(self.begin), parent, self.task)
 
     @property
-    def own(self) -> np.ndarray:
+    def own_width(self) -> np.ndarray:
         """Numbers of unknowns of the supernodes, (g,) int64 array."""
         return np.diff(self.first)
 
     @property
     def width(self) -> np.ndarray:
         """Numbers of own and coupled unknowns of the supernodes, (g,) int64 array."""
-        return self.own + np.diff(self.begin)
+        return self.own_width + np.diff(self.begin)
 
     @property
     def fill(self) -> int:
         """Number of stored entries of the factor."""
-        return int(self.own @ self.width)
+        return int(self.own_width @ self.width)
 
 
 @njit(cache=True, nogil=True)

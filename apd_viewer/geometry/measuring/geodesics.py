@@ -2,7 +2,7 @@
 
 The shortest path along edges, and across them to the opposite corners, is straightened by flips of edges
 until it is a geodesic of the polyhedron: exact up to rounding, with no error from the size of the triangles.
-It is the shortest one of those that pass the obstacles of the surface on the same sides as that first path.
+It is the shortest path among those homotopic to the first one.
 
 Sharp & Crane, You can find geodesic paths in triangle meshes by just flipping edges, 2020.
 """

@@ -172,7 +172,7 @@ class _Kind(NamedTuple):
     Attributes
     ----------
     holds : callable
-        True for a value that is one.
+        True for a valid value.
     sentence : str
         About one that is none, with the ``{name}`` of the argument.
     """

@@ -82,7 +82,7 @@ def coarse_neighbours(
     component : (n,) int array
         The connected piece of every vertex; there is no going with another one.
     vertices : (c,) int array
-        Those of the thinned mesh.
+        Vertices of the decimated mesh.
     edge_length : float
         Mean length of its edges.
 
@@ -106,7 +106,7 @@ def with_held_vertices(
 ) -> np.ndarray:
     """Vertices of a decimated mesh, some of them replaced by nearby held vertices.
 
-    So every held part has a vertex in the decimated mesh.
+    Every held part thus has a vertex in the decimated mesh.
 
     Parameters
     ----------

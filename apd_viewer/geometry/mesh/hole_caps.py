@@ -26,7 +26,7 @@ class Caps:
     ends : (b, 2) int array
         The edges of the borders as the caps pass them, opening by opening.
     start : (openings,) int array
-        Where the edges of each opening begin.
+        Index of the first edge of each opening.
     """
 
     ends: np.ndarray

@@ -316,7 +316,7 @@ class Texture(NamedTuple):
     uv : (k, 2) float32 array
         Texture coordinates: 0 to 1 from left to right and from bottom to top, repeated beyond.
     uv_of : (m, 3) int32 array
-        Which of them each corner has.
+        Index into them for each corner.
     image : (h, w, 3) uint8 array
         Rows from top to bottom, sRGB.
     """

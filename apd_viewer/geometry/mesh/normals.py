@@ -84,7 +84,7 @@ def rotated_normals(
     F : (m, 3) int array
     N : (k, 3) float array
     normal_of : (m, 3) int array
-        Which of ``N`` every corner uses; -1 is none.
+        Row of ``N`` for every corner; -1 is none.
 
     Returns
     -------

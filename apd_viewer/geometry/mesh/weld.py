@@ -34,9 +34,9 @@ class Weld:
     Attributes
     ----------
     first : (k,) int array
-        For every vertex of the solve the first file vertex at its position.
+        First file vertex at the position of each solve vertex.
     inverse : (n,) int array
-        For every file vertex its vertex of the solve.
+        Solve vertex of each file vertex.
     V : (n, 3) float array or None
         Positions of the file; None if every vertex lies where it is joined.
     """

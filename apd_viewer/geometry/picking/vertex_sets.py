@@ -1,7 +1,7 @@
 """Sets of vertices, modified by connectivity and shape.
 
-A set is an (n,) bool array. At a seam one vertex of each place is named, as in the triangles and one-rings
-of :class:`SurfaceIndex`. What a set says of the other vertices means nothing.
+A set is an (n,) bool array. At a seam one vertex represents each position, as in the triangles and one-rings
+of :class:`SurfaceIndex`; the membership of the other vertices is ignored.
 """
 
 import numpy as np
@@ -62,7 +62,7 @@ def smoothed_set(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member
     (n,) bool array
     """
     border = grown_set(start, neighbour, member) & ~shrunk_set(start, neighbour, member)
-    near = _walk(start, neighbour, np.flatnonzero(border), RINGS - 1)
+    near = _vertices_within(start, neighbour, np.flatnonzero(border), RINGS - 1)
     return _averaged_members(start, neighbour, U, member, near)
 
 
@@ -159,7 +159,7 @@ def nearest_mirror_vertices(
         Vertices that count.
     plane : MirrorPlane
     reach : (k,) float array
-        How far from the image each may be, mesh units.
+        Largest distance of each from its image, mesh units.
 
     Returns
     -------
@@ -182,7 +182,7 @@ def nearest_mirror_vertices(
 
 
 @njit(cache=True, nogil=True)
-def _walk(start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray, rings: int) -> np.ndarray:
+def _vertices_within(start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray, rings: int) -> np.ndarray:
     """Vertices within ``rings`` of the ``seeds`` (s,), nearest first, (k,)."""
     reached, found = np.zeros(len(start) - 1, dtype=np.bool_), np.empty(len(start) - 1, dtype=np.int64)
     head = count = 0
@@ -206,7 +206,7 @@ def _walk(start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray, rings: in
 def component_of(start: np.ndarray, neighbour: np.ndarray, seed: int) -> np.ndarray:
     """Connected component of the vertex ``seed`` as a mask, (n,) bool array."""
     member = np.zeros(len(start) - 1, dtype=bool)
-    member[_walk(start, neighbour, np.array([seed]), len(member))] = True
+    member[_vertices_within(start, neighbour, np.array([seed]), len(member))] = True
     return member
 
 
@@ -233,7 +233,7 @@ def border_loop(
     a, b = F[t, c], F[t, (c + 1) % 3]
     border = np.zeros(len(start) - 1, dtype=bool)
     border[a] = border[b] = True
-    reached = _walk(start, neighbour, np.array(seeds, dtype=np.int64), len(border))
+    reached = _vertices_within(start, neighbour, np.array(seeds, dtype=np.int64), len(border))
     nearest = reached[border[reached]][:1]
     if not len(nearest):
         return np.zeros_like(border)
@@ -248,7 +248,7 @@ def is_inside_polygon(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     points : (k, 2) float array
-        Those that are not a number lie outside.
+        Points to test; NaN counts as outside.
     polygon : (p, 2) float array
         Corners in their order; the last is joined with the first.
 

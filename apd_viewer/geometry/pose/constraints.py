@@ -16,7 +16,7 @@ MOST_HANDLES = 8
 
 
 class SoftConstraints(NamedTuple):
-    """Vertices drawn softly along with their handle; see :mod:`falloff`.
+    """Vertices pulled along by springs of their handle; see :mod:`falloff`.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class SoftConstraints(NamedTuple):
     density : (s,) float array
         Of the springs: weight per area.
     handle : (s,) int array
-        Which handle draws each, from 0.
+        Index of the handle that pulls each, from 0.
     """
 
     ids: np.ndarray
@@ -53,13 +53,13 @@ class Constraints(NamedTuple):
     fixed : (k,) int array
         Base and handle vertices, ascending.
     handles : tuple of int arrays
-        Those of ``fixed`` that belong to each handle; a handle without a vertex is left out.
+        Members of ``fixed`` in each handle; a handle without a vertex is left out.
     targets : (k, 3) float array
-        Where each of ``fixed`` is held.
+        Target positions of ``fixed``.
     soft : SoftConstraints
-        What handles draw along without holding it.
+        Vertices pulled along by handles without being held.
     soft_targets : (s, 3) float array
-        Where each of those is drawn to.
+        Target positions of the soft vertices.
     """
 
     fixed: np.ndarray
@@ -81,7 +81,7 @@ def constraints(
     soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
     obstacles: bool = False,
 ) -> Constraints:
-    """Hold the base at ``grip``, and each handle at ``grip`` moved by its pose.
+    """Constraints holding the base at ``grip``, and handles at their poses from there.
 
     Parameters
     ----------
@@ -92,9 +92,9 @@ def constraints(
     poses : sequence of (4, 4) float arrays
         Motion of each handle since then.
     soft : SoftConstraints
-        What the handles draw along.
+        Vertices pulled along by the handles.
     obstacles : bool
-        Whether there are any to push: then base and handles may be missing.
+        Whether there are obstacles to push: base and handles may then be missing.
 
     Raises
     ------

@@ -20,12 +20,12 @@ class FrameContact(NamedTuple):
     Attributes
     ----------
     pairs : int
-        Pairs of vertex and triangle, or of two edges, nearer than the distance that walls keep.
+        Pairs of a vertex and a triangle, or of two edges, nearer than the contact distance.
     least_gap : float or None
-        Their least distance, mesh units; None without any.
+        Least gap of these pairs, mesh units; None without any.
     exempt : int
-        Vertices that not everything is kept apart from: near triangles that cross or touch at rest, or of
-        loose parts, which the surface that carries them may cross.
+        Vertices partly exempt from contact: near triangles crossing or touching at rest, or in loose parts,
+        which may cross the surface carrying them.
     """
 
     pairs: int
@@ -48,48 +48,46 @@ class Frame:
     volume : float or None
         Enclosed volume; None if the surface is not closed.
     handle_drift : float
-        Distance between the centroid of a handle where it was asked for and where it is; the largest
-        of several handles.
+        Distance between the requested and the actual centroid of a handle; the largest for several handles.
     converged : bool
-        The shape has settled and meets what is asked of it.
+        True if the shape has settled and meets all targets.
     settled : bool
-        Nothing more comes of iterating, converged or not.
+        True if further iterations would change nothing, converged or not.
     regions : tuple of float
         Area of each region.
     local_change : float
         Largest relative change of the area of a triangle, up or down.
     largest_edge_strain : float
-        Of the edge whose length has changed most relative to rest: 0.1 stretched by 10 %, -0.1 shortened.
+        Strain of the edge with the largest relative change of length: 0.1 stretched by 10 %, -0.1 shortened.
     mean_edge_strain : float
         Mean of the edges' absolute strains, weighted by the rest area of the triangles at each.
     volume_capped : float or None
-        Volume with flat caps over the openings; None where the surface has none.
+        Volume with flat caps over the openings; None for a surface without openings.
     unreached : str or None
-        What was asked for but cannot be reached in this pose, and how near it came: a sentence.
+        Sentence on targets out of reach in this pose, and the values reached.
     energy : float or None
-        What the method brings down, squared lengths: Eq. 1 with each undirected edge counted twice, and the
+        Energy minimised by the method, squared lengths: Eq. 1 with undirected edges counted twice, and the
         terms of the material; without the coupling of "sr-arap". None where that is not known.
     stable : bool or None
-        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
+        True at a minimum of the energy as far as examined, False on a saddle; None if not examined.
     saddle_escapes : int
-        Saddles of the energy that have been left since the targets were last set.
+        Number of energy saddles left since the targets were last set.
     total : int
         Iterations since the deformation was made.
     gap : float or None
-        Measure of convergence in multiples of its tolerance; None while it is not known. Above 1 the shape
-        has not converged; below, a lower minimum may still be looked for.
+        Measure of convergence in multiples of its tolerance; None while unknown. Above 1 the shape has not
+        converged; below, the search for a lower minimum may still continue.
     seconds_left : float or None
-        Expected seconds to convergence, where a coarse surface led while the matrix was factored.
+        Expected seconds to convergence, if previews were shown while the matrix was factored.
     share_reached : float
-        Share of the way from rest to the targets that contact has let the held vertices go.
+        Fraction of the path from rest to the targets completed, as far as contact allows.
     contact : FrameContact or None
         None without contact.
     loads : (o, 3) float array
-        Forces on the obstacles, energy per length: those of a material of stiffness 1. Of a settled shape
-        they are the derivatives of its energy by the shifts, with the sign changed. Read-only.
+        Forces on the obstacles, energy per length, for a material of stiffness 1. For a settled shape, they
+        are the negative derivatives of its energy with respect to the shifts. Read-only.
     shifts : (o, 3) float array
-        How far the obstacles have come from their places, mesh units, read-only; contact may have stopped
-        them.
+        Displacements of the obstacles, mesh units, read-only; contact may have stopped them.
 
     Examples
     --------

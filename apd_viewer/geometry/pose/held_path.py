@@ -19,7 +19,7 @@ ITERATIONS_A_STEP = 4
 class HeldPath:
     """Paths of handles (screws, or lines if deformed) and of obstacles (lines).
 
-    Half a turn goes one of its two ways round: straight, the handle would pass through its axis.
+    Half a turn follows an arc in either sense; on a straight path the handle would collapse onto its axis.
 
     Parameters
     ----------
@@ -28,14 +28,14 @@ class HeldPath:
     handle_of : (k,) int array
         Vertices of one number move as one.
     shifts : (2, o, 3) float array, optional
-        How far each obstacle is shifted at the start and at the end; it goes straight.
+        Displacement of each obstacle at the start and at the end of its straight path.
 
     Attributes
     ----------
     length : float
-        The longest way of all, mesh units.
+        Length of the longest path, mesh units.
     moves_held, moves_obstacles : bool
-        Whether there are ways of either.
+        Whether the held vertices and the obstacles move at all.
     """
 
     def __init__(

@@ -54,7 +54,7 @@ class HeldTurn(NamedTuple):
     def has_lost_whole_turns(self) -> bool:
         """True if the lost angle amounts to whole turns.
 
-        Only a surface that passes through itself can lose them.
+        Only a surface passing through itself can lose whole turns.
         """
         turns = round(self.lost_angle / (2.0 * math.pi))
         return turns > 0 and abs(self.lost_angle - 2.0 * math.pi * turns) < _WHOLE
@@ -87,7 +87,7 @@ class HandleTurns(NamedTuple):
 
 
 def most_lost_turn(turns: Sequence[HeldTurn]) -> HeldTurn:
-    """Turn with the largest loss; among equals, the largest turn."""
+    """Turn with the largest lost angle; among equals, the largest turn."""
     return max(
         turns,
         key=lambda turn: (turn.lost_angle if turn.lost_angle >= LEAST_TURN else 0.0, abs(turn.requested)),
@@ -104,8 +104,7 @@ def pass_through_warnings(
 ) -> tuple[str, ...]:
     """Warnings that the surface may have passed through itself.
 
-    They are turns that it does not hold, unless contact stops a handle, and the volume of a closed surface
-    turned inside out.
+    The signs are lost turns, unless contact has stopped a handle, and a negative volume of a closed surface.
 
     Parameters
     ----------
@@ -114,7 +113,7 @@ def pass_through_warnings(
     volume_rest : float or None
         Enclosed at rest.
     contact, may_touch : bool
-        Whether contact was on, and whether the method knows it.
+        Whether contact was on, and whether the method supports it.
     names : sequence of str, optional
         Of the handles; without, they are numbered.
     """

@@ -48,8 +48,8 @@ class MirrorPlane(NamedTuple):
     def symmetric_motion(self, pose: np.ndarray, pivot: np.ndarray) -> np.ndarray:
         """Motion (4, 4) nearest to ``pose`` and equal to its own mirror image.
 
-        Of the way of the pivot (3,) it is the part in the plane; of the rotation the twist about the
-        normal of the plane, in a decomposition into swing and twist; of a stretch the symmetric part.
+        Composed of the in-plane part of the pivot's displacement, the twist about the normal of the plane in
+        a swing-twist decomposition of the rotation, and the symmetric part of a stretch.
         """
         normal = np.eye(3)[self.axis]
         left, sizes, right = np.linalg.svd(pose[:3, :3])

@@ -1,8 +1,8 @@
 """Screw motions: interpolation of handle poses.
 
-A rigid motion goes along a screw [Chasles 1830]: it turns about one line and shifts along it, both evenly, so
-that equal parts are equal motions and nothing is nearer to the line on the way. A stretch grows by equal
-factors in equal parts.
+A rigid motion follows a screw [Chasles 1830]: uniform rotation about a line with uniform translation along
+it, so that equal fractions are equal motions and distances from the line are constant. A stretch grows by
+equal factors in equal fractions.
 """
 
 from typing import NamedTuple
@@ -34,7 +34,7 @@ class ScrewPath(NamedTuple):
     angle : float
         Of the whole turn, radians, less than half a turn.
     along, across : (3,) float array
-        Displacement of the pivot in the direction of the axis and at right angles to it.
+        Displacement of the pivot along the axis, and perpendicular to it.
     stretches : (3,) float array
         Factors along the columns of ``directions`` (3, 3), which are orthonormal.
     directions : (3, 3) float array
@@ -76,9 +76,9 @@ class RotationPath(NamedTuple):
     Attributes
     ----------
     point : (3,) float array
-        On the line.
+        Point on the axis.
     axis : (3,) float array
-        Along the line, of any length but zero.
+        Direction of the axis, of any length but zero.
     angle : float
         Of the whole turn, radians.
     """

@@ -4,8 +4,8 @@ A triangle turns about its neighbour by the change of the angle at their common 
 changes of its own angles. Each of these is less than a whole turn of either sense, so that their sum over a
 way counts whole turns, however coarse or crumpled the surface is.
 
-Places of a handle do not tell a turn by 400 degrees from one by 40; the surface between tells them apart. One
-that has passed through itself holds whole turns less than it was asked for.
+The position of a handle does not distinguish a turn by 400 degrees from one by 40, but the surface does.
+After passing through itself, it holds fewer whole turns than requested.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class RequestedTurn(NamedTuple):
     lifted : (4,) float array
         Unit quaternion that follows the way without a jump: the other one of its rotation is a turn away.
     has_one_axis : bool
-        Whether it turns about one axis all the way.
+        Whether all its rotations have the same axis.
     """
 
     axis: np.ndarray
@@ -124,12 +124,12 @@ class SurfaceTurns:
         last = quaternion(base.T @ end)
         made, jumps, arm = self._path_turns(HANDLE + k, requested.axis, last)
         held = [
-            self._by_arm(requested, made[arm == each], jumps[arm == each], last) for each in np.unique(arm)
+            self._arm_turn(requested, made[arm == each], jumps[arm == each], last) for each in np.unique(arm)
         ]
         known = [each for each in held if each is not None]
         return max(known, key=lambda each: abs(each - requested.angle), default=None)
 
-    def _by_arm(
+    def _arm_turn(
         self, requested: RequestedTurn, made: np.ndarray, jumps: np.ndarray, last: np.ndarray
     ) -> float | None:
         """Turn held by an arm, from the sums (a,) of turns and of sign jumps along it."""
@@ -145,7 +145,7 @@ class SurfaceTurns:
     def _path_turns(
         self, label: int, axis: np.ndarray, last: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Turns and sign jumps (a,) summed along the cheapest paths to a part, and arms."""
+        """Turns and sign jumps (a,) along the cheapest paths to a part, and their arms."""
         pairs, start, ends = self._pairs, self._end_triangles(BASE), self._end_triangles(label)
         own = self._is_inside(label)
         step, clear = pairs.turns_about(axis)
@@ -362,7 +362,7 @@ def relative_paths(X: np.ndarray, positions: np.ndarray, labels: np.ndarray) -> 
     X : (k, 3) float array
         Places of what is held.
     positions : (s, k, 3) float array
-        Where it goes, one after another.
+        Positions along the path, in order.
     labels : (k,) int array of BASE, and HANDLE + k
     """
     base = _rotations(X, positions, labels == BASE)

@@ -69,8 +69,8 @@ def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarra
 def shear(base: npt.ArrayLike, handle: npt.ArrayLike, axis: npt.ArrayLike, factor: float) -> np.ndarray:
     """Shear along ``axis`` (3,) by ``factor`` times the height over the base.
 
-    The height is measured from the base's centre (3,) towards the handle's, at right angles to the axis:
-    volumes stay.
+    The height is measured from the base's centre (3,) towards the handle's, perpendicular to the axis, so
+    that volumes are preserved.
     """
     start, end, along = np.asarray(base, dtype=float), np.asarray(handle, dtype=float), _direction(axis)
     rise = (end - start) - ((end - start) @ along) * along
@@ -87,7 +87,7 @@ def shear(base: npt.ArrayLike, handle: npt.ArrayLike, axis: npt.ArrayLike, facto
 def rigid_transform(pose: np.ndarray, centre: npt.ArrayLike) -> RigidTransform:
     """Rigid ``pose`` (4, 4) as rotation about ``centre`` (3,) and displacement.
 
-    The axis of half a turn may be either of two.
+    The sign of the axis of half a turn is arbitrary.
     """
     start, R = np.asarray(centre, dtype=float), pose[:3, :3]
     w, *xyz = quaternion(R)
@@ -130,8 +130,8 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 def quaternion(R: np.ndarray) -> np.ndarray:
     """Unit quaternion (w, x, y, z), w >= 0, of a rotation (3, 3).
 
-    ``4 q q^T`` is linear in R. Its row with the largest entry on the diagonal has all digits, at half a turn
-    too [Shepperd 1978, Quaternion from Rotation Matrix].
+    ``4 q q^T`` is linear in R. Its row with the largest diagonal entry is accurate even at half a turn
+    [Shepperd 1978, Quaternion from Rotation Matrix].
     """
     (a, b, c), (d, e, f), (g, h, i) = R
     rows = np.array(

@@ -1,7 +1,7 @@
 """Paths beyond half a turn: waypoints, total rotation, segments.
 
-A pose alone does not tell a turn by 311 degrees from one by -49. So whoever moves a handle keeps the poses on
-its way at which the shortest rotation from one to the next still is the rotation that was made.
+A pose alone does not distinguish a turn by 311 degrees from one by -49. The path of a handle therefore has
+waypoints, so close that the shortest rotation from one to the next is the rotation made.
 """
 
 import itertools
@@ -39,7 +39,7 @@ def extended_waypoints(
 ) -> tuple[np.ndarray, ...]:
     """Waypoints after the shortest rotation from the current pose (4, 4) to another.
 
-    Going back along the path takes waypoints off again.
+    Moving back along the path removes waypoints.
     """
     if not (np.isfinite(current_pose).all() and np.isfinite(pose).all()):
         return ()
@@ -74,7 +74,7 @@ def rotation_vector(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.nda
 def summed_rotations(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.ndarray:
     """Sum of the rotation vectors from waypoint to waypoint, (3,), radians.
 
-    About one axis it is the total rotation.
+    For a single axis it is the total rotation.
     """
     rotations = [nearest_rotation(each) for each in (np.eye(4), *waypoints, pose)]
     made: np.ndarray = np.sum(
@@ -86,7 +86,7 @@ def summed_rotations(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.nd
 def signed_angle(vector: np.ndarray) -> float:
     """Angle of a rotation vector (3,), with the sign of its largest coordinate.
 
-    So a turn about +y and its opposite differ in sign alone.
+    A turn about +y and its opposite thus differ only in sign.
     """
     return math.copysign(float(np.linalg.norm(vector)), float(vector[np.argmax(np.abs(vector))]))
 
@@ -109,7 +109,7 @@ def has_half_turn(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> bool:
 def rounded_pose(pose: np.ndarray, size: float) -> np.ndarray:
     """Pose (4, 4) rounded to the digits significant for a mesh of this size.
 
-    They tell by hand from typed, and a surface that buckles makes another wrinkle of them.
+    Further digits differ between dragged and typed poses, and could change wrinkles after buckling.
     """
     found = np.round(pose, _DIGITS)
     found[:3, 3] = np.round(pose[:3, 3], _DIGITS - math.ceil(math.log10(size)))
@@ -122,9 +122,9 @@ class WaypointPath(NamedTuple):
     Attributes
     ----------
     poses : tuple of (4, 4) float arrays
-        At the beginning of each piece.
+        Pose at the start of each segment.
     segments : tuple of ScrewPath
-        From there on.
+        Screw motion from each of these poses.
     angle : float
         Of the whole turn, radians.
     """

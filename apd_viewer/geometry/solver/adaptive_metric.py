@@ -1,9 +1,9 @@
 """Metric of quasi-Newton steps: K at first, a projected Hessian near the minimum.
 
-K is the Hessian while all projections are held. It is factored already, and far from the minimum nothing
-better is known; near it a membrane that turns or shears is much softer than that, and steps by K creep. A
-Hessian of some steps ago still serves, since the quasi-Newton memory learns the difference [Liu, Bouaziz &
-Kavan 2017]; the global step keeps K.
+K is the Hessian for fixed projections. It is already factored, and far from the minimum no better metric is
+known; near it, a rotating or shearing membrane is much softer than K, so that steps by K creep. A Hessian of
+an earlier step suffices, since the quasi-Newton memory corrects the difference [Liu, Bouaziz & Kavan 2017];
+the global step keeps K.
 """
 
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
@@ -49,7 +49,7 @@ class AdaptiveMetric:
     def search_metric(self) -> Metric:
         """Metric of the stability search: the Hessian for a small membrane.
 
-        Relative to K, a membrane that gives way to the side is soft beyond measure.
+        Relative to K, a membrane is extremely soft against lateral displacement.
         """
         elastic = self._elastic
         if self.is_hessian or elastic.membrane is None or len(elastic.free) > _MOST_SEARCH_VERTICES:

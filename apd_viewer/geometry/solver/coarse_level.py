@@ -1,9 +1,9 @@
 """Coarse level of an elastic surface, solved ahead of the fine one.
 
-Low frequencies take iterations by the hundred on a fine mesh, and next to nothing on a coarse one. What is
-handed over are rotations: how far each place of the coarse surface has turned since the last time. The
-global step of the fine surface then carries all frequencies at once, and its details turn with it. Where
-there is no time for a global step, the coarse surface carries the fine one along.
+Low frequencies converge in hundreds of iterations on a fine mesh, but quickly on a coarse one. The coarse
+surface passes on the rotations of its vertices since the last time. The global step of the fine surface then
+converts them to positions of all frequencies, with rotated details. For previews without a global step, the
+fine surface is moved along with the coarse one.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _COLLAR = 3.0
 class CoarseLevel:
     """Coarse surface with the material and the held vertices of the fine one.
 
-    Its vertices are some of the fine one's, so that what is held needs no interpolation.
+    Its vertices are a subset of the fine ones, so that held vertices need no interpolation.
 
     Parameters
     ----------
@@ -209,8 +209,8 @@ _MOST = 100_000
 class Collar:
     """Free vertices within a distance of held ones, solved with all others fixed.
 
-    A surface that follows a coarse one bends as sharply as that beside what is held. Next to there a global
-    step of its own makes it smooth.
+    A preview bends as sharply as the coarse surface beside held vertices. A global step of the collar alone
+    smooths it there.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Constrained descent: iterations on the manifold of shapes meeting all goals.
 
-The energy is minimised subject to ``c(U) = 0``, the misses of the goals. With g the gradients of the
-goals and the multipliers so far put into the right-hand side, one global step gives p; from there the
-goals are met along directions y that need not be made anew for every iteration:
+The energy is minimised subject to ``c(U) = 0``, the deviations from the goals. With g the gradients of the
+goals, and the current multipliers in the right-hand side, one global step gives p; from there the goals are
+met along directions y that need not be recomputed in every iteration:
 
     p = K^-1 (b + mult g),   y = K^-1 g,   U = p + mu y  with  c(U) = 0,   mult += mu.
 
@@ -33,7 +33,7 @@ _STEADY = 0.5
 _LARGEST_GROWTH = 0.5
 _LARGEST_PRESSURE = 2.0
 _DAMPINGS = (1.0, 0.25, 0.0625)
-# Goals are given up after this many iterations without reducing the worst miss by a hundredth.
+# Goals are given up after this many iterations without reducing the largest violation by a hundredth.
 _PATIENCE = 60
 _REDUCTION = 0.99
 # Steps over which convergence is judged, by the fraction of the energy that they remove together.
@@ -140,7 +140,7 @@ class ConstrainedDescent:
         return Equilibrium(self.elastic, self._projection, self.multipliers, self.held_positions, solve)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten steps reduce the energy by at most this fraction."""
+        """Set the tolerance on the relative energy reduction by ten steps."""
         self._tolerance = tolerance
 
     def has_stalled(self, tolerance: float) -> bool:
@@ -273,7 +273,7 @@ class ConstrainedDescent:
 
     def _give_up_stalled(self) -> None:
         """Give up the goals after a long stall, and restore the best shape."""
-        worst = self._projection.largest_miss
+        worst = self._projection.largest_violation
         if worst <= GOAL_TOLERANCE or worst < _REDUCTION * self._nearest[0]:
             self._nearest, self._waited = (worst, self.elastic.U), 0
             return

@@ -1,8 +1,8 @@
 """Descent of a surface without crossing itself or obstacles.
 
-As long as nothing is in the way, the shapes are those of the solver that knows of no contact, each reached by
-a way that was found free. Where that ends, the surface descends in contact with itself, until it is aimed
-anew with nothing in touch.
+Before the first contact, the shapes are those of a solver without contact, each reached by a collision-free
+step. From then on the surface descends in contact with itself, until new targets are set while nothing
+touches.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def contact_descent(
     thickness : float, optional
         Distance that walls keep, mesh units.
     loose : LooseComponents, optional
-        What the surface carries along; without, it is left out.
+        Loose parts carried along by the surface; without, they are left out.
     obstacles : sequence of Obstacle
         The surface enters among them with its first step.
     gas : EnclosedGas, optional
@@ -137,9 +137,9 @@ def contact_descent(
 class ContactDescent:
     """Collision-free steps of a surface in contact with itself and obstacles.
 
-    Where nothing is held, obstacles alone move the surface: it slides as far as forces that are not balanced
-    push it, and does not turn as a whole. Then all steps are those in contact, as with gas or creases, which
-    the inner solver does not know, and as those of a wall, which has no other.
+    Without held vertices, obstacles alone move the surface: it slides until all forces are balanced, and does
+    not rotate as a whole. All steps are then steps in contact, as with gas or creases, which the inner solver
+    does not support, and as for a wall, which has no inner solver.
 
     Parameters
     ----------
@@ -160,15 +160,15 @@ class ContactDescent:
     held_positions : (k + s, 3) float array
         Positions that the held vertices have reached, then the targets of the soft ones.
     path : HeldPath
-        From where they were aimed.
+        Path to the targets.
     share : float
-        Of the path, as far as it has been gone.
+        Completed fraction of the path.
     shifts : (o, 3) float array
-        How far the obstacles have come from their places.
+        Displacements reached by the obstacles.
     target_shifts : (o, 3) float array
-        How far they go from there with :meth:`aim`.
+        Displacements of the obstacles at the targets of :meth:`aim`.
     start_shifts : (o, 3) float array or None
-        How far they have come at the shape of the next :meth:`restart`; None for as far as now.
+        Displacements at the shape of the next :meth:`restart`; None for the current ones.
     """
 
     def __init__(
@@ -198,7 +198,7 @@ class ContactDescent:
     def progress(self) -> SolverProgress:
         """Shape and readings; hidden and unconverged before the end of the path.
 
-        With contact ahead no seconds are expected.
+        No time left is estimated before contact.
         """
         running = self._touching or self._inner
         assert running is not None
@@ -268,7 +268,7 @@ class ContactDescent:
         return inner._replace(surface=surface, projection=projection)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten steps reduce the energy by at most this fraction."""
+        """Set the tolerance on the relative energy reduction by ten steps."""
         self._tolerance = tolerance
         if self._inner:
             self._inner.set_tolerance(tolerance)
@@ -287,7 +287,7 @@ class ContactDescent:
     def replace_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Replace the obstacles; they take effect with :meth:`restart`.
 
-        Without, the surface enters at rest with the next step.
+        Otherwise the surface starts from the rest shape at the next step.
         """
         self.contact.replace_obstacles(obstacles)
         self.shifts = self.target_shifts = self._places = np.zeros((len(obstacles), 3))
@@ -300,7 +300,7 @@ class ContactDescent:
     def restart(self, U: np.ndarray) -> None:
         """Continue from positions ``U`` (n, 3), or from the rest shape if they intersect.
 
-        If ``U`` is not clear of the obstacles where they begin, they begin at their places.
+        If ``U`` intersects the obstacles at their start, they start at their initial positions.
 
         Raises
         ------

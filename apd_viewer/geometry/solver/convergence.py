@@ -28,19 +28,19 @@ class Convergence(NamedTuple):
     Attributes
     ----------
     most_iterations : int
-        Wrinkles of fine meshes can creep on indefinitely; the iterations end here, unconverged.
+        Largest number of iterations: wrinkles of fine meshes can creep indefinitely, without convergence.
     energy_tolerance : float
-        Of methods that descend in an energy: converged once ten steps together reduce it by at most this
-        part, or forty steps by a Hessian by at most forty times it.
+        For methods minimising an energy: converged once ten steps together reduce it by at most this
+        fraction, or forty Hessian steps by at most forty times this fraction.
     step_tolerance : float
-        Of the methods "paper" and "sr-arap": converged once a step moves no vertex by more than this part of
-        the bounding box's diagonal, and those to come by no more than a hundred times that.
+        For the methods "paper" and "sr-arap": converged once a step moves no vertex by more than this
+        fraction of the bounding box's diagonal, and all further steps by at most a hundred times that.
     imperfection : float
-        Displacement that disturbs a shape at rest on a saddle of its energy, as part of the bounding box's
-        diagonal, so that it goes on to a minimum; 0 leaves it on the saddle.
+        Displacement disturbing a shape at rest on a saddle of its energy, as a fraction of the bounding box's
+        diagonal, so that it continues to a minimum; 0 leaves it on the saddle.
     seed : int
-        Direction of that disturbance: 0 for that of steepest descent, any other for a random mixture of all
-        directions found in which the energy falls.
+        Direction of the disturbance: 0 for steepest descent, any other number for a random combination of all
+        descent directions found.
 
     Examples
     --------
@@ -154,7 +154,7 @@ class StepConvergence:
         return len(self._steps) > 0
 
     @property
-    def is_rounding(self) -> bool:
+    def is_at_rounding_level(self) -> bool:
         """True if the last step consisted of rounding errors."""
         return self.has_steps and self._steps[-1] <= _ROUNDING
 
@@ -165,4 +165,4 @@ class StepConvergence:
     def has_converged(self, convergence: Convergence) -> bool:
         """True if further iterations would make no significant change."""
         gap = self.convergence_ratio(convergence)
-        return self.is_rounding or (gap is not None and gap <= 1.0)
+        return self.is_at_rounding_level or (gap is not None and gap <= 1.0)

@@ -14,7 +14,7 @@ from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.wall_surface import WallSurface, joints_sentence
-from apd_viewer.geometry.goals.calm_parts import calm_levels
+from apd_viewer.geometry.goals.calm_parts import calm_level_weights
 from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.linalg.linear_solver import Factorizer
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
@@ -42,7 +42,7 @@ from apd_viewer.geometry.solver.held_vertices import (
     checked_shifts,
     checked_soft_targets,
     checked_start,
-    solve_constraints,
+    soft_solve_constraints,
 )
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver, SolverProgress
 from apd_viewer.geometry.solver.loose_components import GO, LooseComponents
@@ -52,8 +52,8 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_POISSON,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
-    check_method,
     check_wall_size,
+    checked_method,
     method_material,
     wall_material,
 )
@@ -70,62 +70,62 @@ class Deformation:
     V, F : (n, 3) float array, (m, 3) int array
         Rest positions, and triangles.
     fixed : (k,) int array
-        Vertices that are held: base and handles together.
+        Held vertices: base and handles together.
     method : str
-        "exact" (as rigid as possible, the total area kept to the last digits), "local" (every triangle
-        keeps its area), "wall" (a thin elastic wall), "paper" (Li & Hui: the total area kept to the
-        tolerance, handles give way), "arap" (as rigid as possible) or "sr-arap" (as CGAL has it).
+        "exact" (as rigid as possible, preserving the total area to the last digits), "local" (preserving
+        every triangle's area), "wall" (a thin elastic wall), "paper" (Li & Hui: preserving the total area to
+        the tolerance, with drifting handles), "arap" (as rigid as possible) or "sr-arap" (as in CGAL).
     handle : int array or sequence of int arrays, optional
-        Those of ``fixed`` that are handle, or those of each handle; "paper", calm parts and drift need it.
+        Members of ``fixed`` in the handle, or in each handle; needed by "paper", calm parts and drift.
     tolerance : float
-        Relative error of the total area that "paper" accepts.
+        Relative error of the total area accepted by "paper".
     stiffness : float
         Weight of bending, 0 to about 0.1; for "sr-arap" CGAL's alpha.
     area_stiffness, shear_stiffness : float
-        How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).
+        Stiffness of every triangle's area (area modulus) and shape (shear modulus) for "local".
     wall_thickness : float, optional
-        Thickness of the wall by "wall", mesh units; without it 1/1000 of the bounding box's diagonal.
+        Wall thickness for "wall", mesh units; 1/1000 of the bounding box's diagonal by default.
     poisson : float
         Poisson's ratio of the wall.
     area, volume : float or str, optional
-        What the total area and the enclosed volume should be, in percent of what they are at rest; below
-        10 as text with its sign, such as ``"5%"``, since 1.1 could be meant as 110 percent. Without,
-        "exact" and "paper" keep the area; all else is free. "paper" cannot keep a volume.
+        Targets of the total area and the enclosed volume, in percent of the rest values; below 10 as a string
+        with a percent sign, such as ``"5%"``, since 1.1 could be meant as 110 percent. By default "exact" and
+        "paper" preserve the area; all else is free. "paper" cannot preserve a volume.
     regions : sequence of Region, optional
-        Parts that are measured, or that have an area to keep.
+        Regions to measure, some of them with target areas.
     plain : bool
-        Do plain iterations, a local and a global step each, comparable with other programs. Without it,
-        methods that minimise an energy (not "paper" and "sr-arap") do so by quasi-Newton steps.
+        Do plain iterations, a local and a global step each, comparable with other programs. Otherwise methods
+        minimising an energy (not "paper" and "sr-arap") do quasi-Newton steps.
     rest : RestMesh, optional
-        Of the same V and F, to save computing it again.
+        Rest mesh of the same V and F, to save its computation.
     factored : callable, optional
-        Makes the factor of a matrix in another way.
+        Function that factors a matrix, for example in another process.
     soft : SoftConstraints
-        Vertices that are drawn along by handles, and not held.
+        Vertices pulled along by handles without being held.
     loose : "go", "stay" or int array
-        What becomes of connected parts without held vertices: all go along with the nearest surface, all stay
-        at rest, or those with these vertices stay.
+        Treatment of connected parts without held vertices: all follow the nearest surface, all stay at rest,
+        or those containing these vertices stay.
     convergence : Convergence
-        What ends the iterations.
+        Criteria that end the iterations.
     calm : bool
-        "exact" keeps the area of calm parts too, those that the gesture hardly reaches.
+        Whether "exact" also preserves the area of calm parts, hardly reached by the gesture.
     contact : bool
-        No shape crosses itself more than at rest; held vertices go to their targets over several iterations,
-        and may be stopped on their way.
+        Whether to prevent self-intersections beyond those at rest; held vertices move to their targets over
+        several iterations, and may be stopped by contact.
     thickness : float, optional
-        Distance that walls in contact keep, mesh units; without it 1/1000 of the bounding box's diagonal.
+        Distance kept by walls in contact, mesh units; 1/1000 of the bounding box's diagonal by default.
     obstacles : sequence of Obstacle
-        What no shape enters, where contact is on; it touches without friction. Nothing need be held then:
-        what is held by nothing slides, and does not turn as a whole.
+        Obstacles that no shape enters with contact on, without friction. No vertices need be held then: the
+        surface slides, but does not rotate as a whole.
     yield_radius : float, optional
-        Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; without it
-        they spring back from everything. Needs contact and stiffness. Creases last once a shape has settled.
+        Walls bent from flat to a smaller radius, mesh units, keep a crease; by default they are elastic.
+        Needs contact and stiffness. Creases become permanent once a shape has settled.
     gas : float, optional
-        Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at one
-        temperature, as much outside as inside at rest. Openings are capped. Without it gas leaves freely.
-        Needs contact.
+        Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at constant
+        temperature, at the outside pressure at rest. Openings are capped. By default there is no gas. Needs
+        contact.
     weld : bool
-        Weld the seams whose two sides nearly meet; see :meth:`apd_viewer.Mesh.welded`.
+        Whether to weld seams with nearly touching sides; see :meth:`apd_viewer.Mesh.welded`.
 
     Attributes
     ----------
@@ -186,9 +186,9 @@ class Deformation:
         needs_contact = gas is not None or yield_radius is not None
         if needs_contact and not contact:
             raise InputError(tr("Creases and gas need contact; switch it on, or omit them."))
-        self._traits = check_method(method, handle_of, len(obstacles) > 0)
+        self._traits = checked_method(method, handle_of, len(obstacles) > 0)
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
-        self._soft, self._drawn = solve_constraints(soft, rest, held)
+        self._soft, self._drawn = soft_solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
         if self._traits.is_wall and yield_radius is not None:
             raise InputError(tr("The method Wall keeps no creases; omit the yield radius."))
@@ -198,7 +198,7 @@ class Deformation:
         ):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
         with cores_for(len(rest.solve_mesh.V)):
-            levels = partial(calm_levels, rest.solve_mesh, held, handle_of, self._soft)
+            levels = partial(calm_level_weights, rest.solve_mesh, held, handle_of, self._soft)
             self._kept = GoalSet(rest, method, self._traits, tolerance, levels)
             self._kept.set_targets(area, volume, regions, calm and len(held) > 0)
             started = time.perf_counter()
@@ -287,7 +287,7 @@ class Deformation:
         Aim with ``U`` then: without, the surface begins at rest. Raises InputError without contact.
         """
         check_obstacles(obstacles, self.contact is not None)
-        check_method(self.method, self._held.handle_of, len(obstacles) > 0)
+        checked_method(self.method, self._held.handle_of, len(obstacles) > 0)
         with cores_for(len(self.rest.solve_mesh.V)):
             if self.contact is not None:
                 self.contact.replace_obstacles(shifted_obstacles(obstacles, -self.rest.centre))
@@ -303,23 +303,23 @@ class Deformation:
     ) -> None:
         """Set the target positions of the held vertices.
 
-        Raises InputError, also if obstacles at their places intersect the shape at rest.
+        Raises InputError, also if obstacles at their initial positions intersect the rest shape.
 
         Parameters
         ----------
         targets : (k, 3) float array
-            A position for each of ``fixed``.
+            Target position of each vertex in ``fixed``.
         U : (n, 3) float array, optional
-            Continue from these positions, with the creases that they have by the yield radius; otherwise
-            from where the last iteration ended.
+            Continue from these positions, with their creases by the yield radius; by default from the end of
+            the last iteration.
         soft_targets : (s, 3) float array, optional
-            Where each of the soft vertices is drawn to; without, to where it is at rest.
+            Targets of the soft vertices; their rest positions by default.
         shifts : (o, 3) float array, optional
-            How far from its place each obstacle goes, straight and together with the held vertices; without,
-            to its place.
+            Final displacement of each obstacle, moving straight and together with the held vertices; zero by
+            default.
         begin : (o, 3) float array, optional
-            How far from its place each obstacle is at ``U``; without, where it goes. If it intersects ``U``
-            there, it begins at its place; if it does so there too, at rest.
+            Displacement of each obstacle at ``U``; by default the final one. If it intersects ``U`` there, it
+            starts at its initial position; if also there, the surface starts at rest.
         """
         U = None if U is None else checked_start(U, self.rest)
         count = 0 if self.contact is None else len(self.contact.shifts)
@@ -392,7 +392,7 @@ class Deformation:
     def settled(self) -> bool:
         """True if further iterations would change nothing."""
         # Stability is examined only at the targets, not where contact stops the handles on the way.
-        looked = not self._stability.is_open or self.share_reached < 1.0
+        looked = not self._stability.is_pending or self.share_reached < 1.0
         return self.solver.progress.stuck or (self._is_at_rest and looked)
 
     @property
@@ -404,7 +404,7 @@ class Deformation:
         converged = progress.converged
         if converged is None or not self._steps.has_steps:
             converged = self._steps.has_converged(self._convergence)
-        elif self._steps.is_rounding and not progress.is_iterate_hidden:
+        elif self._steps.is_at_rounding_level and not progress.is_iterate_hidden:
             converged = True
         return progress.has_met_goals and converged
 

@@ -47,52 +47,50 @@ class Result:
     volume_rest, volume : float or None
         Enclosed volume; None if the surface is not closed.
     area_target, volume_target : float or None
-        What was asked of the total area and the volume.
+        Targets of the total area and the volume.
     volume_capped_rest, volume_capped : float or None
         Volumes of an open surface, with flat caps over its ``openings``.
     handle_drift : float
-        Distance between the centroid of a handle where it was asked for and where it is; the largest of
-        several handles.
+        Distance between the requested and the actual centroid of a handle; the largest for several handles.
     regions : tuple of RegionReading
-        What became of each region.
+        Readings of the regions.
     local_change : float
         Largest relative change of the area of a triangle, up or down.
     largest_edge_strain : float
-        Of the edge whose length has changed most relative to rest: 0.1 stretched by 10 %, -0.1 shortened.
+        Strain of the edge with the largest relative change of length: 0.1 stretched by 10 %, -0.1 shortened.
     mean_edge_strain : float
         Mean of the edges' absolute strains, weighted by the rest area of the triangles at each.
     energy : float
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
     warnings : tuple of str
-        What the user should know about the mesh or the result.
+        Sentences to the user about the mesh or the result.
     convergence : Convergence
-        What the iterations were ended by.
+        Criteria that ended the iterations.
     stable : bool or None
-        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
+        True at a minimum of the energy as far as examined, False on a saddle; None if not examined.
     stability : str
-        That in words, with the reason.
+        Stability in words, with the reason if unknown.
     saddle_escapes : int
-        Saddles of the energy that were left for a lower shape.
+        Number of energy saddles left for a lower shape.
     share_reached : float
-        Share of the way to the targets that contact has let the handles go.
+        Fraction of the path to the targets completed, as far as contact allows.
     least_gap : float or None
-        Least distance of walls in touch, mesh units; None without contact, or where nothing touches.
+        Least distance of touching walls, mesh units; None without contact, or if nothing touches.
     pairs_in_contact : int
-        Pairs of vertex and triangle, or of two edges, in touch.
+        Touching pairs of a vertex and a triangle, or of two edges.
     loads : (o, 3) float array
-        Forces on the obstacles, energy per length: those of a material of stiffness 1.
+        Forces on the obstacles, energy per length, for a material of stiffness 1.
     shifts : (o, 3) float array
-        How far the obstacles have come from their places, mesh units.
+        Displacements of the obstacles, mesh units.
     turned : tuple of float
-        Turn that was asked of each handle against the base, degrees, with whole turns; positive about the
-        line from the base to the handle, or else about the largest coordinate of its axis.
+        Requested turn of each handle relative to the base, degrees, with whole turns; positive about the line
+        from the base to the handle, or else about the largest coordinate of its axis.
     turned_held : tuple of float or None
-        By how much the surface turns from the base to each handle, degrees. None where that was not looked
-        at: where less than 5 degrees were asked, no surface leads there, or handle or base is a line or a
-        point.
+        Turn of the surface from the base to each handle, degrees. None if not measured: if less than 5
+        degrees were requested, no surface connects them, or handle or base is a line or a point.
     load_excess : float or None
-        Expected excess of the loads, 0.1 for 10 %, as the cells of the mesh bend, too; None without loads or
-        without stiffness, where loads are those of the cells alone.
+        Expected overestimate of the loads by bending of the mesh's cells, 0.1 for 10 %; None without loads,
+        or without stiffness, when the loads are due to the cells alone.
 
     Examples
     --------
@@ -180,22 +178,22 @@ def deform(
     wall_thickness, poisson
         See :class:`Deformation`.
     area, volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, convergence, weld
-        See there too.
+        Also there.
     contact : bool, optional
-        No shape crosses itself more than at rest; held vertices may be stopped on their way. By default so,
-        up to 20,000 vertices, by methods that can ("exact", "local", "wall", "arap") and unless iterations
-        are plain.
+        Whether to prevent self-intersections beyond those at rest; held vertices may be stopped by contact.
+        On by default up to 20,000 vertices, for the methods "exact", "local", "wall" and "arap", unless
+        iterations are plain.
     shifts : (o, 3) float array, optional
-        How far each obstacle goes from its place, straight, together with the held vertices; an equal part of
-        it to each way point of a path. Without, they stay.
+        Displacement of each obstacle, moving straight and together with the held vertices, by an equal part
+        to each waypoint of a path. By default they stay.
     targets : (k, 3) or (s, k, 3) float array
-        A position for each of ``fixed``, mesh units; or a path of s way points that is walked in order. The
-        ``share_reached`` of a path counts all ways between two points alike.
+        Target position of each vertex in ``fixed``, mesh units; or a path of s waypoints followed in order.
+        All segments of a path count equally in ``share_reached``.
     iterations : int, optional
-        Do exactly so many plain iterations from the rest shape, without contact. Without it: until converged.
+        Exact number of plain iterations from the rest shape, without contact; by default until convergence.
     progress : callable or bool, optional
-        Called with every Frame. True shows a line of progress, in scripts and notebooks that call it as
-        ``apd_viewer.deform``; by itself this function is quiet.
+        Called with every Frame. True shows a progress line in scripts and notebooks calling
+        ``apd_viewer.deform``; this function itself prints nothing.
 
     Returns
     -------
@@ -292,7 +290,7 @@ def iterate_to_result(
     walk : PathIteration
         Of the solver.
     started : float
-        When work began, by ``time.perf_counter()``.
+        Start of the work, by ``time.perf_counter()``.
     iterations, progress
         See :func:`deform`.
     turns : callable

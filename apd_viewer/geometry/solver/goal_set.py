@@ -167,7 +167,7 @@ class GoalSet:
         missed = [
             goal.shortfall_sentence(float(value))
             for goal, value in zip(self.goals, values, strict=True)
-            if abs(goal.relative_miss(float(value))) > GOAL_TOLERANCE and not goal.is_smooth
+            if abs(goal.relative_deviation(float(value))) > GOAL_TOLERANCE and not goal.is_smooth
         ]
         return comma_separated(missed) or None
 

@@ -82,7 +82,7 @@ class HeldVertices:
     handle_of : (h,) int array
         The number of the handle of each, from 1; 0 is base.
     targets : (h, 3) float array
-        Where they are asked for.
+        Requested positions.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def checked_rest_mesh(rest: RestMesh | None, V: np.ndarray, F: np.ndarray, weld:
     return rest
 
 
-def solve_constraints(
+def soft_solve_constraints(
     soft: SoftConstraints, rest: RestMesh, solve_ids: np.ndarray
 ) -> tuple[SoftConstraints, tuple[np.ndarray, int]]:
     """Soft vertices of the solve, with their rows in ``soft`` and its length.
@@ -167,7 +167,7 @@ def checked_targets(
     fixed : (k,) int array
         Held vertices of the file.
     chosen, inverse : (h,) and (k,) int arrays
-        Row of ``fixed`` for each held vertex of the solve, and the other way round.
+        Row of ``fixed`` for each held vertex of the solve, and the inverse map.
 
     Raises
     ------

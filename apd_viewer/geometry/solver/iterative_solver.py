@@ -69,7 +69,7 @@ class IterativeSolver(Protocol):
         """Surface at rest, for the stability search; None without a descent."""
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten steps reduce the energy by at most this fraction."""
+        """Set the tolerance on the relative energy reduction by ten steps."""
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Replace the goals."""

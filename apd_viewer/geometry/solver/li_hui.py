@@ -54,7 +54,7 @@ class LiHui:
 
     @property
     def _has_met_goals(self) -> bool:
-        miss = self._area.relative_miss(float(self.goal_values[0]))
+        miss = self._area.relative_deviation(float(self.goal_values[0]))
         return abs(miss) <= self._area.tolerance * self._wanted
 
     @property

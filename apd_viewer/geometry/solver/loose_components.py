@@ -1,7 +1,7 @@
 """Loose parts, carried along as rigid bodies by the nearest held surface.
 
-In contact they touch what they may come to, but not the surface that carries them: nobody could say whether a
-button that is sunk into it should be.
+They are subject to contact with everything but the surface that carries them: whether a button sunk into it
+should be sunk cannot be decided.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class LooseComponents:
     loose : "go", "stay" or int array
         All parts go along, all stay at rest, or those with these vertices of the file stay.
     contact : bool
-        Whether contact keeps apart what is held.
+        Whether contact keeps the held components apart.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class LooseComponents:
         # If nothing is held, all parts deform.
         self._is_held[piece[held] if len(held) else slice(None)] = True
         self._vertices = np.flatnonzero(~self._is_held[piece])
-        self._stays = self._chosen(loose)
+        self._stays = self._left_at_rest(loose)
 
     def set_loose_parts(self, loose: str | Sequence[int] | np.ndarray) -> None:
         """Choose the loose parts to move along or to stay at rest; see the class.
@@ -76,24 +76,24 @@ class LooseComponents:
         Raises
         ------
         InputError
-            If others would stay in contact: there might be no free way to where they are.
+            If others would stay in contact: there might be no collision-free path to their positions.
         """
-        stays = self._chosen(loose)
+        stays = self._left_at_rest(loose)
         if self._contact and not np.array_equal(stays[~self._is_held], self._stays[~self._is_held]):
             raise InputError(tr("In contact other loose parts cannot stay; make another Deformation."))
         self._stays = stays
 
-    def _chosen(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
+    def _left_at_rest(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
         """Mask of the components left at rest."""
         if not isinstance(loose, str):
-            return self._with(loose)
+            return self._containing(loose)
         if loose in (GO, STAY):
             return np.full(len(self._is_held), loose == STAY)
         raise InputError(
             tr("Loose parts must 'go' or 'stay'; or give a list with a vertex of each that stays.")
         )
 
-    def _with(self, vertices: Sequence[int] | np.ndarray) -> np.ndarray:
+    def _containing(self, vertices: Sequence[int] | np.ndarray) -> np.ndarray:
         """Mask of the components containing any of ``vertices`` of the file."""
         weld, piece = self._rest.weld, self._rest.solve_mesh.component
         stays = np.zeros(len(piece), dtype=bool)
@@ -141,7 +141,7 @@ class LooseComponents:
         if binding is None:
             return np.zeros((0, n), np.int64)
         group = np.zeros((1, n), np.int64)
-        part, corner, _ = self._carrying(binding, binding.is_close)
+        part, corner, _ = self._carriers(binding, binding.is_close)
         leader = binding.member[binding.member_start[:-1]]
         links = coo_array((np.ones(len(part)), (leader[part], corner)), shape=(n, n))
         number = 1 + connected_components(links, directed=False)[1].astype(np.int64)
@@ -156,18 +156,18 @@ class LooseComponents:
     def transfer_gradient(self, g: np.ndarray) -> None:
         """Add the gradient (n, 3) of loose parts to their carriers, rotations ignored."""
         if len(self._vertices) and self._binding is not None:
-            part, corner, share = self._carrying(self._binding)
+            part, corner, share = self._carriers(self._binding)
             force = np.add.reduceat(g[self._binding.member], self._binding.member_start[:-1])
             np.add.at(g, corner, share[:, None] * force[part])
 
     def limit_shares(self, shares: np.ndarray) -> None:
         """Limit the step fractions (n,) of carriers to those of the carried parts."""
         if len(self._vertices) and self._binding is not None:
-            part, corner, _ = self._carrying(self._binding)
+            part, corner, _ = self._carriers(self._binding)
             least = np.minimum.reduceat(shares[self._binding.member], self._binding.member_start[:-1])
             np.minimum.at(shares, corner, least[part])
 
-    def _carrying(
+    def _carriers(
         self, binding: LooseBinding, among: np.ndarray | bool = True
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Carried part (c,), triangle corner carrying it (c,) and its weight (c,)."""
@@ -200,7 +200,7 @@ class LooseBinding(NamedTuple):
     weight : (c,) float array
         Weights of the fit.
     is_close : (c,) bool array
-        True where it is of the surface that the part lies on, and not of what is opposite.
+        True on the surface carrying the part, False on an opposite one.
     """
 
     member_start: np.ndarray

@@ -190,10 +190,10 @@ def passing_walls_warning(method: str, vertices: int, switch: str) -> str:
     ).format(most=MOST_VERTICES_IN_CONTACT, switch=switch)
 
 
-def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> Method:
+def checked_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> Method:
     """Method by name; raises InputError if unknown or if too few vertices are held.
 
-    Where there are ``obstacles``, nothing need be.
+    With ``obstacles``, none need be held.
     """
     method = method_named(name)
     if len(handle_of) == 0 and not obstacles:

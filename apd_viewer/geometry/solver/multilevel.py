@@ -24,9 +24,9 @@ _ALONE = 4 * FEWEST_COARSE_VERTICES
 _COARSE_TOLERANCE = 1e-4
 # Iterations of the coarsest level per iteration of the next finer one; both take about as long.
 _COARSEST_ITERATIONS = 16
-# Rotations of a coarser level leave a stiff surface rough: angles up to 8 times those at rest, 3.3 times
-# after three iterations without them, and 2.7 times after six. Fabric gets three: after six a preview of a
-# bent bar crossed itself, and contact blocked all further steps until the factor was ready.
+# Coarse rotations leave a stiff surface rough: dihedral angles are up to 8 times those at rest, 3.3 times
+# after three fine iterations, and 2.7 times after six. Fabric gets only three: after six, the preview of a
+# bent bar crossed itself, and contact blocked all further steps until the matrix was factored.
 _SMOOTHING, _SMOOTHING_OF_FABRIC = 6, 3
 # The iterations of a coarse level double from step to step up to this factor: the first step must be quick,
 # since the targets may soon move again.
@@ -61,8 +61,8 @@ def _coarse(elastic: ElasticSurface, goals: tuple[Goal, ...]) -> LevelSolver:
 def compute_decimations(rest: RestMesh) -> tuple[Decimation, ...]:
     """Compute and cache the decimations common to all deformations of a mesh.
 
-    They take longest of all that does not depend on the held vertices. With these thinnings another
-    :class:`RestMesh` of the mesh need not compute them.
+    They take most of the time independent of the held vertices; another :class:`RestMesh` of the mesh can
+    reuse them.
     """
     shape, found = rest.solve_mesh, []
     with cores_for(len(shape.V)):
@@ -149,7 +149,7 @@ class MultilevelDescent:
         return self.fine.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Converge once ten fine steps reduce the energy by at most this fraction."""
+        """Set the tolerance on the relative energy reduction by ten fine steps."""
         self.fine.set_tolerance(tolerance)
 
     def has_stalled(self, tolerance: float) -> bool:
@@ -245,7 +245,7 @@ _DESCENT, _ITERATION = 6.0, 1.3
 class CoarsePreview:
     """Shapes of a fine surface, moved along with a coarse one.
 
-    They are not at rest, but held where they are asked to be, and they meet the goals, as all others do.
+    Previews are not at equilibrium, but hold the held vertices and meet the goals like all other shapes.
 
     Parameters
     ----------

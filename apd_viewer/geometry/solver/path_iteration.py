@@ -33,11 +33,11 @@ class PathIteration:
     ----------
     solver : Deformation
     stops : sequence of PathStop
-        In order; the last one is the end.
+        Stops in order; the last one is the end of the path.
     U : (n, 3) float array, optional
         Shape to begin from; otherwise the solver's.
     start_shifts : (o, 3) float array, optional
-        How far the obstacles have come at ``U``; without it as far as they go.
+        Displacements of the obstacles at ``U``; by default, those at the end of the path.
     is_path_hidden : bool
         The path only leads to where the shape on screen is already.
 
@@ -46,7 +46,7 @@ class PathIteration:
     has_arrived : bool
         True once the handles are at their poses, or as far as contact lets them go.
     is_iterate_hidden : bool
-        True on a hidden path.
+        True before the end of a hidden path.
     """
 
     def __init__(

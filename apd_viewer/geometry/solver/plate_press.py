@@ -44,7 +44,7 @@ _NO_ENERGY = 1e-12
 class PlatePress:
     """Two parallel plates closing on a mesh in equal steps.
 
-    They touch it at first. With nothing held the mesh may slide between them, but not turn as a whole.
+    Initially they touch the mesh. Without held vertices it may slide between them, but not rotate as a whole.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class PlatePress:
     axis : (3,) float array
         Direction in which they press.
     to : float
-        Their distance in the end, mesh units; less than the extent of the mesh.
+        Final distance of the plates, mesh units; less than the extent of the mesh.
     steps, iterations : int
         Number of steps, and at most so many iterations for each.
     fixed : (k,) ints
@@ -146,7 +146,7 @@ class PlatePress:
     def steps(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
         """Press the mesh; yield the equilibrium shapes from the first contact on.
 
-        A shape to begin from comes to rest by itself before the plates touch it.
+        A given start shape relaxes to equilibrium before the plates touch it.
 
         Parameters
         ----------
@@ -274,16 +274,16 @@ class PressStep:
     U : (n, 3) float array
         Positions in the order of the file, mesh units, read-only.
     distance : float
-        Of the plates from each other, mesh units.
+        Distance of the plates, mesh units.
     deflection : float
-        How much nearer they are than at the first touch.
+        Reduction of the distance since first contact.
     load_low, load_high : float
         Force on the plate below and on the one above, energy per length: that of a material of stiffness 1.
         At rest, unless something is held, they are the same, and the slope of the energy as the plates close.
     stretching : float
-        Share of the wall's energy that is in its stretching, 0 to 1; the rest bends it.
+        Fraction of the wall's energy due to stretching, 0 to 1; the rest is due to bending.
     energy : float
-        Of the method, with that of the gaps; squared lengths.
+        Energy of the method, including gaps; squared lengths.
     volume, volume_capped : float or None
         Enclosed volume; None if the surface is open. With flat caps over its openings; None without any.
     area_error : float
@@ -293,7 +293,7 @@ class PressStep:
     settled : bool
         The shape is at rest.
     stable : bool or None
-        True at a minimum of the energy as far as examined, False on a saddle; None where not examined.
+        True at a minimum of the energy as far as examined, False on a saddle; None if not examined.
     iterations : int
 
     Examples
@@ -333,7 +333,7 @@ class PlateTravel(NamedTuple):
     low, high : float
         Places of the plates along the axis at the first touch, mesh units.
     last_distance : float
-        Their distance in the end, mesh units.
+        Final distance of the plates, mesh units.
     """
 
     axis: np.ndarray

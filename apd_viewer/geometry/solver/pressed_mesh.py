@@ -34,16 +34,16 @@ class Pressed:
     Attributes
     ----------
     steps : tuple of PressStep
-        From the first touch on.
+        Steps from first contact on.
     released : tuple of PressStep
-        As the plates open again, until they no longer touch; empty if they stay.
+        Steps of the opening plates, until they no longer touch; empty if they stay closed.
     curve : LoadCurve
-        Of the mean of both loads as the plates close.
+        Curve of the mean of both loads while the plates close.
     stopped : bool
-        The plates could go no farther.
+        True if the plates could move no further.
     load_excess : float or None
-        Expected excess of the loads, 0.1 for 10 %, as the cells of the mesh bend, too; None without
-        stiffness, where loads are those of the cells alone.
+        Expected overestimate of the loads by bending of the mesh's cells, 0.1 for 10 %; None without
+        stiffness, when the loads are due to the cells alone.
 
     Examples
     --------
@@ -111,29 +111,28 @@ def press(
     V, F : (n, 3) float and (m, 3) int arrays
     axis : (3,) floats
     to : float
-        Distance of the plates in the end, mesh units.
+        Final distance of the plates, mesh units.
     steps : int
-        The plates close in so many equal steps; after each the mesh comes to rest.
+        Number of equal steps of the closing plates; after each, the mesh comes to rest.
     fixed : (k,) ints
-        Vertices that are held where they are; none need be.
+        Vertices held at their positions; may be empty.
     method, stiffness, area_stiffness, shear_stiffness, wall_thickness, poisson, area, volume, thickness,
     convergence, weld
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
     yield_radius : float, optional
-        Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; without it
-        they spring back from everything.
+        Walls bent from flat to a smaller radius, mesh units, keep a crease; by default they are elastic.
     start : (n, 3) float array, optional
-        Shape to begin from, such as a twisted one. It springs back first, since nothing but ``fixed`` is
-        held; creases that it has by its ``yield_radius`` stay.
+        Start shape, such as a twisted one. It springs back first, since only ``fixed`` is held; its creases
+        by the ``yield_radius`` remain.
     gas : float, optional
-        Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at one
-        temperature, as much outside as inside at rest. Openings are capped. Without it gas leaves freely.
+        Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at constant
+        temperature, at the outside pressure at rest. Openings are capped. By default there is no gas.
     release : bool
-        Open the plates again in the end, to see what remains.
+        Whether to open the plates again at the end, to find the permanent deformation.
     iterations : int
-        At most so many for each step.
+        Largest number of iterations per step.
     progress : callable
-        Called with the share of the work that is done.
+        Called with the finished fraction of the work.
 
     Returns
     -------
@@ -216,7 +215,7 @@ class LoadCurve(NamedTuple):
         Load per deflection at the beginning: of the line through 0 nearest to the points up to half of the
         yield load, or of the last load. None if the plates have not moved.
     work : float
-        Work of the load along the whole way.
+        Work of the load over the whole deflection.
     """
 
     yield_load: float | None

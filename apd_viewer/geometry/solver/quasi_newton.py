@@ -31,7 +31,7 @@ class DescentSurface(ElasticResponse, Protocol):
         """A quarter of the gradient on the free vertices, (f, 3)."""
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
 
     def positions_along(
         self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
@@ -42,7 +42,7 @@ class DescentSurface(ElasticResponse, Protocol):
         """Fit the rotations to ``U`` (n, 3) and make it the current shape."""
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
-        """Do a local step at ``U`` (n, 3) and return the energy of the new current shape."""
+        """Do a local step at ``U`` (n, 3), and return the energy there."""
 
 
 class Equilibrium(NamedTuple):
@@ -57,7 +57,7 @@ class Equilibrium(NamedTuple):
     solve : callable
         Response (f, 3) to forces (f, 3) in the metric that curvatures are relative to.
     is_definite : bool or None
-        Whether the energy rises in every direction, within the goals or not; None if unknown.
+        Whether the energy rises in every direction, even off the goals; None if unknown.
     """
 
     surface: DescentSurface
@@ -67,13 +67,13 @@ class Equilibrium(NamedTuple):
     solve: Callable[[np.ndarray], np.ndarray]
     is_definite: bool | None = None
 
-    def slope(self, U: np.ndarray) -> np.ndarray:
+    def quarter_gradient(self, U: np.ndarray) -> np.ndarray:
         """Quarter of the Lagrangian's gradient (f, 3) at ``U`` (n, 3) near the shape."""
         G = self.surface.residual_near(U, self.held_positions)
         self.projection.evaluate(U)
         return self.projection.lagrangian_gradient(G, self.multipliers, self.projection.g)
 
-    def along(self, way: np.ndarray) -> np.ndarray:
+    def moved_along(self, way: np.ndarray) -> np.ndarray:
         """Positions (n, 3) displaced by ``way`` (f, 3)."""
         return self.surface.positions_along(self.surface.U, 1.0, way, self.held_positions)
 

@@ -1,10 +1,10 @@
 """Restarts of a converged multilevel solver from its coarse level.
 
-They go on for as long as each ends lower; then the lowest is followed to its minimum.
+They continue as long as each ends lower; then the lowest one is converged fully.
 
-A surface that buckles has many minima, and the coarse one knows fewer of them: led by it from where the
-fine one has converged, folds open that the fine one cannot open by itself. Such a trial is hidden: the best
-shape so far is shown until the trial is better.
+A buckling surface has many minima, and its coarse level has fewer: led by it from a converged shape, the fine
+surface opens folds it cannot open by itself. Such trials are hidden: the best shape so far is shown until
+a trial is better.
 """
 
 import numpy as np
@@ -108,7 +108,7 @@ class Restarts:
         return self.inner.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Accept a minimum once ten steps reduce the energy by at most this fraction."""
+        """Set the tolerance of a minimum on the relative energy reduction by ten steps."""
         self._end_trial()
         self.inner.set_tolerance(tolerance)
         self._reset()
@@ -150,11 +150,11 @@ class Restarts:
         if self._finishing:
             if progress.stuck or progress.converged:
                 self._end()
-        elif self._is_hopeless() or (self._on_trial and (progress.stuck or self._fails(energy, progress))):
+        elif self._is_hopeless() or (self._on_trial and (progress.stuck or self._is_last(energy, progress))):
             (self._end if self._by_hessian else self._finish)()
         elif progress.stuck:
             self._done = True
-        elif progress.converged or ((self._on_trial or not self._by_hessian) and self._stalls(energy)):
+        elif progress.converged or ((self._on_trial or not self._by_hessian) and self._stagnates(energy)):
             self._begin_trial()
 
     def _is_hopeless(self) -> bool:
@@ -174,14 +174,14 @@ class Restarts:
         before, now = self._coarse_start, coarse.shapes()[0]
         return float(np.abs(now - before).max()) <= _SAME * float(np.ptp(before, axis=0).max())
 
-    def _fails(self, energy: float, progress: SolverProgress) -> bool:
+    def _is_last(self, energy: float, progress: SolverProgress) -> bool:
         """True if the trial has converged and was the last worthwhile one."""
-        if not (progress.converged or self._stalls(energy)):
+        if not (progress.converged or self._stagnates(energy)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
         return known or len(self._minima) - int(np.argmin(self._minima)) > self._patience
 
-    def _stalls(self, energy: float) -> bool:
+    def _stagnates(self, energy: float) -> bool:
         """True if steps of the trial gain too little at this energy."""
         soon = self._by_hessian and self._doubtful and not energy < self._best[0]
         return self.inner.has_stalled(_BEFORE_HESSIAN if soon else _TRIAL_TOLERANCE)

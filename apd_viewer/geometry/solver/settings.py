@@ -58,7 +58,7 @@ class Setting:
     gesture, off_gesture : str
         Name of its change in the history; of turning a switch off, if that has another name.
     applies : callable
-        True for settings by which it matters.
+        True for settings in which this one has an effect.
     least, most : float
         Range of what can be entered, in its own unit.
     """
@@ -101,9 +101,9 @@ class Settings:
     poisson : float
         Of a thin elastic wall.
     area : float
-        What the total area should be, in percent of what it is at rest.
+        Target of the total area, in percent of its rest value.
     volume : float or None
-        What the volume should be, in percent; None leaves it free. Always None where there is no volume.
+        Target of the volume, in percent; None leaves it free. Always None without a volume.
     hold_area : bool
         Whether "local" and "wall" keep the total area too.
     calm : bool
@@ -118,7 +118,7 @@ class Settings:
     gas : float or None
         Pressure times volume of the gas enclosed in contact, in areas of the surface; None for none.
     convergence : Convergence
-        What ends the iterations.
+        Criteria that end the iterations.
     """
 
     method: str = _setting(

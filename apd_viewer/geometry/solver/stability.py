@@ -42,7 +42,7 @@ class StabilitySearch:
     Parameters
     ----------
     at : Equilibrium
-        As before after each step, to the bit.
+        Equilibrium, restored to the bit after each step.
     size : float
         Of the mesh, mesh units.
 
@@ -59,7 +59,7 @@ class StabilitySearch:
         free = at.surface.free
         self._most = int(np.clip(_VERTICES_IN_ALL // len(free), _LEAST_DIRECTIONS, _MOST_DIRECTIONS))
         self._goal_values = at.projection.values.copy()
-        self._slope = at.slope(at.surface.U)
+        self._slope = at.quarter_gradient(at.surface.U)
         self._g = at.projection.g[:, free].copy()
         self._y = np.array([at.solve(g) for g in self._g]).reshape(self._g.shape)
         self._inverse = np.linalg.pinv(np.einsum("ija,kja->ik", self._g, self._y))
@@ -104,7 +104,7 @@ class StabilitySearch:
     def _hessian_product(self, direction: np.ndarray) -> np.ndarray:
         """Hessian of the Lagrangian times ``direction`` (f, 3), within the goals."""
         at, small = self.at, self._difference / max(float(np.abs(direction).max()), 1e-300)
-        change = (at.slope(at.along(small * direction)) - self._slope) / small
+        change = (at.quarter_gradient(at.moved_along(small * direction)) - self._slope) / small
         at.projection.evaluate(at.surface.U)
         at.projection.values = self._goal_values.copy()
         return self._within_goals(change)
@@ -139,7 +139,7 @@ def lower_energy_shape(at: Equilibrium, way: np.ndarray) -> np.ndarray | None:
     best, lowest = None, surface.energy
     for sign in (1.0, -1.0):
         for doubling in range(_DOUBLINGS):
-            U, _ = projection.project(at.along(sign * 2.0**doubling * way))
+            U, _ = projection.project(at.moved_along(sign * 2.0**doubling * way))
             energy = surface.energy_after_local_step(U)
             met = projection.has_met_goals
             surface.local_step(start)
@@ -166,7 +166,7 @@ class Stability:
     Attributes
     ----------
     imperfection, seed : float, int
-        How saddles are left, as :class:`Convergence` has it.
+        Size and random seed of the displacement off a saddle; see :class:`Convergence`.
     saddle_escapes : int
         Number of saddles left.
     """
@@ -202,7 +202,7 @@ class Stability:
         return self._is_stable
 
     @property
-    def is_open(self) -> bool:
+    def is_pending(self) -> bool:
         """True if stability can be determined, but is still unknown."""
         return self._is_descent and self.is_stable is None
 
@@ -218,10 +218,10 @@ class Stability:
         """
         if self._begins_flat is None and iteration == _FIRST_ITERATIONS:
             self._begins_flat = self._lies_flat
-        return (at_rest or bool(self._begins_flat)) and self.is_open
+        return (at_rest or bool(self._begins_flat)) and self.is_pending
 
     def step(self, at_rest: bool) -> bool:
-        """Examine one more direction; return True if the shape is left for a lower one."""
+        """Examine one more direction; return True after a step to lower energy."""
         if self._search is None:
             at = self._solver.equilibrium
             assert at is not None

@@ -1,7 +1,7 @@
 """Descent of a surface in contact with itself, along a path.
 
-The held vertices go in short parts, as far as the way is free, and the free ones follow by the response of
-the surface. Between two parts the surface descends with its gap energy.
+The held vertices move in short increments of their path, as far as it is collision-free, and the free ones
+follow by the response of the surface. Between two increments the surface descends with its gap energy.
 """
 
 from collections import deque
@@ -41,7 +41,7 @@ class TouchingDescent:
     ----------
     surface : TouchingSurface
     U : (n, 3) float array
-        Where it begins; contact stands there.
+        Initial shape, accepted by the contact.
     held_positions : (k + s, 3) float array
         Positions of the held vertices there, and targets of the soft ones.
     goals : tuple of Goal
@@ -53,7 +53,7 @@ class TouchingDescent:
     held_positions : (k + s, 3) float array
         Positions that the held vertices have reached.
     share : float
-        Of the path, as far as it has been gone.
+        Completed fraction of the path.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class TouchingDescent:
     def progress(self) -> SolverProgress:
         """Current shape and readings; hidden after a step along the path.
 
-        It is stuck where no free way leads to shapes that meet the goals.
+        It is stuck if no collision-free step leads to shapes meeting the goals.
         """
         return SolverProgress(
             self.U,
@@ -101,7 +101,7 @@ class TouchingDescent:
     def equilibrium(self) -> Equilibrium:
         """Surface in contact at rest, for the stability search."""
         multipliers, surface = self._quasi_newton.multipliers, self._surface
-        if surface.outdate_metric():
+        if surface.request_new_metric():
             surface.renew_metric(self._projection.goals, multipliers)
         at = surface, self._projection, multipliers, self.held_positions
         return Equilibrium(*at, surface.solve, surface.is_definite)
@@ -109,7 +109,7 @@ class TouchingDescent:
     @property
     def has_met_goals(self) -> bool:
         """True if all goals are met at ``U``."""
-        return self._projection.largest_miss <= GOAL_TOLERANCE
+        return self._projection.largest_violation <= GOAL_TOLERANCE
 
     @property
     def is_stopped(self) -> bool:
@@ -125,7 +125,7 @@ class TouchingDescent:
     def converged(self) -> bool:
         """True if the path has ended, and further steps hardly reduce the energy.
 
-        Where nothing is held, loads have to cancel out, too.
+        Without held vertices, the loads must also cancel out.
         """
         if self.is_on_its_way:
             return False
@@ -139,12 +139,12 @@ class TouchingDescent:
     def load_imbalance(self) -> float:
         """Length of the sum of all obstacle loads over the sum of their lengths.
 
-        0 where something is held, which takes the rest.
+        0 with held vertices, which balance the loads.
         """
         contact = self._surface.contact
         if len(self._surface.elastic.fixed) or not contact.obstacles:
             return 0.0
-        contact.gradient(self.U)
+        contact.quarter_gradient(self.U)
         total = float(np.linalg.norm(contact.loads, axis=1).sum())
         return float(np.linalg.norm(contact.loads.sum(axis=0))) / total if total else 0.0
 
@@ -177,7 +177,7 @@ class TouchingDescent:
         """Advance the held vertices if due, or reduce the energy."""
         if self.is_on_its_way and (self._goes_at_once or self._has_followed):
             self._goes_at_once = False
-            self._walk()
+            self._advance_on_path()
             return
         self._steps += 1
         if self._surface.renew_metric(self._projection.goals, self._quasi_newton.multipliers):
@@ -186,7 +186,7 @@ class TouchingDescent:
             self._quasi_newton.resume()
         before = self.U
         moved = self._quasi_newton.step(self.held_positions)
-        self._at_minimum = not moved and not self._surface.outdate_metric()
+        self._at_minimum = not moved and not self._surface.request_new_metric()
         self._surface.contact.accept_shape(self.U)
         self._energies.append(self._quasi_newton.energy)
         self._unbalanced = self._unbalanced + 1 if self._gains_little else 0
@@ -203,12 +203,12 @@ class TouchingDescent:
         slow = len(E) > 1 and E[-2] - E[-1] <= _FOLLOWS * E[-1]
         return self._steps >= _MOST_STEPS or (self._steps >= _LEAST_STEPS and slow)
 
-    def _walk(self) -> None:
+    def _advance_on_path(self) -> None:
         """Move the held vertices along the next collision-free part of the path."""
         self._steps = 0
         for _ in range(_TRIES):
             share = min(1.0, self.share + self._part)
-            if self._goes_to(share):
+            if self._move_held_vertices(share):
                 self.share = share
                 self._part = min(self._longest, _MORE * self._part)
                 break
@@ -217,16 +217,16 @@ class TouchingDescent:
         if self.share - self._mark > _PATIENCE * self._no_part:
             self._mark, self._waited = self.share, 0
         self._waited += 1
-        self._surface.draw_to(self.held_positions)
+        self._surface.attach_springs(self.held_positions)
         self._begin_to_converge()
         self._quasi_newton.resume()
 
-    def _goes_to(self, share: float) -> bool:
+    def _move_held_vertices(self, share: float) -> bool:
         """Move held vertices and obstacles, free vertices following; False if blocked."""
         surface, projection, start = self._surface, self._projection, self._surface.U
         held = self._path.positions_at(share)
         surface.contact.aim_obstacles(self._path.shifts_at(share))
-        if not self._moves_to(
+        if not self._move_to(
             surface.all_positions(surface.following_positions(self.held_positions, held), held)
         ):
             surface.contact.aim_obstacles(self._path.shifts_at(self.share))
@@ -235,10 +235,10 @@ class TouchingDescent:
         self.held_positions = held
         return True
 
-    def _moves_to(self, W: np.ndarray) -> bool:
+    def _move_to(self, W: np.ndarray) -> bool:
         """Move to a shape near ``W`` (n, 3) meeting the goals; False if blocked."""
         W, _ = self._projection.project(W)
-        if not (self._projection.has_met_goals and self._surface.is_gentle(W)):
+        if not (self._projection.has_met_goals and self._surface.has_wide_gaps(W)):
             return False
         self._surface.local_step(W)
         self._surface.contact.accept_shape(W)

@@ -1,12 +1,12 @@
 """Elastic surface in contact with itself, and its projection.
 
-Both stand in for what they wrap, so that a quasi-Newton descent needs to know nothing of contact: the energy
-and the forces have those of the gaps, and no shape is reached but by a free way.
+Both replace the wrapped objects, so that contact is transparent to a quasi-Newton descent: energy and forces
+include gaps, and every shape is reached by a collision-free step.
 
-A shape has none if it leaves ``sum_i m_i a_i x u_i``, with a the places at first about their centre [Eckart
-1935, Some studies concerning rotating axes and polyatomic molecules]. That is a condition on shapes: told
-from shape to shape instead, by places that change, surfaces would turn as a falling cat does. What keeps it
-does no work, so that loads stay derivatives of the energy.
+A shape is free of overall rotation if it preserves ``sum_i m_i a_i x u_i``, a the initial positions about
+their centre [Eckart 1935, Some studies concerning rotating axes and polyatomic molecules]. This constrains
+each shape: applied from step to step, with changing positions, surfaces could turn like a falling cat. The
+constraint does no work, so that loads stay derivatives of the energy.
 """
 
 from abc import ABC, abstractmethod
@@ -44,12 +44,12 @@ class TouchingSurface(ABC):
     longest_step : float
         Longest displacement of a vertex by one step, in mesh sizes.
     growth : float
-        A line search begins at most so many times as far as the last one ended: in dense contact about the
-        length of the last one is collision-free.
+        Largest first length of a line search, relative to the final one of the last search: in dense contact,
+        about that length is collision-free.
     least_part : float
         Shortest part of the path of held vertices and obstacles, in mesh sizes.
     follows_at_once : bool
-        Another path goes on as the last one did: steps take so long that hands are faster.
+        Whether a new path continues at the pace of the last one, since a drag is faster than the steps.
     """
 
     longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False
@@ -66,9 +66,9 @@ class TouchingSurface(ABC):
     @property
     def energy(self) -> float:
         """Energy of the current positions."""
-        return self._whole(self.elastic.energy)
+        return self._total_energy(self.elastic.energy)
 
-    def _whole(self, elastic: float) -> float:
+    def _total_energy(self, elastic: float) -> float:
         """Total energy of the current positions, given the ``elastic`` energy."""
         gas = self.gas.energy(self.elastic.U) if self.gas else 0.0
         return elastic + self.contact.energy_at(self.elastic.U) + gas
@@ -79,19 +79,19 @@ class TouchingSurface(ABC):
 
     def _with_contact(self, residual: np.ndarray, U: np.ndarray) -> np.ndarray:
         """Elastic ``residual`` (f, 3) plus those of gaps and gas at ``U`` (n, 3)."""
-        residual += self.contact.gradient(U)[self.free]
+        residual += self.contact.quarter_gradient(U)[self.free]
         if self.gas:
             residual += 0.25 * self.gas.gradient(U)[self.free]
         return residual
 
     def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3), with the current positions left as they are."""
+        """Residual at ``U`` (n, 3); the current positions stay."""
         residual = self._with_contact(self.elastic.residual_near(U, targets), U)
-        self.contact.gradient(self.U)  # contact readings belong to the last gradient of the contact
+        self.contact.quarter_gradient(self.U)  # contact readings belong to the last gradient of the contact
         return residual
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        """Positions (n, 3), with free vertices at ``X`` and held ones at ``targets``."""
         return self.elastic.all_positions(X, targets)
 
     def positions_along(
@@ -106,7 +106,7 @@ class TouchingSurface(ABC):
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
         """Make ``U`` (n, 3) current; return its energy."""
-        return self._whole(self.elastic.energy_after_local_step(U))
+        return self._total_energy(self.elastic.energy_after_local_step(U))
 
     @property
     def is_definite(self) -> bool | None:
@@ -138,7 +138,7 @@ class TouchingSurface(ABC):
             Their Lagrange multipliers, for metrics that know the curvature of the goals.
         """
 
-    def outdate_metric(self) -> bool:
+    def request_new_metric(self) -> bool:
         """Request a new metric for the next step; False if it would not change."""
         return False
 
@@ -149,10 +149,10 @@ class TouchingSurface(ABC):
         """Continue with a material closer to the requested one; False if already reached."""
         return False
 
-    def draw_to(self, targets: np.ndarray) -> None:  # noqa: B027 (optional)
+    def attach_springs(self, targets: np.ndarray) -> None:  # noqa: B027 (optional)
         """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
 
-    def is_gentle(self, _: np.ndarray) -> bool:
+    def has_wide_gaps(self, _: np.ndarray) -> bool:
         """True if the gaps at positions (n, 3) are wide enough to continue from there."""
         return True
 
@@ -273,7 +273,7 @@ class CollisionFreeProjection(GoalProjection):
         start, self._is_free = self._contact.start, False
         W, mu = super().project(U)
         for attempt in range(_ATTEMPTS + 1):
-            if self.largest_miss > GOAL_TOLERANCE:
+            if self.largest_violation > GOAL_TOLERANCE:
                 break
             shares = self._contact.trial_shares(W)
             self._is_free = shares is None
@@ -301,7 +301,7 @@ class OverallRotation:
     first : (n, 3) float array
         The shape that it must not turn against.
     weight : (n,) array, optional
-        How far each place turns when turns are taken out, relative to the others; without, all do alike.
+        Relative rotation of each vertex in the correction; equal by default.
     """
 
     def __init__(
@@ -317,12 +317,12 @@ class OverallRotation:
     def without_rotation(self, step: np.ndarray) -> np.ndarray:
         """``step`` (n, 3), or the shape itself, without its overall rotation."""
         turn = self._per_moment @ _moment(self._first, step)
-        return step - self._away @ _turned_by(turn)
+        return step - self._away @ _cross_matrix(turn)
 
     def without_torque(self, force: np.ndarray) -> np.ndarray:
         """``force`` (n, 3) without its torque: transpose of :meth:`without_rotation`."""
         turn = self._per_moment.T @ _moment(self._away, force)
-        return force - self._first @ _turned_by(turn)
+        return force - self._first @ _cross_matrix(turn)
 
 
 def _moment(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
@@ -331,7 +331,7 @@ def _moment(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
     return np.array([P[1, 2] - P[2, 1], P[2, 0] - P[0, 2], P[0, 1] - P[1, 0]])
 
 
-def _turned_by(turn: np.ndarray) -> np.ndarray:
+def _cross_matrix(turn: np.ndarray) -> np.ndarray:
     """Matrix (3, 3) mapping a row vector to ``turn x row``."""
     return np.cross(turn, _AXES)
 

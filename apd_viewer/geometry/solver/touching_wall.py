@@ -1,6 +1,6 @@
 """Thin elastic wall in contact, stepped by its Hessian.
 
-A wall is many times stiffer in its plane than in bending, so that no constant matrix serves as a metric. Its
+A wall is many times stiffer in its plane than in bending, so that no constant matrix suits as a metric. Its
 Hessian does, including the curvature of the goals, whose tension stiffens the wall, and of the gaps.
 """
 
@@ -77,21 +77,21 @@ class TouchingWall(TouchingSurface):
         self._age = _RENEWED
         return True
 
-    def draw_to(self, targets: np.ndarray) -> None:
+    def attach_springs(self, targets: np.ndarray) -> None:
         """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
-        self.elastic.draw_to(targets)
+        self.elastic.attach_springs(targets)
 
     @property
     def is_definite(self) -> bool | None:
         """True if the last Hessian was positive definite; None if unknown."""
         return self._is_definite
 
-    def is_gentle(self, W: np.ndarray) -> bool:
+    def has_wide_gaps(self, W: np.ndarray) -> bool:
         """True if the gaps at ``W`` (n, 3) are wide enough to continue from there."""
         allowed = max(_MOST_RISE * self.energy, _LEAST_RISE * self.elastic.plate_rigidity)
         return self.contact.energy_at(W) <= allowed
 
-    def outdate_metric(self) -> bool:
+    def request_new_metric(self) -> bool:
         """Request a new Hessian for the next step; False if it is already new."""
         was_new = self._age == 0
         self._age = _RENEWED

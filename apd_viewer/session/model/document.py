@@ -57,9 +57,9 @@ class Document:
     staying_components : tuple of int
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
     obstacles : tuple of NamedObstacle
-        What the surface touches and does not enter, while contact is on.
+        Obstacles that the surface cannot enter while contact is on.
     target_shape : TargetShape or None
-        What the shape is compared with; nothing is deformed to it.
+        Shape of comparison, without influence on the deformation.
     missing_target_shape : MissingMesh or None
         The target shape of a session that was not found again.
     mirror_axis : int or None
@@ -196,7 +196,7 @@ class Document:
     def relative_to_rest(self) -> Document:
         """Equivalent document with motions relative to the rest shape.
 
-        But for vertices that were painted on a deformed shape: these are where they were without the motions.
+        Vertices painted on a deformed shape keep their positions there, with the motions undone.
         """
         if not any(handle.earlier_poses for handle in self.handles):
             return self

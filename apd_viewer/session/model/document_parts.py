@@ -63,8 +63,8 @@ def without_paint(document: Document) -> Document:
     return document.with_label(every, FREE).with_region_number(every, 0)
 
 
-def without_holds(document: Document) -> Document:
-    """Document in which nothing is base or handle; regions stay."""
+def without_base_and_handles(document: Document) -> Document:
+    """Document without base and handles; regions stay."""
     handles = tuple(
         replace(handle.relative_to_rest.with_pose(IDENTITY), former_twist_axis=None)
         for handle in document.handles
@@ -193,8 +193,8 @@ class Targets(NamedTuple):
     regions: tuple[Region, ...]
 
 
-def kept_percentages(document: Document) -> tuple[float | None, ...]:
-    """Target percentages for the method; None for a region without triangles."""
+def goal_percentages(document: Document) -> tuple[float | None, ...]:
+    """Percentages of the method's goals: area, volume, regions; None for no goal."""
     method = document.settings.traits
     keeps_area = method.keeps_total_area or (method.may_keep_total_area and document.settings.hold_area)
     only_area = method.keeps_only_total_area
@@ -213,7 +213,7 @@ def targets_of(document: Document) -> Targets:
     # Imported here: it loads scipy and numba, and the panel of the first picture needs the percentages alone.
     from apd_viewer.geometry.goals.goals import Region
 
-    area, volume, *areas = map(percentage_text, kept_percentages(document))
+    area, volume, *areas = map(percentage_text, goal_percentages(document))
     regions = tuple(
         Region(part.name, np.flatnonzero(document.member == k), percent)
         for k, (part, percent) in enumerate(zip(document.regions, areas, strict=True), start=1)

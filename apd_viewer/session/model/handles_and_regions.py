@@ -1,7 +1,7 @@
 """Named parts of a document: handles and regions, with the flags of all parts.
 
-A factorization that is kept although it depends on what has changed gives a wrong shape without a word. So
-each field of a document and of a handle declares it in its metadata, and the key is made of the declarations.
+An outdated factorization would silently give a wrong shape. Therefore each field of a document or handle
+declares in its metadata whether the factorization depends on it; the key is derived from the declarations.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ class PartFlags(NamedTuple):
     Attributes
     ----------
     locked : bool
-        Its vertices are neither painted over nor added to.
+        Whether its vertices are protected from painting, and no others can be added.
     hidden : bool
-        Its colour is not drawn; it holds all the same.
+        Whether its colour is hidden; its vertices are held all the same.
     """
 
     locked: bool = False
@@ -90,17 +90,17 @@ class Handle:
     Attributes
     ----------
     pose : (4, 4) float array
-        Its motion since it was gripped, read-only.
+        Motion since gripping, read-only.
     waypoints : tuple of (4, 4) float arrays
-        Poses on its way from the grip, by which a turn of more than half is known; read-only.
+        Poses on its path from the grip, to represent turns of more than half; read-only.
     pivot : (3,) float array or None
-        What it turns about, where that was when it was gripped, read-only; None is its centre.
+        Centre of rotation in the position at the grip, read-only; None is the handle's centre.
     falloff : float
-        How far along the surface it draws free vertices along, mesh units.
+        Distance along the surface within which free vertices are pulled along, mesh units.
     earlier_poses : tuple of (4, 4) float arrays
-        Poses from rest on its way until it was gripped, the last one at its grip; read-only.
+        Poses on its path from rest to the grip, the last one at the grip; read-only.
     former_twist_axis : (3,) float array or None
-        From the base to it before the base was painted otherwise: what a twist was about.
+        Direction from the former base to the handle, the axis of earlier twists.
     """
 
     name: str = field(metadata=NOT_FACTORED)
@@ -180,11 +180,11 @@ class HandlePlacement(NamedTuple):
     Attributes
     ----------
     handle : str
-        Its name.
+        Name of the handle.
     pose : (4, 4) float array
-        Its motion from the rest shape, read-only.
+        Motion from the rest shape, read-only.
     waypoints : tuple of (4, 4) float arrays
-        On the way there; see :class:`Handle`.
+        Waypoints to the pose; see :class:`Handle`.
     """
 
     handle: str
@@ -207,7 +207,7 @@ class NamedRegion:
     Attributes
     ----------
     area : float or None
-        What its area should be, in percent of its area at rest; None only measures it.
+        Target area in percent of the area at rest; None only measures it.
     """
 
     name: str

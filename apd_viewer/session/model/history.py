@@ -138,7 +138,7 @@ class History:
 def array_bytes(value: object) -> dict[int, int]:
     """Sizes in bytes of the arrays and file contents within a value, by identity.
 
-    It looks into everything of this package, and into tuples, lists and dictionaries.
+    Searches all objects of this package, and tuples, lists and dictionaries.
     """
     found: dict[int, int] = {}
     seen, left = set[int](), [value]

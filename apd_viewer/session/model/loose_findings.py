@@ -17,7 +17,7 @@ _MOST = 100
 def loose_component_findings(document: Document) -> Iterator[tuple[Finding, tuple[int, ...]]]:
     """Findings on all loose parts, then on each with its lowest vertex ID.
 
-    Before anything is painted the largest part does not count: it is the one to be painted.
+    Before anything is painted, the largest part is left out, since it will probably be painted.
     """
     parts = document.loose_components
     if not (document.labels != FREE).any():

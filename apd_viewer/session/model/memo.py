@@ -21,7 +21,7 @@ T = TypeVar("T")
 def memoised(compute: Callable[..., T]) -> Callable[..., T]:
     """Memoise ``compute`` by the identity of its arrays, shared between documents.
 
-    What it finds is kept until one of the arrays is gone. What else is given counts by its value.
+    Results are kept as long as all of the arrays. Other arguments are compared by value.
     """
     known: dict[tuple[object, ...], tuple[list[weakref.ref[np.ndarray]], T]] = {}
 
@@ -68,7 +68,7 @@ def rest_grip(
     Parameters
     ----------
     V : (n, 3) float array
-        At rest: free vertices stay there.
+        Rest positions.
     grip, labels : (n, 3), (n,) arrays
     starts : (4, 4) float arrays
         Pose of each handle at its grip.

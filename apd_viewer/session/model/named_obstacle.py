@@ -54,7 +54,7 @@ class NamedObstacle:
     Attributes
     ----------
     place : (3,) float array
-        Where it was put: a point of a plate, the centre of a sphere or cylinder; mesh units, read-only.
+        Initial position: a point of a plate, the centre of a sphere or cylinder; mesh units, read-only.
     axis : (3,) float array
         Unit normal of a plate, to the side that stays free; unit axis of a cylinder; read-only.
     radius : float
@@ -62,7 +62,7 @@ class NamedObstacle:
     length : float
         Of a cylinder, between the centres of its round ends, mesh units; 0 of others.
     shift : (3,) float array
-        Its motion since it was put there, mesh units, read-only.
+        Displacement from the initial position, mesh units, read-only.
     """
 
     name: str
@@ -115,9 +115,9 @@ def carried_shifts(
     Parameters
     ----------
     before, after : sequences of NamedObstacle
-        Those put at the same place array are the same; new ones have come as far as they are moved.
+        Obstacles with the same place array are the same; new ones keep their own displacement.
     shifts : (p, 3) float array
-        Of those before; it is empty where that is not known, and stays so.
+        Displacements of the obstacles before; empty if unknown, as is then the result.
     """
     if len(shifts) != len(before):
         return frozen(np.zeros((0, 3)))

@@ -19,7 +19,7 @@ from apd_viewer.session.model.state import State
 
 # Stiffness proposed where walls have none and would crumple.
 PROPOSED_STIFFNESS = 0.001
-# Tolerance of directions that are opposite, and of places that are the same, relative to the mesh.
+# Tolerances for opposite directions, and for equal positions relative to the mesh size.
 _OPPOSITE, _SAME = 1e-9, 1e-9
 
 
@@ -31,7 +31,7 @@ class PlatePair(NamedTuple):
     low, high : int
         Numbers of the obstacles; the normal of the low one leads to the high one.
     axis : (3,) float array
-        That normal.
+        Normal of the low plate.
     """
 
     low: int
@@ -39,11 +39,11 @@ class PlatePair(NamedTuple):
     axis: np.ndarray
 
     def distance(self, state: State) -> float:
-        """Distance of the plates as far as they have come, mesh units."""
+        """Current distance of the plates, mesh units."""
         return self._distance(state.document.obstacles, state.obstacle_shifts)
 
     def first_distance(self, document: Document) -> float:
-        """Distance of the plates where they were put, mesh units."""
+        """Initial distance of the plates, mesh units."""
         return self._distance(document.obstacles, np.zeros((len(document.obstacles), 3)))
 
     def extent(self, document: Document) -> float:
@@ -103,7 +103,7 @@ class PlateReading(NamedTuple):
     distance : float
         Mesh units.
     deflection : float
-        How much nearer they are than where they were put.
+        Reduction of the distance since the plates were placed.
     load_low, load_high : float
         Force on each, energy per length: that of a material of stiffness 1.
     """

@@ -24,7 +24,7 @@ from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.named_obstacle import carried_shifts
 
@@ -38,7 +38,7 @@ class State:
     inspection : Inspection
         Readings of the mesh at rest.
     surface_index : SurfaceIndex
-        What is drawn and touched of the mesh.
+        Index for drawing and picking the mesh.
     frame : Frame
         The latest shape, and its readings.
     """
@@ -97,7 +97,7 @@ class State:
         document, rest, now = self.document, self.inspection, self.frame
         within = document.settings.tolerance if document.settings.traits.has_tolerance else TARGET_ACCURACY
         at_rest = rest.area, rest.volume, *document.rest_areas
-        measured = zip(kept_percentages(document), at_rest, (now.area, now.volume, *now.regions), strict=True)
+        measured = zip(goal_percentages(document), at_rest, (now.area, now.volume, *now.regions), strict=True)
         return any(
             percent is not None
             and before is not None

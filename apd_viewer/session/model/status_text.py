@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 def findings_sentences(findings: Sequence[Finding]) -> str | None:
     """Sentences about the findings of an opened mesh; None without any.
 
-    Those about its file are told as they are, since much else is found in any file of some formats.
+    Findings about its file are quoted; others are only mentioned, as meshes of some formats always have some.
     """
     sentences = [finding.sentence for finding in findings if finding.is_about_file or len(findings) == 1]
     if len(findings) > len(sentences):
@@ -100,7 +100,7 @@ def saved_selection_sentence(name: str, left_out: Sequence[str]) -> str:
 
 def loaded_selection_sentence(name: str, selection: Selection) -> str:
     """Sentence about a loaded selection."""
-    if selection.same_mesh:
+    if selection.is_for_same_mesh:
         return tr("Selection loaded from {name}.").format(name=name)
     return tr(
         "Selection loaded from {name}; it was made for another shape with the same number of vertices."
@@ -138,7 +138,7 @@ def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Findi
     """Finding on vertices exempt from contact, near triangles crossing at rest."""
     if crossing is None or not len(crossing):
         return ()
-    # Imported here: other sentences of this module are shown before these modules are loaded.
+    # Imported here: other functions of this file are needed before these modules are loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
     from apd_viewer.geometry.contact.contact import is_near_crossing
 
@@ -154,7 +154,7 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
     """Finding about intersecting triangles; empty if there are none."""
     if crossing is None or not len(crossing):
         return ()
-    # Imported here: the other functions are needed before the findings module is loaded.
+    # Imported here: other functions of this file are needed before that module is loaded.
     from apd_viewer.geometry.analysis.mesh_findings import Finding
 
     sentence = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")

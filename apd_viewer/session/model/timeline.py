@@ -1,4 +1,4 @@
-"""Timeline of the shapes that motions in steps came to, in bounded memory."""
+"""Timeline of the shapes reached by motions in steps, in bounded memory."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ _OF_IT = "mesh", "labels", "grip", "handles", "settings", "staying_components", 
 
 @dataclass(frozen=True, eq=False)
 class TimelineStep:
-    """State that a motion came to.
+    """State reached by a step of a motion.
 
     Attributes
     ----------
     begins_run : bool
-        It was there before the motion; the steps up to the next such state follow from it.
+        Whether it precedes a motion; the steps up to the next such state follow from it.
     """
 
     state: State
@@ -48,12 +48,12 @@ class Timeline:
         return bool(self.steps) and self.steps[-1].state.document.mesh.F is document.mesh.F
 
     def index_of(self, state: State) -> int | None:
-        """Number of the last step with the shape of a state and all it depends on."""
+        """Number of the last step with the shape of a state and the same inputs."""
         numbers = reversed(range(len(self.steps)))
         return next((k for k in numbers if _is_same_shape(self.steps[k].state, state)), None)
 
     def begun_at(self, state: State) -> Timeline:
-        """Timeline with a run from a state, after those of the same mesh."""
+        """Timeline with a new run from a state, after earlier runs of the same mesh."""
         kept = self if self.is_of(state.document) else Timeline()
         if kept.steps and _is_same_shape(kept.steps[-1].state, state):
             return kept

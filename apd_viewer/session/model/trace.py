@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.state import State
 
 TRACE_COLUMNS = (
@@ -41,8 +41,8 @@ class _Start:
 class Trace:
     """Time series of readings of the displayed frames, in bounded memory.
 
-    A trace begins with the shape that it leads away from. Once it is full every other sample is left out, and
-    from then on every other frame; the latest one is always there.
+    A trace begins with the initial shape. When it is full, every other sample is dropped, and from then on
+    every other frame is skipped; the latest one is always kept.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Trace:
         """Column by its name in ``TRACE_COLUMNS``, read-only; NaN for unknown values.
 
         Seconds and iterations since the beginning; areas in square lengths; ``area_error`` relative to rest,
-        ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.pose.frame.Frame`.
+        ``area_miss`` to the target; all others as in :class:`apd_viewer.geometry.pose.frame.Frame`.
         """
         return frozen(self._rows[: self._count, TRACE_COLUMNS.index(name)].copy())
 
@@ -130,7 +130,7 @@ class Trace:
 
 def _readings(document: Document, frame: Frame) -> list[float]:
     """Readings of a frame, in column order starting with the area."""
-    wanted = (kept_percentages(document)[0] or 100.0) / 100.0
+    wanted = (goal_percentages(document)[0] or 100.0) / 100.0
     miss = abs((1.0 + frame.area_error) / wanted - 1.0)
     known = frame.volume, frame.energy
     volume, energy = (np.nan if value is None else value for value in known)

@@ -36,17 +36,17 @@ class View:
     Attributes
     ----------
     camera : CameraPose or None
-        None where nobody has looked yet: the mesh is shown whole.
+        Camera; None shows the whole mesh.
     unit : str
         Value of a :class:`apd_viewer.session.quantities.units.Unit`: its symbol, with a question mark
         where it is a guess.
     wall : WallText
-        What the surface is made of, as it was typed.
+        Wall of the mesh, as typed.
     overlay : str or None
         What the colours show, by the value of a :class:`Measure`; empty where they show
         what is painted, None where nothing is said of them.
     up_axis : UpAxis or None
-        None where nothing is said of it.
+        Up axis; None if not stored.
     """
 
     camera: CameraPose | None = None

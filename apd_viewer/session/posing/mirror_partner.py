@@ -29,7 +29,7 @@ class MirrorPartner(NamedTuple):
     Attributes
     ----------
     share : float
-        Of the vertices of both that are mirror images of each other, 0 to 1.
+        Fraction of vertices of both that are mirror images of each other, 0 to 1.
     """
 
     number: int
@@ -39,7 +39,7 @@ class MirrorPartner(NamedTuple):
 def mirror_plane(mesh: Mesh, axis: int) -> MirrorPlane:
     """Mirror plane through the middle of the bounding box of the rest shape.
 
-    At rest: a bent mesh has no mirror plane.
+    The rest shape is used because a bent mesh has no mirror plane.
     """
     low, high = _box(mesh.V, mesh.joined_F)
     return MirrorPlane(axis, float(low[axis] + high[axis]) / 2.0)

@@ -1,7 +1,7 @@
 """Handle motions: the table of motion kinds.
 
-The words of texts and options, the motions that the window offers, titles, tips and the columns of studies
-are all read from its rows.
+Words in texts and options, the motions offered in the window, titles, tips and study columns are all derived
+from its rows.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class MotionReference(NamedTuple):
     Attributes
     ----------
     line : (2, 3) float array or None
-        What the axis LINE is: from its first point to its second.
+        Axis of a motion about LINE: from its first point to its second.
     """
 
     document: Document
@@ -91,7 +91,7 @@ class AmountKind(Enum):
     ) -> float:
         """Parse an amount into radians, mesh units or a factor; raises InputError.
 
-        Percentages are of the distance of base and handle at ``rest``; None stands for any mesh.
+        Percentages refer to the distance of base and handle at ``rest``; None stands for any mesh.
         """
         match self:
             case AmountKind.ANGLE:
@@ -125,14 +125,14 @@ class AmountKind(Enum):
             case AmountKind.ANGLE | AmountKind.LENGTH | AmountKind.LENGTH_OR_PERCENT | AmountKind.NUMBER:
                 return False
 
-    def at(self, amount: float, share: float) -> float:
+    def amount_at(self, amount: float, share: float) -> float:
         """Amount at fraction ``share`` of a motion."""
         return float(amount**share) if self.is_factor else share * amount
 
-    def remaining(self, total: float, motion: Motion, now: MotionReference) -> float:
+    def remaining_amount(self, total: float, motion: Motion, now: MotionReference) -> float:
         """Amount still missing to reach a total measured from rest.
 
-        The total of a rotation is its part about the axis of the motion, that of a shift its part along it.
+        Totals are the parts of the rotation about, and of the displacement along, the axis of the motion.
         """
         handle, rest = now.document.handles[now.handle], now.at_rest
         match self:
@@ -156,9 +156,9 @@ class MotionKind:
     Attributes
     ----------
     word, title : str
-        In texts, options and columns of studies; and in headings.
+        Name in texts, options and study columns; title in headings.
     matrix : callable
-        What moves a handle on from where it is, (4, 4), by an axis and one amount, or one along each.
+        Function giving the motion (4, 4) of a handle for an axis and one amount, or one along each axis.
     tip, example, help : str
         Of an amount in the window, and of the option, with ``%`` doubled.
     axis_titles : mapping of str to str
@@ -166,11 +166,11 @@ class MotionKind:
     preposition : str
         Before the axis in a text; empty if a text has no axis.
     may_omit_axis : bool
-        Without one in its text it is that most nearly at right angles to the line to the base.
+        The axis most nearly perpendicular to the line to the base is the default.
     has_all_axes : bool
-        Its text has an amount along each axis.
+        Whether its text has an amount along each axis.
     stretches : bool
-        It is more than rotations and translations.
+        Whether it is more than rotations and translations.
     study : tuple of str, optional
         Note and ends of the range, where the window offers to vary it.
     """
@@ -195,7 +195,7 @@ class MotionKind:
         return bool(self.preposition) and not self.may_omit_axis
 
     @property
-    def is_one_amount(self) -> bool:
+    def takes_single_amount(self) -> bool:
         """True if the amount alone is a complete motion text."""
         return not (self.needs_axis or self.has_all_axes)
 

@@ -44,7 +44,7 @@ class MotionStep:
     amounts : tuple of float
         Mesh units, radians, or a factor; by so much from where the handle is.
     line : (2, 3) float array or None
-        What the motion is about, if it is about a line.
+        Axis of a motion about a line.
     """
 
     handle: int
@@ -65,7 +65,7 @@ class MotionStep:
     def pose_at(self, document: Document, share: float) -> np.ndarray:
         """Pose (4, 4) of the handle at fraction ``share``; raises InputError."""
         amount = self.motion.kind.amount
-        return self._pose(document, [amount.at(each, share) for each in self.amounts])
+        return self._pose(document, [amount.amount_at(each, share) for each in self.amounts])
 
     def _pose(self, document: Document, amounts: Sequence[float]) -> np.ndarray:
         return self.motion.pose_after(MotionReference(document, self.handle, self.line), amounts)
@@ -73,7 +73,7 @@ class MotionStep:
     def intermediate_documents(self, document: Document) -> list[Document]:
         """Documents along the last turn of the motion, including its end.
 
-        A stretch is no way: there is its end only.
+        A stretch is not divided: only its end follows.
         """
         end = self.end_document(document)
         if self.motion.kind.stretches:
@@ -115,9 +115,9 @@ class MotionPath:
     Attributes
     ----------
     document : Document
-        With its handles at their grips.
+        Document with its handles at their grips.
     steps : tuple of MotionStep
-        Of this handle, in their order; none where it stays.
+        Steps of this handle in order; none if it stays.
     """
 
     document: Document

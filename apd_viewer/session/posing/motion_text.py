@@ -1,8 +1,8 @@
 """Text form of handle motions, such as ``twist 120deg; push 30%``.
 
-Steps are separated by semicolons and follow each other; each moves the handle that ``handle N:`` named last,
-at first the first one. The words are those of :data:`MOTION_KINDS`. An axis stands behind the amount, as in
-``turn 30deg about x``; where ``bend`` names none, it is the one most nearly at right angles to the line from
+Steps are separated by semicolons and made in order; each moves the handle last named by ``handle N:``,
+initially the first one. The words are listed in :data:`MOTION_KINDS`. An axis follows the amount, as in
+``turn 30deg about x``; the default axis of ``bend`` is the one most nearly perpendicular to the line from
 the base to the handle. Amounts are expressions with the units of the window; ``move`` has three.
 """
 
@@ -34,7 +34,7 @@ class MotionTextStep:
     Attributes
     ----------
     handle : int
-        From 0.
+        Index of the handle, from 0.
     amounts : tuple of str
         One, or one for each axis.
     """

@@ -1,6 +1,6 @@
 """Named poses: stored handle poses relative to the rest shape.
 
-From the rest shape, for what the handles were gripped at changes with every stroke and every reset.
+They are relative to the rest shape, since the grip shape changes with every stroke and every reset.
 """
 
 from collections.abc import Iterator

@@ -53,7 +53,7 @@ def is_clear(obstacle: NamedObstacle, state: State, distance: float) -> bool:
 def moved_clear(obstacle: NamedObstacle, state: State, distance: float) -> NamedObstacle:
     """Obstacle moved back along its axis to ``distance`` from the shape.
 
-    No obstacle comes nearer faster than it moves, so that no place in between is passed over.
+    Each step equals the missing clearance, so that no free position is skipped.
     """
     back, place = -checked_direction(obstacle.axis), np.array(obstacle.place, dtype=float)
     for _ in range(_MOST_STEPS):
@@ -73,7 +73,7 @@ def proposed_obstacle(
     Parameters
     ----------
     point, normal : (3,) float arrays
-        On the surface, and its unit normal there.
+        Point on the surface, and its unit normal.
     distance : float
         Distance to the point, mesh units.
     """
@@ -97,7 +97,7 @@ def reset_obstacles(state: State) -> tuple[NamedObstacle, ...]:
 def obstacles_outside_shape(state: State, thickness: float | None) -> tuple[NamedObstacle, ...]:
     """Obstacles of a state; those inside the current shape are moved back out of it.
 
-    ``thickness`` is the distance that they keep, as of a document.
+    ``thickness`` is the contact distance, as in the settings.
     """
     apart, found = contact_distance(state, thickness), []
     for obstacle in state.document.obstacles:

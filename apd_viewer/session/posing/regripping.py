@@ -20,7 +20,7 @@ from apd_viewer.session.model.state import State
 def regripped_document(before: Document, document: Document, frame: Frame) -> Document:
     """Document with base and handles gripped at the shape of a frame.
 
-    A handle keeps its motion from rest while it keeps a vertex that made it.
+    A handle keeps its motion from rest as long as it keeps one of its earlier vertices.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def reached_handle(document: Document, k: int, frame: Frame, ids: np.ndarray | N
     Parameters
     ----------
     ids : (m,) int array, optional
-        Those of its vertices by which to tell, one at least; without, all of them.
+        Vertices of the handle used for the fit, at least one; all by default.
     """
     handle = document.handles[k]
     ids = np.flatnonzero(document.labels == HANDLE + k) if ids is None else ids
@@ -93,7 +93,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
     Parameters
     ----------
     before : State
-        At the beginning of the gesture.
+        State at the start of the gesture.
     document : Document
         After it.
 
@@ -101,7 +101,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
     -------
     Document or None
         None if the gesture moved no handle, or did something else as well: painted, or opened another mesh.
-        None too where obstacles have been moved, as these go along their whole way.
+        Also None if obstacles have been moved, since these always follow their whole path.
     """
     start = before.document
     same = document.mesh is start.mesh and document.grip is start.grip and have_same_paint(start, document)

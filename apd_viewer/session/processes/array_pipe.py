@@ -1,7 +1,7 @@
 """Messages between processes, preserving the identity of arrays and meshes.
 
-The solver knows by the identity of meshes and arrays what it need not do again. So every mesh and every array
-travels once, under a number, and is only named from then on, until a message comes that does not mention it.
+The solver reuses results for identical meshes and arrays. Each of them is therefore sent once, with a number,
+and referred to by that number afterwards, until a message without it.
 """
 
 import io

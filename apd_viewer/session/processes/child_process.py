@@ -61,7 +61,7 @@ class ChildProcess:
     title : str
         For the log.
     script : str
-        What it runs, made of START_SCRIPT.
+        Script of the process, made of START_SCRIPT.
     """
 
     def __init__(self, title: str, script: str) -> None:
@@ -157,7 +157,7 @@ class ChildProcess:
         return cast("Process", process)
 
     def _read_errors(self, errors: BinaryIO) -> None:
-        """Keep the last lines of standard error, and copy all to the log and our own."""
+        """Keep the last lines of standard error; copy all to the log and the owner's."""
         with errors:
             for line in errors:
                 words = line.decode(errors="replace").rstrip()[:_LINE_LENGTH]

@@ -1,7 +1,7 @@
 """Compilation of the kernels at the first start on a computer.
 
-Numba compiles one kernel at a time in a process, whatever its threads. So the window has other processes
-compile those of a first drag while it starts itself, into the cache of all.
+Numba compiles one kernel at a time per process. At its start, the window thus has other processes compile
+the kernels of a first drag into the shared cache.
 """
 
 import contextlib

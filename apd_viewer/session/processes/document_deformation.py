@@ -41,8 +41,8 @@ def document_iteration(
 ) -> PathIteration:
     """Iteration of a document's deformation towards its poses.
 
-    Paths beyond half a turn are walked from the grip in steps; otherwise the shape goes to the poses at once.
-    So it depends on what is in the document, and not on the pace of the hand.
+    Paths beyond half a turn are followed from the grip in steps; otherwise the handles move to the poses at
+    once. The shape thus depends on the document alone, and not on the pace of a drag.
 
     Parameters
     ----------
@@ -50,9 +50,9 @@ def document_iteration(
         The shape on screen, to go on from where there is nothing to walk; None goes on from the last
         iteration.
     along_paths : bool
-        Otherwise go to the poses at once.
+        Whether to follow the paths instead of jumping to the poses.
     start_shifts : (o, 3) float array or None
-        How far the obstacles have come at ``U``; None, or of another number, is as far as they are moved.
+        Displacements of the obstacles at ``U``; the requested ones if None or of another number.
     """
     held, shifts = document.constraints(), obstacle_shifts(document)
     if start_shifts is not None and start_shifts.shape != shifts.shape:

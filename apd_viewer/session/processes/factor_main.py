@@ -1,6 +1,6 @@
 """Main function of the factor process.
 
-Factoring holds the interpreter for seconds and cannot be stopped, except with the process that does it.
+Factoring holds the interpreter lock for seconds and cannot be interrupted, except by killing its process.
 """
 
 from typing import BinaryIO

@@ -12,8 +12,8 @@ _MOST_ARENAS = (-8, 1)
 def keep_freed_memory() -> None:
     """Keep freed memory for the next frame, on glibc.
 
-    By default it depends on the order of what came before whether all that a frame needs is given back and
-    fetched anew: for 164,000 vertices 16,000 pages, and a third of the time of the frame.
+    By default, depending on earlier allocations, all memory of a frame may be returned and requested again:
+    16,000 pages for 164,000 vertices, a third of the time of the frame.
     """
     if mallopt := _of_glibc("mallopt"):
         for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
@@ -23,8 +23,8 @@ def keep_freed_memory() -> None:
 def share_freed_memory() -> None:
     """Let threads reuse memory freed by other threads, on glibc.
 
-    Call it before threads are started. By default they have arenas of their own: of a window that opened 20
-    files in turn, 100 MiB lay free in those of the threads that read, a few more after every file.
+    Call it before starting threads. By default each thread has its own arena: after a window had opened 20
+    files in turn, 100 MiB were free in the arenas of the reading threads, more after every file.
     """
     if mallopt := _of_glibc("mallopt"):
         mallopt(*_MOST_ARENAS)

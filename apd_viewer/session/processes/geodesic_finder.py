@@ -7,7 +7,7 @@ import numpy as np
 
 from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
-from apd_viewer.session.processes.newest_answer import NewestAnswer, answer_to
+from apd_viewer.session.processes.newest_answer import NewestAnswer, wait_for_answer
 
 _START = START_SCRIPT.format(module="processes.geodesic_main")
 _CALM = 0.1  # seconds; a shape that has just converged is often moved again at once
@@ -25,7 +25,7 @@ class GeodesicQuery:
 class GeodesicFinder(NewestAnswer[GeodesicQuery, CarriedPath]):
     """Finder of one geodesic at a time; a new query replaces the old one.
 
-    Where there is none, or the process died, the path is empty.
+    The path is empty if there is none, or if the process has died.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class GeodesicFinder(NewestAnswer[GeodesicQuery, CarriedPath]):
 
 def find_geodesic(query: GeodesicQuery) -> CarriedPath:
     """Find a geodesic in a separate process, and wait for it."""
-    return answer_to(ChildProcess("geodesic", _START), _path, CarriedPath.empty(), query)
+    return wait_for_answer(ChildProcess("geodesic", _START), _path, CarriedPath.empty(), query)
 
 
 def _path(process: ChildProcess, query: GeodesicQuery) -> CarriedPath | None:

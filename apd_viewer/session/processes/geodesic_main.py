@@ -1,6 +1,6 @@
 """Main function of the geodesic process.
 
-The library that straightens paths holds the interpreter, and cannot be stopped.
+The library for straightening paths holds the interpreter lock, and cannot be interrupted.
 """
 
 from typing import BinaryIO

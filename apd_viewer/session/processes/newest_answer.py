@@ -12,7 +12,7 @@ Question = TypeVar("Question")
 Answer = TypeVar("Answer")
 
 
-def answer_to(
+def wait_for_answer(
     process: ChildProcess,
     exchange: Callable[[ChildProcess, Question], Answer | None],
     fallback: Answer,

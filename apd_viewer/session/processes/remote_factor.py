@@ -18,8 +18,8 @@ _ENDED = tr("the factoring process ended {times} times; memory may be low")
 class RemoteFactor:
     """Factor of a symmetric positive definite matrix in a separate process.
 
-    It is begun by :meth:`begin` or by whoever asks for it, and begun again if the process dies; :meth:`close`
-    ends it, however far it is.
+    It is begun by :meth:`begin` or at its first use, and again if the process dies; :meth:`close` ends it at
+    any stage.
 
     Parameters
     ----------

@@ -26,11 +26,11 @@ class Request:
     U : (n, 3) float array
         The shape to start from.
     iterate : bool
-        Otherwise only make ready: factor, so that the first drag need not wait.
+        Whether to iterate, instead of only factoring for a first drag without a wait.
     with_cost : bool
-        Whether the last reply should say what it took.
+        Whether the last reply should include the cost.
     shifts : (o, 3) float array
-        How far the obstacles have come at ``U``; empty where that is not known.
+        Displacements of the obstacles at ``U``; empty if unknown.
     number : int
         Given when it is sent; a later request has a higher one.
     shape_buffer : str or None
@@ -73,17 +73,17 @@ class Reply:
     Attributes
     ----------
     request : Request
-        It travels as its number.
+        Request answered; sent as its number.
     finished : bool
-        Nothing more comes for this request.
+        True if no further reply follows.
     seconds : float
         Time that an iteration takes.
     warning : str or None
-        What the user should know about what is held.
+        Sentence to the user about the held vertices.
     news : str or None
-        What has happened to the solver meanwhile.
+        Sentence on an event of the solver.
     cost : Cost or None
-        With the last reply, where it was asked for.
+        Cost, in the last reply if requested.
     shape_number : int or None
         Number of the shape in shared memory, where it lies there instead of in the frame.
     decimations : tuple of Decimation or None

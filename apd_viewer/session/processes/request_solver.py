@@ -1,7 +1,7 @@
 """Solver of the newest request: preparation, iterations and readings.
 
-An iteration is cheap against its readings. So while nobody has looked at the last frame, the iterations go on
-and none of them is measured; the one with which a request is finished always is.
+An iteration is cheap compared with its readings. Until the last frame has been displayed, further iterations
+are therefore not measured; the last iteration of a request always is.
 """
 
 import contextlib
@@ -49,7 +49,7 @@ class RequestSolver:
     Parameters
     ----------
     requests : Mailbox of Request
-        Where the newest one is; its end is the end of :meth:`run`.
+        Mailbox of the newest request; closing it ends :meth:`run`.
     send : callable
         Called with every message.
     """
@@ -73,8 +73,8 @@ class RequestSolver:
     def run(self, when_idle: Callable[[Callable[[], bool]], object] = lambda _: None) -> None:
         """Answer requests until the mailbox is closed.
 
-        While there are none ``when_idle(called)`` is called, until it has come to its end: it should return
-        soon once ``called()``.
+        Between requests, ``when_idle(called)`` is called until it has finished: it should return soon once
+        ``called()`` is True.
         """
         done = not self._requests.wait_for_value(_SOON) and self._run_idle_work(when_idle)
         while (request := self._requests.wait()) is not None:
@@ -98,7 +98,7 @@ class RequestSolver:
 
     def answer(self, request: Request) -> None:
         """Answer a request, or prepare for the next one."""
-        self.turn_to(request.document.mesh)
+        self.switch_to_mesh(request.document.mesh)
         if request.document.paint_problem:
             # Such requests are sent during painting, for preparations alone.
             if request.with_cost:  # a comparison of methods waits for an answer
@@ -117,7 +117,7 @@ class RequestSolver:
         else:
             self._begin_factorizations()
 
-    def turn_to(self, mesh: Mesh) -> None:
+    def switch_to_mesh(self, mesh: Mesh) -> None:
         """Discard preparations if they were made for a different mesh."""
         if self._rest is not None and self._rest[0] is not mesh:
             self._drop()
@@ -232,7 +232,7 @@ class RequestSolver:
         # Aiming again would reset the paper method's handle to its target.
         if fresh or elsewhere or not request_and_reply.are_same_keys(poses, self._poses):
             U = request.U if fresh or elsewhere else None
-            walks = request.iterate and (jumps or (fresh and _begins_at_rest(self._solver, request)))
+            walks = request.iterate and (jumps or (fresh and _must_start_at_rest(self._solver, request)))
             self._walk = document_iteration(self._solver, document, U, walks, request.shifts)
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
         self._placed = around
@@ -261,7 +261,7 @@ class RequestSolver:
         return self._rest[1]
 
 
-def _begins_at_rest(solver: Deformation, request: Request) -> bool:
+def _must_start_at_rest(solver: Deformation, request: Request) -> bool:
     """True if contact cannot start at the shape because of intersections."""
     contact, shifts = solver.contact, request.shifts
     if contact is None:

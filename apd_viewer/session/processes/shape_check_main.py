@@ -1,6 +1,6 @@
 """Main function of the shape-check process.
 
-The library that looks for crossings holds the interpreter, and cannot be stopped.
+The library for finding intersections holds the interpreter lock, and cannot be interrupted.
 """
 
 import math

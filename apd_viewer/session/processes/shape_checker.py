@@ -11,7 +11,7 @@ from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.pose.held_turn import HandleTurns, HeldTurn
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
-from apd_viewer.session.processes.newest_answer import NewestAnswer, answer_to
+from apd_viewer.session.processes.newest_answer import NewestAnswer, wait_for_answer
 from apd_viewer.session.processes.shape_check_main import NOT_CHECKED
 
 _START = START_SCRIPT.format(module="processes.shape_check_main")
@@ -49,7 +49,7 @@ class ShapeChecker(NewestAnswer[ShapeQuery, ShapeCheck]):
 
 def check_shape_in_process(query: ShapeQuery) -> ShapeCheck:
     """Check a shape in a separate process, and wait for the result."""
-    return answer_to(ChildProcess("shape check", _START), _answer, UNKNOWN_CHECK, query)
+    return wait_for_answer(ChildProcess("shape check", _START), _answer, UNKNOWN_CHECK, query)
 
 
 def _answer(process: ChildProcess, query: ShapeQuery) -> ShapeCheck | None:

@@ -1,6 +1,6 @@
 """Shared memory for arrays sent to the solver and shapes sent back.
 
-Whoever asks for work makes the blocks and removes them; the solver only looks into them.
+The owner of the solver creates and removes the blocks; the solver only opens them.
 """
 
 import os
@@ -24,8 +24,8 @@ _PUT, _COPIED, _SEEN = range(3)  # indices of the counters of a shape buffer
 class SharedArrays:
     """Copies of arrays in one shared block, discarded after reading.
 
-    Its name travels by a pipe, whose two ends take the same lock in the kernel: the reader of the message
-    sees what was written before it.
+    Its name is sent by a pipe, whose two ends acquire the same lock in the operating system: the reader of
+    the message thus sees all earlier writes.
 
     Parameters
     ----------

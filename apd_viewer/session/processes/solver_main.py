@@ -1,7 +1,7 @@
 """Main function of the solver process.
 
-A thread reads, so that the solver finds the newest request between two iterations. Nothing here is worth
-saving: the process ends at once when its owner has gone, whatever it is doing.
+A thread reads, so that the solver finds the newest request between two iterations. The process has nothing to
+save: it ends at once with its owner.
 """
 
 import contextlib
@@ -65,7 +65,7 @@ def _request_number(thing: object) -> int | None:
 class _Pulse:
     """Thread reporting work on a request or in idle time every second.
 
-    A process that waits for what never comes spends no time of the processor.
+    A process waiting in vain uses no processor time.
     """
 
     def __init__(self, tell: SolverMessageSender, factoring: Callable[[], bool]) -> None:
@@ -74,7 +74,7 @@ class _Pulse:
         self._thread = threading.Thread(target=self._run, name="pulse", daemon=True)
         self._thread.start()
 
-    def tell(self, message: SolverMessage) -> None:
+    def send_message(self, message: SolverMessage) -> None:
         """Send a message, and report activity from a request until its answer."""
         self._tell(message)
         stage = message.stage if isinstance(message, RequestProgress) else None
@@ -83,7 +83,7 @@ class _Pulse:
         elif stage is RequestStage.ANSWERED:
             self._beats.clear()
 
-    def during(self, work: Callable[[Callable[[], bool]], object], called: Callable[[], bool]) -> None:
+    def run_idle_work(self, work: Callable[[Callable[[], bool]], object], called: Callable[[], bool]) -> None:
         """Run idle work while reporting activity, since a request may be waiting."""
         self._beats.set()
         work(called)
@@ -149,7 +149,7 @@ def serve(
     reader.start()
     solver: RequestSolver
     pulse = _Pulse(send, lambda: solver.is_factoring)
-    solver = RequestSolver(requests, pulse.tell)
-    solver.run(partial(pulse.during, when_idle))
+    solver = RequestSolver(requests, pulse.send_message)
+    solver.run(partial(pulse.run_idle_work, when_idle))
     pulse.end()
     reader.join()

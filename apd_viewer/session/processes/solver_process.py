@@ -46,9 +46,9 @@ class SolverProcess:
         ``on_reply(reply, looked)``, called with every reply, on a thread of the child. ``looked()`` tells the
         solver that it is displayed, and that it may send another.
     on_decimations : callable
-        Called on that thread with a mesh and its thinnings, once the process has found them.
+        Called on that thread with a mesh and its decimations, once the process has computed them.
     on_compilation : callable
-        Called on that thread with the share of the kernels compiled so far.
+        Called on that thread with the fraction of the kernels compiled so far.
     on_silence : callable
         Called with the seconds in which the process has said nothing though it should, 0 once it does again;
         see :class:`SilenceWatch`.
@@ -58,7 +58,7 @@ class SolverProcess:
     Attributes
     ----------
     is_dismissed : bool
-        It was ended on purpose.
+        True after an intended end.
 
     Raises
     ------
@@ -103,7 +103,7 @@ class SolverProcess:
     def send_request(self, request: Request, decimations: tuple[Decimation, ...]) -> bool:
         """Send a request once the last one is received; False if the process has ended.
 
-        The ``decimations`` of its mesh, where they are known, save the process finding them.
+        The ``decimations`` of its mesh, if known, need not be computed again.
         """
         self._received.clear()
         number, tray = next(self._numbers), self._shape_buffer_for(request)
@@ -142,8 +142,8 @@ class SolverProcess:
     def _with_first_start(self, request: Request) -> Request:
         """Request with the start shape of the first similar request, sent only once.
 
-        The process goes on from where it is, and needs it only if it has seen none of them. So it travels
-        once, and not with every pose.
+        The process continues from its current shape, and needs the start shape only for the first of them. It
+        is therefore not sent with every pose.
         """
         start = self._start
         if (
@@ -214,8 +214,8 @@ class SolverProcess:
 def _allowed_silence(faces: int) -> int:
     """Seconds of silence allowed before a report.
 
-    Native code holds the interpreter, and with it the pulse of the process, at most 2.4 s for a million
-    triangles, on two busy cores.
+    Native code holds the interpreter lock, and thus delays the reports, by at most 2.4 s for a million
+    triangles on two busy cores.
     """
     return max(_PATIENCE, round(1e-5 * faces))
 
@@ -238,8 +238,8 @@ TICK = 1.0  # seconds between checks
 class SilenceWatch:
     """Thread detecting a lack of messages while an answer is pending.
 
-    It counts seconds in which it ran itself, so that a computer that slept has missed nothing. While nothing
-    is awaited it rests.
+    Only seconds in which the thread itself ran are counted, so that sleep of the computer has no effect. The
+    thread sleeps while no answer is pending.
 
     Parameters
     ----------

@@ -1,18 +1,17 @@
 """Access to the solver process: complete requests in, coalesced replies out.
 
-The process holds whatever would keep the window from answering, and takes nothing with it when it dies:
+The process does all work that would block the window, and its death loses nothing:
 
     ask ──> mailbox ──> thread "solver" ──> child: envelope, pipe ──> process
     take <── mailbox <── thread "answers" of the child: pipe, tray <──
 
-The thread "solver" alone starts processes and sends. It waits at the mailbox, where the newest request wins,
-for a request or for the word that the process has ended, and then sees to it that a process has the latest
-request. A process that ended by itself is replaced, and the new one goes on from the last shape that came;
-after a few deaths without a shape the request is given up, in a sentence. What one process has found out
-about a mesh, and would take another one long, is kept here. A second process kept ready for a crash would
-save the start: 0.8 s of 2.1 s at 655,712 vertices, for 220 MiB held all the time.
+Only the thread "solver" starts processes and sends. It waits at the mailbox for the newest request or for the
+end of the process, and then makes sure that a process has the latest request. A crashed process is replaced,
+and the new one continues from the last shape received; after a few crashes without a shape the request is
+given up, with a sentence. Results about a mesh that take long to compute are kept here. A second process kept
+ready for a crash would save its start: 0.8 s of 2.1 s at 655,712 vertices, for 220 MiB of memory.
 
-All that a reply says may be overwritten by the next one, but for news: they go with the reply taken next.
+A reply may be overwritten by the next one, except for its news: they are added to the reply taken next.
 """
 
 import logging
@@ -171,7 +170,7 @@ class SolverWorker:
                 return None
             try:
                 self._child = SolverProcess(
-                    self._publish, self._store, self._show_share, self._silence, self._end
+                    self._publish, self._store, self._show_progress, self._silence, self._end
                 )
             except OSError as error:
                 self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
@@ -219,7 +218,7 @@ class SolverWorker:
     def _store(self, mesh: Mesh, decimations: tuple[Decimation, ...]) -> None:
         self._known = mesh, decimations
 
-    def _show_share(self, share: float) -> None:
+    def _show_progress(self, share: float) -> None:
         self.compiled_share = share
         self._wake()
 

@@ -1,8 +1,8 @@
 """Expressions for lengths, angles and numbers, such as ``0.15 L`` or ``60deg``.
 
-A bare number is in mesh units where a length is meant and in degrees where an angle is. Factors without a
-sign between them are multiplied from left to right, so that ``1/2 L`` is half of L. Only a unit belongs to
-the number before it, and ``10mm/5mm`` is 2; but ``1/2 in`` is half an inch.
+A bare number is a length in mesh units or an angle in degrees. Factors without an operator in between are
+multiplied from left to right, so that ``1/2 L`` is half of L. Only a unit binds to the number before it:
+``10mm/5mm`` is 2, but ``1/2 in`` is half an inch.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def parse_length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
     Parameters
     ----------
     unit : Unit
-        That of the mesh.
+        Unit of the mesh.
     names : mapping of str to float
         Lengths that can be named, mesh units.
 
@@ -343,7 +343,7 @@ def check_unambiguous(text: str, signs: str) -> None:
 def unambiguous_text(text: str) -> str:
     """Text from a field, checked for ambiguous numbers; raises InputError.
 
-    In some languages the window writes a point between groups of digits.
+    In some languages the window separates groups of digits by points.
     """
     check_unambiguous(text, notation().group if notation().group == "." else "")
     return text

@@ -42,7 +42,7 @@ class NewtonConversion:
     metres_per_unit : float
         Metres in a mesh unit.
     stiffness, pressed_stiffness : float
-        That of the wall, and the one that it is pressed with.
+        Stiffness of the wall, and the one used for pressing.
     curvature : float
         Total curvature at rest: what can be unrolled can also bend without stretching.
     """
@@ -91,7 +91,7 @@ class NewtonConversion:
 def newton_conversion(wall: Wall, material: Material, rest: RestMesh) -> NewtonConversion | None:
     """Load conversion for a wall and a model material; None if newtons are unknown."""
     metre, rigidity = wall.unit.metres, wall.rigidity
-    own = wall.model_stiffness(rest.area, material.young)
+    own = wall.model_stiffness(rest.area, material.tensile_stiffness)
     stiffness = 0.5 * material.plate_rigidity / rest.area if material.thickness else material.bending
     if metre is None or rigidity is None or own is None or not stiffness > 0.0:
         return None

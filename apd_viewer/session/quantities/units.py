@@ -23,7 +23,7 @@ _POWERS = {-1: "⁻¹", 1: "", 2: "²", 3: "³"}
 class Unit(Enum):
     """Unit of length, confirmed or guessed; the value is its symbol.
 
-    A guess is a unit that nobody chose or stated. What is written in it ends with a question mark.
+    A guess is a unit neither chosen nor stated in a file. Texts in it end with a question mark.
     """
 
     NONE = ""

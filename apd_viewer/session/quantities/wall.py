@@ -18,7 +18,7 @@ _GRAMS = 1e6  # grams per cubic metre at 1 g/cm³
 class WallText(NamedTuple):
     """Wall as typed, and its material.
 
-    The texts are kept as they were typed: 0.3mm stay 0.3 mm when the mesh is said to be in centimetres.
+    The texts are kept as typed: 0.3mm stays 0.3 mm when the unit of the mesh is changed to centimetres.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class WallText(NamedTuple):
     yield_radius : str
         A length, as the thickness.
     material : WallMaterial or None
-        What is left empty follows from it, but for the distance that walls in contact keep.
+        Source of empty values, except for the contact distance of walls.
     """
 
     thickness: str = ""
@@ -116,7 +116,7 @@ class Wall:
     def grams(self, area: float, material_volume: float | None = None) -> float | None:
         """Mass of an area in square mesh units, grams; None if unknown.
 
-        Of a double wall the ``material_volume`` between its surfaces counts, cubic mesh units, and no
+        For a double wall, the ``material_volume`` between its surfaces, cubic mesh units, replaces the
         thickness.
         """
         metre = self.unit.metres
@@ -142,8 +142,8 @@ class Wall:
     def model_stiffness(self, area: float, young: float) -> float | None:
         """Model stiffness with the wall's ratio of bending to stretching.
 
-        ``D / (E t)`` is ``2 stiffness area / young`` in the model, and ``t² / (12 (1 - nu²))`` of the wall.
-        None if newtons are not known.
+        ``D / (E t)`` is ``2 stiffness area / young`` in the model, and ``t² / (12 (1 - nu²))`` for the wall.
+        None if newtons are unknown.
 
         Parameters
         ----------

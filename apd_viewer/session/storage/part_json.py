@@ -203,7 +203,7 @@ def obstacle_to_json(obstacle: NamedObstacle) -> dict[str, Any]:
 def obstacle_from_json(fields: JsonFields, name: str = "") -> NamedObstacle:
     """Obstacle from JSON; ``name`` is the default name.
 
-    Fields that its kind does not have may be missing, and so may ``shift``.
+    Fields without meaning for its kind may be missing, and so may ``shift``.
     """
     kind = fields.text("kind")
     if kind not in _KINDS:

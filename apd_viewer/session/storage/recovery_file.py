@@ -1,8 +1,8 @@
 """Recovery files of crashed programs, found at the next start.
 
-Beside every file lies another one, which is locked while the program lives that writes it, and while another
-one offers it. A process id tells nothing: it may be somebody else's by now. Nor does a time, since clocks may
-be wrong: however old a leftover seems, it stays until it is restored or discarded.
+A lock file beside every file is locked while the writing program is running, or another one offers the file.
+Process ids would not do, as the system reuses them, nor times, as clocks may be wrong: a file of any age is
+kept until it is restored or discarded.
 """
 
 import contextlib
@@ -37,11 +37,11 @@ class RecoveryFile:
     name : str
         Of the mesh, for people.
     time : float
-        When it was written by the clock of then, in seconds of :func:`time.time`.
+        Time of writing by the clock of that time, in seconds of :func:`time.time`.
     mesh : Mesh or None
-        What has been read of it.
+        Mesh of the session, once read.
     is_restored : bool
-        It has been restored: the program that did so keeps it safe.
+        True once restored, and kept safe by this program.
     """
 
     def __init__(self, path: Path, lock: FileLock, time: float) -> None:
@@ -66,7 +66,7 @@ class RecoveryFile:
 
     def discard(self) -> None:
         """Delete the file and its lock."""
-        remove_with_lock(self.path, self._lock)
+        remove_and_unlock(self.path, self._lock)
 
     def release(self) -> None:
         """Release the file for the next start."""
@@ -99,7 +99,7 @@ def _claim(path: Path) -> RecoveryFile | None:
             return RecoveryFile(path, lock, found.st_mtime)
         lock.release()  # file of another program
     except FileNotFoundError:
-        remove_with_lock(path, lock)
+        remove_and_unlock(path, lock)
     except OSError:
         lock.release()
     return None
@@ -121,7 +121,7 @@ def lock_path(path: Path) -> Path:
     return path.with_suffix(".lock")
 
 
-def remove_with_lock(path: Path, lock: FileLock) -> None:
+def remove_and_unlock(path: Path, lock: FileLock) -> None:
     """Remove a file, its temporary files and, finally, its lock."""
     for each in (path, *path.parent.glob(f".{path.name}-*")):
         with contextlib.suppress(OSError):

@@ -1,7 +1,7 @@
 """Session files: the document, its shape and the view.
 
-A session is an archive of ``session.json`` and arrays. A program opens every version up to its own; a newer
-one holds what it knows nothing of, and is refused.
+A session is an archive of ``session.json`` and arrays. All versions up to the program's own can be opened;
+newer ones may have unknown contents, and are refused.
 """
 
 import json
@@ -120,8 +120,8 @@ def _program() -> str:
 def open_session(path: str | Path) -> tuple[State, View]:
     """Open a session: the saved state, bit for bit, and its view.
 
-    The mesh is looked for where it was, then by the way that leads there from the session, then beside the
-    session, then in it; and so is the target shape, without which the session opens too.
+    The mesh is searched at its absolute path, at its path relative to the session, beside the session, and
+    then inside it; likewise the target shape, which may be missing.
 
     Raises
     ------
@@ -216,8 +216,8 @@ def save_if_unchanged(
 ) -> tuple[bool, KnownFile]:
     """Save a session unless its file has been changed elsewhere.
 
-    Looks before the work and once more right before the file is replaced. A file that has gone is written
-    anew. ``known`` is None where anything may be replaced.
+    Checks before the work and again just before replacing the file. A missing file is written again.
+    ``known`` is None if any file may be replaced.
 
     Returns
     -------

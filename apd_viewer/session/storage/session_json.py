@@ -1,7 +1,7 @@
 """JSON conversion of the document, frame and view of a session.
 
-Numbers come back bit for bit. What is read may be damaged, or written to do harm: whatever makes no sense is
-a ValueError with a phrase.
+Numbers are restored bit for bit. The input may be damaged or malicious: invalid content raises ValueError
+with a phrase.
 """
 
 from dataclasses import replace
@@ -227,7 +227,7 @@ def _up_axis(name: str) -> UpAxis:
 
 
 def _wall_to_json(wall: WallText) -> dict[str, str | None]:
-    """Wall as typed; what sessions did not always say is left out where it is empty."""
+    """Wall as typed; empty fields unknown to older sessions are left out."""
     said = dict(zip(_WALL, wall.words, strict=True))
     return {name: word or None for name, word in said.items() if word or name in ("thickness", "density")}
 

@@ -91,10 +91,10 @@ class Actions:
         for action in (self.reset, self.bake):
             action.setEnabled(is_open and not is_at_rest)
 
-    def follow(self, document: Document) -> None:
+    def follow_document(self, document: Document) -> None:
         """Enable the actions applicable to a document and its mesh file."""
-        self.file.follow(document)
-        self.display.follow(document)
+        self.file.follow_document(document)
+        self.display.follow_document(document)
 
     def add_panels(self, actions: list[QAction]) -> None:
         """Add the actions to show or hide the panels to the View menu."""

@@ -80,7 +80,7 @@ class EditController:
             self._session.gestures.redo()
 
     def _may_step(self) -> bool:
-        """True if steps may be undone; an obstacle that waits for its place is given up."""
+        """True if steps may be undone; the placing of an obstacle is cancelled."""
         self.stop_placing()
         self._canvas.picker.cancel()
         return self._may_begin()
@@ -120,8 +120,8 @@ class EditController:
             self._parts.add_region()
             self._take(Tool.REGION)
 
-    def reshape(self, operation: PartOperation) -> None:
-        """Apply an operation to the whole part painted by the current tool."""
+    def edit_part(self, operation: PartOperation) -> None:
+        """Apply an operation to the whole part of the current tool."""
         if self._may_begin():
             self._session.painting.apply_operation(self._canvas.strokes.part, operation)
 
@@ -207,7 +207,7 @@ class PartController:
     Parameters
     ----------
     cancel_drag : callable
-        Takes back the drag that is under way; True if there was one.
+        Function to cancel the current drag; True if there was one.
     """
 
     def __init__(

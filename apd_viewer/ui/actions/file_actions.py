@@ -111,7 +111,7 @@ class FileActions:
         menu.addSeparator()
         menu.addAction(self.quit)
 
-    def follow(self, document: Document) -> None:
+    def follow_document(self, document: Document) -> None:
         """Enable the action to clear the target shape if there is one."""
         compares = document.target_shape is not None or document.missing_target_shape is not None
         self.clear_target.setEnabled(compares)

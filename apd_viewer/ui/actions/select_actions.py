@@ -50,7 +50,7 @@ class SelectActions:
         self.changes, self.mirrors = (
             [
                 maker.make(
-                    f"reshape:{operation.name}", title, image, tip, key, partial(editing.reshape, operation)
+                    f"reshape:{operation.name}", title, image, tip, key, partial(editing.edit_part, operation)
                 )
                 for title, image, tip, key, operation in changes
             ]
@@ -70,7 +70,7 @@ class SelectActions:
 
     def _make_sizes(self, maker: ActionMaker, commands: Commands) -> None:
         make, brush, editing = maker.make, commands.canvas.brush.size, commands.edits
-        larger, smaller = partial(brush.scale, _LARGER), partial(brush.scale, _SMALLER)
+        larger, smaller = partial(brush.scale_radius, _LARGER), partial(brush.scale_radius, _SMALLER)
         tip = tr("Enter the brush radius, in pixels or as a length on the mesh")
         self.sizes = [
             make("larger", tr("&Larger brush"), "brush-larger", tr("Make the brush larger"), "]", larger),

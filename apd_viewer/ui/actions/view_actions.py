@@ -195,7 +195,7 @@ class DisplayActions:
     Attributes
     ----------
     switches : dict of str to QAction
-        What is on or off, by name.
+        Checkable actions by name.
     """
 
     def __init__(self, maker: ActionMaker, display_options: DisplayOptions) -> None:
@@ -256,7 +256,7 @@ class DisplayActions:
             )
         }
 
-    def follow(self, document: Document) -> None:
+    def follow_document(self, document: Document) -> None:
         """Enable the options available for a document and its mesh file."""
         mesh, looks, compares = document.mesh, self._looks, document.target_shape is not None
         colors, textures, target = looks.shows_file_colors, looks.shows_textures, looks.target_ghost.visible

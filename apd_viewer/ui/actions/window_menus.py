@@ -19,7 +19,7 @@ _KEYS = QKeySequence.StandardKey
 class WindowMenus:
     """Menus and tool bar; commands that need a session are connected later.
 
-    What needs one is disabled until it has a command.
+    Actions without a command yet are disabled.
 
     Parameters
     ----------

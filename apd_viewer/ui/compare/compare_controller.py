@@ -26,11 +26,11 @@ class CompareController:
     Parameters
     ----------
     canvas : Canvas
-        From where it is looked at.
+        Canvas with the camera to start from.
     display_options : DisplayOptions
-        Whose scale is used.
+        Display options with the scale in use.
     notice : Notice
-        Where to say why there is nothing to compare.
+        Notice for the reason of a refused comparison.
     """
 
     def __init__(

@@ -47,7 +47,7 @@ class ComparisonWindow(QWidget):
     scale : Scale
         Of the local area change, to begin with.
     camera : Camera
-        From where to look, to begin with.
+        Initial camera.
     """
 
     repeat_requested = Signal()
@@ -273,7 +273,7 @@ class ComparisonWindow(QWidget):
         for method, outcome in self._outcomes():
             view = self.views[method]
             found = method_readings(self._state, outcome)
-            brief = [] if outcome.finished and found else [view.status_texts[0]]
+            brief = [] if outcome.is_finished and found else [view.status_texts[0]]
             for column in (self.table.columns[k] for k in (0, 2)):
                 brief += [f"{column.title} {column.cell_text(found)}"] if found else []
             shown.append(ComparisonShape(view.title, comma_separated(brief), view.picture(PIXEL_RATIO)))
@@ -311,7 +311,7 @@ def _status_texts(method: str, comparison: Comparison) -> tuple[str, str, str]:
     frame = outcome.frame
     if outcome.failure:
         return tr("failed"), outcome.failure, outcome.failure
-    if outcome.finished and frame is not None:
+    if outcome.is_finished and frame is not None:
         said = tr("converged") if frame.converged else tr("did not converge")
         return said, frame.unreached or "", ""
     if method == comparison.current_method:

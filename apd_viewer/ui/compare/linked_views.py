@@ -44,7 +44,7 @@ class LinkedViews(QWidget):
     span_measured : Signal(object)
         The least and the largest change of all shapes that are shown, or None.
     column_count : int
-        How many stand beside each other.
+        Number of columns of the grid.
     """
 
     span_measured = Signal(object)
@@ -390,7 +390,7 @@ class SurfaceProbe(MouseTool, QObject):
     hovered : Signal(object)
         The Place under the cursor, or None.
     marked_point : ProbedPoint or None
-        What is marked.
+        Point marked with a ring.
     """
 
     hovered = Signal(object)

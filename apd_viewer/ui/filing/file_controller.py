@@ -221,7 +221,7 @@ class Question(NamedTuple):
     name : str
         Of the file; a long one is shortened.
     details : str
-        What to know before it is answered, with ``{name}`` likewise.
+        Details for the decision, with ``{name}`` likewise.
     """
 
     title: str
@@ -295,7 +295,7 @@ def ask_about_changed_file(
 ) -> None:
     """Ask about a changed file in the next event, and run the chosen action.
 
-    Whoever has found the change may still be at work. ``Enter`` loses nothing.
+    Asked in the next event, since the caller may not have finished. ``Enter`` loses nothing.
     """
     text = tr("“{name}” has been changed by another window or program. Overwrite it?")
     about = tr(

@@ -75,7 +75,7 @@ class FileRequests:
 class FileOpenEvents(QObject):
     """Event filter for files opened from the macOS Finder or Dock.
 
-    They come as events and not as arguments. Of macOS only: a filter in Python of all events costs time in
+    macOS sends them as events instead of arguments. Used on macOS only: a Python filter of all events slows
     every gesture.
     """
 

@@ -78,7 +78,7 @@ class RecoveryBar(QFrame):
         self._waiting = recovery_files
         self._show(0)
 
-    def follow(self, session: Session) -> None:
+    def follow_session(self, session: Session) -> None:
         """Hide once the offer is accepted; disable the buttons while a job runs."""
         for button in self._buttons:
             button.setEnabled(session.jobs.current is None)

@@ -38,8 +38,8 @@ _SHARED = "RunBar", "PartButtons"  # widgets shared by several sections
 class ContextHelp(QObject):
     """Opens the manual at an action, a setting, or the section around a control.
 
-    The control under the mouse is meant if the mouse has moved since the focus did, and else the one with the
-    focus; if neither has a place, the tool in the hand.
+    The target is the control under the mouse if the mouse has moved since the last change of focus, otherwise
+    the one with the focus; if neither is documented, the active tool.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class ContextHelp(QObject):
 
     @property
     def target_place(self) -> ManualPlace:
-        """Manual location of the control under the mouse or with the focus."""
+        """Location in the manual of the control under the mouse or with the focus."""
         if (marked := self._marked()) is not None:
             return marked
         mouse = QCursor.pos()
@@ -90,7 +90,7 @@ class ContextHelp(QObject):
             self._mouse = QCursor.pos()
 
     def _manual_place(self, widget: QWidget, at: QPoint | None) -> ManualPlace | None:
-        """Manual location of a widget in this window; None for the viewport itself."""
+        """Location in the manual of a widget in this window; None for the viewport itself."""
         if widget.window() is not self._shell or isinstance(widget, Viewport):
             return None
         return widget_place(widget, at)
@@ -141,7 +141,7 @@ class ContextHelp(QObject):
 
 
 def widget_place(widget: QWidget, mouse: QPoint | None = None) -> ManualPlace | None:
-    """Manual location of a widget; None if it is in no documented section.
+    """Location in the manual of a widget; None if it is in no documented section.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def section_name(widget: QWidget) -> str:
 
 
 def menu_entry_place(action: QAction) -> ManualPlace | None:
-    """Manual location of a menu entry; for a submenu, that of its first entry."""
+    """Location in the manual of a menu entry; for a submenu, that of its first entry."""
     menu = action.menu()
     while isinstance(menu, QMenu) and menu.actions():
         action = menu.actions()[0]

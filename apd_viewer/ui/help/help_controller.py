@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QMainWindow, QWidget
 
 from apd_viewer.files.samples import resource_path
 from apd_viewer.language import tr
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Activity
 from apd_viewer.ui.actions.actions import Actions
@@ -150,7 +150,7 @@ class HelpController(QObject):
 
     def _holds_area(self) -> bool:
         state = self._session.store.state
-        return state is not None and kept_percentages(state.document)[0] is not None
+        return state is not None and goal_percentages(state.document)[0] is not None
 
     def _close_sheet(self) -> bool:
         closed = self._close_card(self.sheet)
@@ -167,7 +167,7 @@ class HelpController(QObject):
         return True
 
     def _marked_place(self) -> ManualPlace | None:
-        """Manual location of the entry selected in the search, if it has the focus."""
+        """Location in the manual of the entry selected in the search, if it has the focus."""
         marked = self.search.marked_entry if self.search.isAncestorOf(self._window.focusWidget()) else None
         return None if marked is None else marked.place
 

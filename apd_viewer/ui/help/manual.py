@@ -47,7 +47,7 @@ def slug(name: str) -> str:
 
 
 def action_place(name: str) -> ManualPlace:
-    """Manual location of the menu entry ``name``."""
+    """Location in the manual of the menu entry ``name``."""
     return ManualPlace("reference/keys", f"action-{slug(name)}")
 
 
@@ -57,7 +57,7 @@ def setting_place(name: str) -> ManualPlace:
 
 
 def section_place(name: str) -> ManualPlace:
-    """Manual location of a section, card or dialog, by class such as ``SweepDialog``."""
+    """Location in the manual of a section, card or dialog, by its class name."""
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     return ManualPlace("reference/window", f"section-{slug(words)}")
 

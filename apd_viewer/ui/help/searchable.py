@@ -40,7 +40,7 @@ class Searchable:
     place : ManualPlace
         In the manual.
     disabled_reason : str
-        Why it cannot be run now; empty if it can.
+        Reason for a disabled entry; empty if it can be run.
     image : str
         Name of its icon.
     """

@@ -78,7 +78,7 @@ class MouseGesture(NamedTuple):
     Parameters
     ----------
     title : str
-        Of the tool, or of the way to paint.
+        Title of the tool, or of the selection mode.
     image : str
         Name of its icon.
     """

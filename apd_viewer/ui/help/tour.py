@@ -34,9 +34,9 @@ class TourStep(NamedTuple):
     Parameters
     ----------
     target : callable
-        Where the card points; None where the thing cannot be seen.
+        Function giving the target of the card's pointer; None if it is out of sight.
     hidden_sentence : str
-        What is said then.
+        Sentence for a target out of sight.
     """
 
     sentence: str
@@ -151,7 +151,7 @@ class Tour(QObject):
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
         """Schedule an update of the target after any repaint of the window.
 
-        The target moves with camera, layout, scroll bars and tool; whatever moves it is painted anew.
+        The target moves with camera, layout, scroll bars and tool, and each of these causes a repaint.
         """
         if event.type() == QEvent.Type.UpdateRequest and not self._looking.isActive():
             self._looking.start()

@@ -28,7 +28,7 @@ class MeasureSection(Section):
     Attributes
     ----------
     shown : CheckBox
-        Whether they are drawn in the view.
+        Check box to draw the measurements in the view.
     """
 
     def __init__(self) -> None:

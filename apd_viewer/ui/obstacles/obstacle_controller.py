@@ -43,7 +43,7 @@ class ObstacleController(QObject):
     choose_tool : callable
         Puts a tool into the hand.
     cancel_drag : callable
-        Cancels the drag under way.
+        Function to cancel the current drag.
     wall_thickness : callable
         Thickness of the walls as typed, mesh units, or None.
 
@@ -52,7 +52,7 @@ class ObstacleController(QObject):
     drag_moved : Signal()
         An obstacle is being dragged.
     availability_changed : Signal(bool, bool)
-        Whether there is an obstacle in the hand, and whether it was moved.
+        Whether an obstacle is active, and whether it has been moved.
     """
 
     drag_moved = Signal()
@@ -308,9 +308,9 @@ class ObstaclePlacer(MouseTool, QObject):
     Attributes
     ----------
     kind : ObstacleKind or None
-        What is being placed.
+        Kind of the obstacle to place.
     prompt_changed : Signal(str)
-        What the user is to do; empty once that is done or cancelled.
+        Instruction to the user; empty after placing or cancelling.
     previewed : Signal(object)
         The NamedObstacle under the cursor, or None.
     placed : Signal(object)

@@ -19,12 +19,12 @@ from apd_viewer.ui.tools.gizmo_drawing import draw_tag
 class ObstaclePicker(MouseTool, QObject):
     """Mouse tool to select an obstacle by pressing it.
 
-    A drag that begins on a plate turns the camera, as plates are large; a click takes the plate.
+    A drag from a plate orbits the camera, as plates are large; a click selects the plate.
 
     Parameters
     ----------
     surface : Surface
-        What is in front of it is not pressed through.
+        Surface that hides obstacles behind it from the mouse.
     gizmo : Gizmo
         Drags the obstacle taken.
 

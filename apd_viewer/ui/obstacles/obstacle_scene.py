@@ -27,11 +27,11 @@ class DrawnObstacle:
     Attributes
     ----------
     shift : (3,) float array
-        How far it has come.
+        Displacement reached.
     requested_shift : (3,) float array or None
-        How far it should have come, if that is to be seen.
+        Requested displacement to outline, if any.
     is_chosen, is_hovered, is_idle : bool
-        Whether it is in the hand, under the cursor, and whether it pushes nothing.
+        Whether it is active, under the cursor, and without effect.
     """
 
     obstacle: NamedObstacle
@@ -68,7 +68,7 @@ class ObstacleScene:
         """Adapt the colours to a dark or light background, before each draw."""
         dark, pixel = self._viewport.is_dark, self._viewport.devicePixelRatioF()
         for figure, each in zip(self._figures, self.drawn_obstacles, strict=False):
-            figure.style(each, dark, pixel)
+            figure.set_style(each, dark, pixel)
 
 
 class _ObstacleActors:
@@ -119,7 +119,7 @@ class _ObstacleActors:
         ends = np.vstack([shape.V, shape.outline.reshape(-1, 3), shape.marks.reshape(-1, 3)])
         self._ends = np.array([ends.min(axis=0), ends.max(axis=0)])
 
-    def style(self, shown: DrawnObstacle, dark: bool, pixel: float) -> None:
+    def set_style(self, shown: DrawnObstacle, dark: bool, pixel: float) -> None:
         """Set the colours, opacities and line widths."""
         accent = QColor((DARK if dark else LIGHT).accent)
         plain = QColor(*(OBSTACLE_COLOR_ON_DARK if dark else OBSTACLE_COLOR))

@@ -47,7 +47,7 @@ class ObstacleSection(Section):
     contact : QPushButton
         Turns contact on where obstacles push nothing without it.
     note : QLabel
-        Why they push nothing.
+        Reason for obstacles without effect.
     sides_requested : Signal(int)
         Plates on both sides along axis 0, 1 or 2.
     """
@@ -153,13 +153,13 @@ class ObstacleFields(QWidget):
     Attributes
     ----------
     along : ComboBox
-        What the distance is along: its axis, or one of the mesh.
+        Direction of the distance: the obstacle's axis, or one of the mesh.
     obstacle_entered : Signal(NamedObstacle)
         The obstacle as typed, to be placed anew.
     distance_entered : Signal(object, str)
         The axis of the mesh to move along, or None for its own, and the distance.
     problem : ErrorBubble
-        Why it cannot be moved as typed.
+        Error in the typed distance.
     """
 
     obstacle_entered = Signal(object)

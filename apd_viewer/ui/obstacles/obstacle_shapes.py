@@ -11,8 +11,8 @@ from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 
 # Plates are infinite: the drawn part covers the projection of the mesh, with this margin in its diagonals.
 _MARGIN = 0.08
-_CORNER = 0.06  # corner radius, in diagonals
-_MARK = 0.055  # arrow length at the sides, in diagonals
+_CORNER = 0.06  # corner radius, relative to the mesh diagonal
+_MARK = 0.055  # arrow length at the sides, relative to the mesh diagonal
 _ROUND = 48  # points per circle
 _DASHES = 2  # every other segment of an outline is left out
 

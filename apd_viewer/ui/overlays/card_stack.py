@@ -32,7 +32,7 @@ class CardStack(QWidget):
     Parameters
     ----------
     below : sequence of QWidget
-        On the canvas, at its bottom: they must not be covered.
+        Widgets at the bottom of the canvas, not to be covered.
     """
 
     def __init__(self, canvas: Viewport, below: Sequence[QWidget]) -> None:
@@ -51,7 +51,7 @@ class CardStack(QWidget):
     def add(self, card: QWidget, fit_into: Callable[[int, int], None] | None = None) -> None:
         """Add a card; ``fit_into(least, most)`` shrinks it to a height if possible.
 
-        ``most`` is what there is, ``least`` what it can have without hiding much of the mesh.
+        ``most`` is the available height, ``least`` the height that hides little of the mesh.
         """
         if fit_into is not None:
             self._fits[card] = fit_into

@@ -58,7 +58,7 @@ class DeviationOverlay(QObject):
     Parameters
     ----------
     covered_rect : callable
-        What lies over the canvas at its lower left.
+        Function giving the rectangle covered at the lower left of the canvas.
     scales : dict of Measure to Scale
         Scales to begin with, where there are any.
 
@@ -67,11 +67,11 @@ class DeviationOverlay(QObject):
     changed : Signal()
         Another measure is shown, or another scale, or others are offered.
     measure : Measure or None
-        What is shown.
+        Displayed measure.
     offered_measures : tuple of Measure
-        What can be shown.
+        Measures available.
     mesh : Mesh or None
-        Whose rest shape is compared with.
+        Mesh with the rest shape for comparison.
     rest_timer : QTimer
         Until the shape rests, for what takes longer.
     """
@@ -111,7 +111,7 @@ class DeviationOverlay(QObject):
 
     # Display
 
-    def follow(self, mesh: Mesh, target: TargetShape | None = None) -> None:
+    def set_mesh(self, mesh: Mesh, target: TargetShape | None = None) -> None:
         """Set the mesh and the optional target shape to compare with."""
         if mesh is self.mesh and target is self._target:
             return
@@ -243,7 +243,7 @@ class DeviationOverlay(QObject):
 
     def _measure_soon(self) -> None:
         """Schedule a measurement of the displayed shape, unless one is in progress."""
-        if not self._task.busy and not self.rest_timer.isActive():
+        if not self._task.is_busy and not self.rest_timer.isActive():
             self.rest_timer.start()
 
     def _measure_slowly(self) -> None:

@@ -35,7 +35,7 @@ class DisplayOptions:
     Parameters
     ----------
     below : sequence of QWidget
-        At the bottom of the canvas, which must not be covered.
+        Widgets at the bottom of the canvas, not to be covered.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class DisplayOptions:
     shows_file_colors : bool
         Whether the vertex colours of the file are shown.
     shows_textures : bool
-        Whether its textures are.
+        Whether its textures are shown.
     """
 
     def __init__(self, canvas: Canvas, preferences: Preferences, below: Sequence[QWidget]) -> None:
@@ -110,12 +110,12 @@ class DisplayOptions:
         """Start or stop the turntable."""
         self.turntable.running = on
 
-    def follow(self, state: State) -> None:
+    def follow_state(self, state: State) -> None:
         """Apply the options to the mesh and the target shape of a state."""
         mesh, target = state.document.mesh, state.document.target_shape
         for part in (self.ghost, self.ground, self.before_after, self.cutting_plane):
             part.follow(mesh)
-        self.overlay.follow(mesh, target)
+        self.overlay.set_mesh(mesh, target)
         self._follow_document(state)
         self._texture = mesh.texture[0]
         self.show_textures(self.shows_textures)

@@ -49,7 +49,7 @@ class ExtremeMarker(MouseTool):
         size : float
             Of the mesh.
         unit : Unit
-            They say which value is the largest, and how it is written.
+            Unit of the caption.
         """
         surface = self._canvas.surface
         if self._places is None:

@@ -32,8 +32,8 @@ class ListedFinding(NamedTuple):
 class FindingsController(QObject):
     """Keeps the badge, the list and the marks of the findings in step.
 
-    While the list is open the camera can be moved as ever. It closes, and the marks go, on Esc, on a
-    click beside it, with the first stroke or drag of a handle, and when the keys go elsewhere.
+    The camera can be moved while the list is open. The list closes, and the marks are removed, on Esc, on a
+    click beside it, at the first stroke or drag of a handle, and on loss of the keyboard focus.
     """
 
     def __init__(self, canvas: Canvas, badge: Badge, session: Session) -> None:
@@ -169,7 +169,7 @@ class FindingRow(QFrame):
     stay_toggled : Signal(bool)
         The parts of this row are to stay, or to go along.
     weld_requested : Signal()
-        What it is about is to be welded.
+        Request to weld the seams of the finding.
 
     Parameters
     ----------

@@ -201,7 +201,7 @@ _TALL, _SPAN, _TICK = 14, 3, 7  # px: colour height, gap to the range line below
 class LegendColorBar(QWidget):
     """Colour bar, labelled at its ends and at zero, with a tick at one value.
 
-    A line below the colours spans the values that the shape has, as far as the scale reaches.
+    A line below the colours spans the values of the shape, within the scale.
 
     Attributes
     ----------

@@ -32,22 +32,22 @@ _CLOSE = 34  # px: size of a notice's close button
 SECTION_PROPERTY = "manualSection"  # property that names the manual section of a detached widget
 _UNBOUNDED = 16_777_215  # QWIDGETSIZE_MAX, Qt's largest widget size
 _INVITATION_PADDING = 20
-_NARROWEST = 120  # px: room that a sentence has at least
+_NARROWEST = 120  # px: smallest width of a sentence
 _READING_TIME = 7000  # ms a message is shown; failures stay until dismissed
 
 
 class Notice(QFrame):
-    """Message at the bottom of the canvas, transparent to clicks but for its buttons.
+    """Message at the bottom of the canvas; except its buttons, it ignores clicks.
 
     Parameters
     ----------
     below : sequence of QWidget
-        At the bottom of the canvas, which must not be covered.
+        Widgets at the bottom of the canvas, not to be covered.
 
     Attributes
     ----------
     open_file, show_folder : QPushButton
-        For the file that the message tells of; hidden where it tells of none.
+        Buttons for the file of the message; hidden without one.
     timer : QTimer
         Hides a message once it can have been read.
     """
@@ -113,14 +113,14 @@ class Notice(QFrame):
         return self._text.text() if not self.isHidden() else ""
 
     def show_message(self, sentence: str, file: Path | None = None) -> None:
-        """Show a message for a few seconds, on a file that it offers to open."""
+        """Show a message for a few seconds, with an offer to open its ``file``."""
         self._show(sentence, "message")
         self.timer.start()
         if file is not None:
             self.offer_file(file)
 
     def offer_file(self, path: Path) -> None:
-        """Offer to open the file that the message on screen tells of, or its folder."""
+        """Offer to open the file of the current message, or its folder."""
         self._file, self._offers_file = path, True
         self._place()
         self._file_buttons.raise_()
@@ -131,7 +131,7 @@ class Notice(QFrame):
         self._show(sentence, "failure")
         self.timer.stop()
 
-    def show_lasting_failure(self, sentence: str) -> None:
+    def show_persistent_failure(self, sentence: str) -> None:
         """Show a failure until cleared by an empty sentence."""
         if sentence == self._held:
             return
@@ -142,7 +142,7 @@ class Notice(QFrame):
             self.hide()
 
     def dismiss_failure(self) -> bool:
-        """Hide a failure, which stays until then; True if there was one."""
+        """Hide the current failure; True if there was one."""
         shown = not self.isHidden() and self._kind == "failure"
         if shown:
             self.hide()
@@ -305,7 +305,7 @@ class NextStepHint:
         """Hide the next step; a preview message stays visible."""
         self._invitation.show_text(self._waits)
 
-    def follow(self, store: StateStore) -> None:
+    def follow_store(self, store: StateStore) -> None:
         """Show a message while the store is previewing."""
         waits = ""
         if store.is_previewing:

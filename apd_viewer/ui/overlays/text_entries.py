@@ -30,7 +30,7 @@ class TextEntries:
     Parameters
     ----------
     cancel_drag : callable
-        Takes back the drag that is under way; True if there was one.
+        Function to cancel the current drag; True if there was one.
     """
 
     def __init__(
@@ -176,9 +176,9 @@ class TextEntryCard(QFrame):
     Parameters
     ----------
     title, name, example : str
-        What stands before the line, what the line is called, and what could be typed.
+        Label of the field, its accessible name, and an example of its text.
     help : str
-        How to go on, said where nothing else is.
+        Usage, shown without any other message.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class TextEntryCard(QFrame):
     text_entered : Signal(str, object)
         The text, and the Act.
     message_label : QLabel
-        What the text means, or what is wrong with it.
+        Meaning of the text, or its error.
     """
 
     text_changed = Signal(str)

@@ -38,7 +38,7 @@ class HandleSection(Section):
     falloff : SliderField
         In percent of the longest side.
     crossing_signs : QLabel
-        What tells that the surface has passed through itself; hidden without anything.
+        Warnings that the surface has passed through itself; hidden without any.
     """
 
     add_requested = Signal()

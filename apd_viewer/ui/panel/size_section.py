@@ -29,9 +29,9 @@ class SizeSection(Section):
     Attributes
     ----------
     box_change, packed_change, compact_change : QLabel
-        From rest.
+        Changes from rest.
     problem : QLabel
-        Why there is no mass.
+        Reason for a missing mass.
     """
 
     def __init__(self) -> None:

@@ -31,13 +31,13 @@ _OF_WALL = "wall_thickness", "poisson", "yield_radius"
 class VolumeController(QObject):
     """Synchronizes panel, findings and preferences with the shape checks.
 
-    What the surface is made of is remembered with its file; of samples, and of meshes that have no file, only
-    as long as the mesh is there.
+    The wall of a mesh is remembered for its file; for samples, and for meshes without a file, only as long as
+    the mesh is open.
 
     Parameters
     ----------
     overlay : DeviationOverlay
-        What a session says of its overlay is done there.
+        Overlay restored from the view of a session.
     """
 
     def __init__(

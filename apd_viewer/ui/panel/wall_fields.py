@@ -24,7 +24,7 @@ _DIGITS, _WIDTH = 3, 120  # digits of a computed radius; px of a field
 class WallFields(QWidget):
     """Material and thickness of the wall, and the folding properties of the material.
 
-    A material says its properties; where one of them is typed, it is a material of the user's own.
+    A material determines its properties; typing one of them makes it a custom material.
 
     Attributes
     ----------

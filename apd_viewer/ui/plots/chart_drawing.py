@@ -1,6 +1,6 @@
 """Contents of charts, and their drawing on the screen and in files.
 
-They are drawn by hand: docs/architecture.md says what pyqtgraph costs.
+They are drawn without a library: see docs/architecture.md for the cost of pyqtgraph.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _BETWEEN_X, _BETWEEN_Y = 64.0, 26.0
 def draw_chart(painter: QPainter, rect: QRectF, chart: Chart, theme: Theme, font: QFont) -> ChartArea | None:
     """Draw a chart into a ``rect``, in the colours of a theme.
 
-    Returns the field between its axes, None where there is nothing to be seen.
+    Returns the area between its axes; None without contents.
     """
     found = None
     painter.save()
@@ -214,7 +214,7 @@ def theme_color(theme: Theme, color: str) -> QColor:
 def draw_dots(painter: QPainter, dots: Dots, pixel_positions: PixelPositions, theme: Theme) -> None:
     """Draw the dots, and crosses for cases without a result.
 
-    A dot is a stamp at whole pixels: 10,000 take 6 ms, and as ellipses 44.
+    Dots are pixmaps at whole pixels: 10,000 take 6 ms, compared with 44 ms for ellipses.
     """
     painter.save()
     painter.setPen(QPen(QColor(theme.warm), 1.5))
@@ -366,13 +366,13 @@ class Chart:
     title : str
         Empty where it stands elsewhere: the chart then has its room.
     readings : tuple of (str, str)
-        What is written under the title, and in which colour of the theme or #rrggbb.
+        Texts under the title, and their colours of the theme or #rrggbb.
     x, y : Axis or None
         None where there is nothing to be seen yet.
     curves, bars, dots, color_bar, horizontal_lines, vertical_lines
         ``horizontal_lines`` are marks at places of y, ``vertical_lines`` at places of x.
     empty_text : str
-        What is said where there is nothing to be seen.
+        Text shown without contents.
     """
 
     title: str

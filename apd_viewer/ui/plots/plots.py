@@ -60,12 +60,12 @@ _AT_FIRST = ("error", "area", "local")
 class Plots(QWidget):
     """Charts side by side or stacked, and the menu to choose them.
 
-    They read the session when they are drawn, so they cost nothing while they cannot be seen.
+    They read the session when drawn, so hidden plots cost nothing.
 
     Parameters
     ----------
     notice : Notice
-        Where to say what was written.
+        Notice for written files.
     """
 
     def __init__(self, preferences: Preferences, notice: Notice, session: Session) -> None:
@@ -282,7 +282,7 @@ class ChartView(QWidget):
     Parameters
     ----------
     chart : callable
-        What to draw, asked for at every drawing.
+        Function giving the chart at every drawing.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ from apd_viewer.presentation.axis import (
     rounded_axis,
 )
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.trace import Trace
 from apd_viewer.session.quantities.units import Unit
@@ -54,7 +54,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
 
 def _area_tolerance(document: Document) -> tuple[float | None, str]:
     """Area tolerance and its label; None if the area is free."""
-    if kept_percentages(document)[0] is None:
+    if goal_percentages(document)[0] is None:
         return None, ""
     if document.settings.traits.has_tolerance:
         limit = document.settings.tolerance

@@ -25,11 +25,11 @@ class MotionField(QWidget):
     edited : Signal(Motion, str, bool)
         The same while it is typed, to be previewed.
     editing_ended : Signal()
-        Nothing is being typed any more.
+        Emitted when typing has ended.
     line_requested : Signal()
         The line to bend about is to be picked on the mesh.
     problem : QLabel
-        What is wrong with the amount.
+        Error in the amount.
     """
 
     motion_entered = Signal(Motion, str, bool)

@@ -150,7 +150,7 @@ class MotionTrace(NamedTuple):
     path : (k, 3) float array
         Empty without a motion.
     axis : (2, 3) float array
-        Its ends; (0, 3) without a rotation.
+        End points of the axis; (0, 3) without a rotation.
     """
 
     path: np.ndarray
@@ -201,8 +201,8 @@ def _axis(step: np.ndarray, point: np.ndarray, reach: float) -> np.ndarray:
 class MotionPreview:
     """Preview of the active handle after a motion, while it is typed.
 
-    It also shows where handles were asked to be that contact has stopped on their way, and where they are
-    to be while the first shape waits for its kernels.
+    It also shows the requested positions of handles stopped by contact, and the targets while the first shape
+    waits for its kernels.
     """
 
     def __init__(self, canvas: Canvas, field: MotionField, session: Session, parts: ActiveParts) -> None:
@@ -212,7 +212,7 @@ class MotionPreview:
         field.edited.connect(self._preview)
         field.editing_ended.connect(self.ghost.hide)
 
-    def follow(self, old: State | None, new: State) -> None:
+    def follow_document(self, old: State | None, new: State) -> None:
         """Update the preview for a changed document, while an amount is being typed."""
         if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
             self._field.request_preview()

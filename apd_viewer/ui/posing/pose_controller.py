@@ -18,7 +18,7 @@ class PoseController:
     Parameters
     ----------
     cancel_drag : callable
-        Takes back the drag that is under way; True if there was one.
+        Function to cancel the current drag; True if there was one.
     """
 
     def __init__(self, section: PoseSection, session: Session, cancel_drag: Callable[[], bool]) -> None:
@@ -66,7 +66,7 @@ class SymmetryController:
     Parameters
     ----------
     cancel_drag : callable
-        Takes back the drag that is under way.
+        Function to cancel the current drag.
     """
 
     def __init__(

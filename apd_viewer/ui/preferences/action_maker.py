@@ -18,7 +18,7 @@ class ActionMaker:
     Parameters
     ----------
     window : QMainWindow
-        Their parent.
+        Parent of the actions.
 
     Attributes
     ----------
@@ -41,8 +41,8 @@ class ActionMaker:
     ) -> QAction:
         """Make an action for a command; one that has none yet is disabled.
 
-        ``name`` is what settings know it by: whoever gives it another takes away the keys that were chosen
-        for it.
+        ``name`` is its key in the settings: renaming an action would discard the shortcut chosen by the
+        user.
         """
         action = QAction(title, self._window, enabled=False)
         if command is not None:

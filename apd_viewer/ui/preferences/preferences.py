@@ -36,12 +36,12 @@ class Preferences:
     Parameters
     ----------
     settings : QSettings
-        Where the platform keeps such things.
+        Settings storage of the platform.
 
     Attributes
     ----------
     values : PreferenceValues
-        Those of the Settings page.
+        Preferences of the Settings page.
     """
 
     def __init__(self, settings: QSettings) -> None:

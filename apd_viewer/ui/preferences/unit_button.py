@@ -88,8 +88,8 @@ class UnitButton(QToolButton):
 class Units:
     """Units of length of the meshes opened.
 
-    The choice for a file is remembered; for a sample, or a mesh that has no file, it lasts as long as the
-    mesh is there. Without a choice it is the unit that the file states, else that of new files, else a guess.
+    The choice for a file is remembered; for a sample, or a mesh without a file, it lasts as long as the mesh
+    is open. The default is the unit stated in the file, else the one for new files, else a guess.
 
     Parameters
     ----------

@@ -220,7 +220,7 @@ def unobstructed_camera(
 ) -> Camera:
     """Camera orbited until the surface does not hide the points.
 
-    It stays where it is if it sees enough of what could be seen.
+    The camera is unchanged if it already sees enough of the visible part.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ class CameraController:
     Parameters
     ----------
     pick : callable
-        From a position in the widget to the point of the surface seen there, or None.
+        Function giving the visible surface point at a position in the widget, or None.
 
     Attributes
     ----------

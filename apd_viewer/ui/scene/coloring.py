@@ -25,7 +25,7 @@ class Coloring:
     Attributes
     ----------
     previewed_ids : int array or None
-        What is tinted, as a press would choose it.
+        Tinted vertices of a preview.
     """
 
     def __init__(self, surface: Surface, marks: VertexMarks) -> None:
@@ -160,8 +160,8 @@ _DOT, _HALO = 6.0, 9.5
 class VertexMarks(MouseTool):
     """Tool to mark vertices visibly, even hidden or tiny ones.
 
-    A vertex of a large mesh is less than a pixel, one without a face is not drawn at all, and one at the
-    back is hidden: a dot has the same size everywhere. It is a tool of the viewport that only paints.
+    A vertex of a large mesh is smaller than a pixel, one without a face is not drawn, and one at the back is
+    hidden, whereas a dot is always visible. The tool only paints, without handling events.
 
     Attributes
     ----------

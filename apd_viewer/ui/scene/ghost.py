@@ -100,7 +100,7 @@ class PatchGhost:
     Attributes
     ----------
     vertices : (n, 3) float array
-        Their vertices; empty while there is nothing to show.
+        Vertices of the patches; empty while nothing is shown.
     """
 
     def __init__(self, viewport: Viewport) -> None:

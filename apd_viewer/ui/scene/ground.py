@@ -27,7 +27,7 @@ _LIGHTER = ((255, 107, 139), (190, 230, 70), (150, 150, 255))
 class Ground(MouseTool, RestActor):
     """Grid below the mesh, labelled at two sides, and axes in a corner.
 
-    To the viewport it is a tool that only paints.
+    It is a tool of the viewport that handles no events.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class Ground(MouseTool, RestActor):
     def _write_along(self, painter: QPainter, axis: int, taken: list[QRectF]) -> None:
         """Write the labels along the nearer side of the grid.
 
-        No figure is written over one that was ``taken`` down before: both sides have one at their corner.
+        Labels overlapping the rectangles ``taken`` are left out: both sides have a label at their corner.
         """
         eye, other, ticks = (
             self._viewport.camera_controller.camera,

@@ -49,7 +49,7 @@ class Surface:
     shape_revision : int
         Counts changes of ``shape``.
     arrays : SurfaceArrays
-        As they are drawn.
+        Arrays of the drawn mesh.
     """
 
     def __init__(self, viewport: Viewport) -> None:
@@ -117,7 +117,7 @@ class Surface:
     def set_points(self, U: np.ndarray) -> None:
         """Move the vertices to ``U`` (n, 3) and update the normals.
 
-        The array is kept, not copied: nobody must write to it any more.
+        The array is kept without a copy, and must not be modified afterwards.
         """
         if U is not self._given:
             self._given = U
@@ -173,9 +173,9 @@ class Surface:
     def set_color_map(self, color_map: ColorMap | None, neutral: float = 0.0) -> None:
         """Set the colours for values under striped paint; None shows only the paint.
 
-        ``neutral`` is how much of the scale, around its middle, is shown as no change. What the values are
-        is written into :attr:`shades`, before or after. It is seen in the next draw, for which this does not
-        ask: it may be called while one is made ready.
+        ``neutral`` is the fraction of the scale, around its middle, displayed as no change. The values are
+        written to :attr:`shades`, before or after. No draw is requested, so that it can be called during the
+        preparation of one.
         """
         if color_map is not self.color_map:
             self.color_map = color_map

@@ -20,7 +20,7 @@ _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
 class Viewport(QtInteractor):
     """Widget to show a scene and dispatch mouse events to tools.
 
-    What a tool may do and how the mouse moves the camera is said in :mod:`apd_viewer.ui.scene.navigation`.
+    See :mod:`apd_viewer.ui.scene.navigation` for the methods of a tool and the camera gestures.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Viewport(QtInteractor):
     camera_controller : CameraController
         The camera.
     pick_point : callable or None
-        From a position in the widget to the point of the surface seen there, or None.
+        Function giving the visible surface point at a position in the widget, or None.
     box : callable or None
         The box around all that is drawn: least and largest x, then y, then z.
     more_boxes : list of callables
@@ -268,13 +268,13 @@ class Viewport(QtInteractor):
 class ToolLayer(QWidget):
     """Transparent widget over the viewport, painted by the tools.
 
-    QPainter draws smooth lines and letters where a software OpenGL draws neither, and a tool that
-    only changes its own looks costs no VTK draw.
+    QPainter draws smooth lines and letters even with a software OpenGL, and redrawing a tool alone needs no
+    VTK draw.
 
     Parameters
     ----------
     tools : list
-        Of the viewport; looked at in every paint.
+        Tools of the viewport, read at every paint.
     """
 
     def __init__(self, viewport: QWidget, tools: list[MouseTool]) -> None:
@@ -297,7 +297,7 @@ class MouseDispatcher:
     Parameters
     ----------
     tools : list
-        Of the viewport; looked at for every event.
+        Tools of the viewport, read at every event.
     """
 
     def __init__(self, viewport: QWidget, tools: list[MouseTool], navigation: Navigation) -> None:

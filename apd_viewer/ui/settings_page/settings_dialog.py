@@ -93,7 +93,7 @@ def _align(grids: list[QGridLayout]) -> None:
             grid.setColumnMinimumWidth(column, width)
 
 
-class SettingsPage(QObject):
+class SettingsDialogOpener(QObject):
     """Opens the settings dialog, one at a time."""
 
     def __init__(
@@ -178,8 +178,8 @@ class _NumberControl(NumberField):
 def limit_threads(threads: int) -> None:
     """Limit the threads of parallel kernels here and in child processes; 0 for none.
 
-    It has to come before numba, which reads the number once: a script that has used numba keeps its own, and
-    so does whoever sets the variable.
+    Effective only before numba is imported, which reads the number once; a number set in the environment
+    takes precedence.
     """
     if threads and "numba" not in sys.modules:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(threads))

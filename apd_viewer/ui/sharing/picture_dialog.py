@@ -78,7 +78,7 @@ class PictureDialog(QDialog):
         Pixels.
     """
 
-    def __init__(self, parent: QWidget, pictures: Pictures, settings: PictureSettings) -> None:
+    def __init__(self, parent: QWidget, pictures: PictureRenderer, settings: PictureSettings) -> None:
         super().__init__(parent, objectName="picture")
         self.setWindowTitle(tr("Save picture"))
         self._pictures = pictures
@@ -210,7 +210,7 @@ class PictureSettings:
     transparent : bool
         Whether the background is left out.
     legend, gizmo : bool
-        What is drawn over it, where it is there.
+        Whether to draw the legend and the gizmo, if shown.
     """
 
     size: QSize
@@ -219,7 +219,7 @@ class PictureSettings:
     gizmo: bool = False
 
 
-class Pictures:
+class PictureRenderer:
     """Renderer of pictures of a canvas."""
 
     def __init__(self, canvas: Canvas, display_options: DisplayOptions, notice: Notice, jobs: Jobs) -> None:

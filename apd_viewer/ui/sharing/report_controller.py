@@ -46,7 +46,7 @@ from apd_viewer.ui.plots.chart_drawing import draw_chart
 from apd_viewer.ui.plots.plots import svg_element
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.scene_picture import OffscreenScene, encode_png
-from apd_viewer.ui.sharing.picture_dialog import PictureDialog, Pictures, PictureSettings
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureRenderer, PictureSettings
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
@@ -88,7 +88,7 @@ class ReportController:
         self._window, self._canvas, self._looks = window, canvas, display_options
         self._view, self._memory, self._notice = view, preferences, notice
         self._session = session
-        self.pictures = Pictures(canvas, display_options, notice, session.jobs)
+        self.pictures = PictureRenderer(canvas, display_options, notice, session.jobs)
         self._wish: PictureSettings | None = None
 
     def copy_diagnostics(self) -> None:

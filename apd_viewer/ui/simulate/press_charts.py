@@ -1,4 +1,4 @@
-"""Charts of load and volume over the way of two plates."""
+"""Charts of load and volume over the travel of two plates."""
 
 from collections.abc import Callable
 
@@ -34,7 +34,7 @@ class PressCharts:
     Attributes
     ----------
     timeline : Timeline
-        What is drawn.
+        Timeline to draw.
     reach : float
         Way to where the plates are asked to go, mesh units.
     theme : Theme
@@ -49,7 +49,7 @@ class PressCharts:
         self._curves_of: tuple[Timeline, object] = self.timeline, None
 
     def newtons(self, state: State) -> NewtonConversion | None:
-        """Conversion of loads into newtons; None where the wall is not known."""
+        """Conversion of loads into newtons; None for an unknown wall."""
         document, unit = state.document, self._session.store.unit
         try:
             wall = parse_wall(self._wall(), unit)
@@ -87,7 +87,7 @@ class PressCharts:
         return self._chart(tr("Volume"), Curve(deflection, volume, "warm"), y, " %")
 
     def _read_curves(self) -> np.ndarray:
-        """Loads of the timeline, read anew where it, the wall or the unit changed."""
+        """Loads of the timeline, updated after a change of timeline, wall or unit."""
         given = self._wall(), self._session.store.unit
         if self._curves_of[0] is not self.timeline or self._curves_of[1] != given:
             self._curves, self._curves_of = plate_curves(self.timeline, self.newtons), (self.timeline, given)

@@ -38,18 +38,18 @@ _CORNERS = tuple(itertools.product((0, 1), repeat=3))
 
 
 class PressController(QObject):
-    """Puts two plates at the mesh, presses it, and shows what was solved.
+    """Presses the mesh between two plates, and shows the solved steps.
 
     Parameters
     ----------
     dock : QDockWidget
-        For the panel.
+        Dock of the panel.
     parts : ActiveParts
         Take a plate into the hand.
     choose_tool : callable
         Puts a tool into the hand.
     cancel_drag : callable
-        Cancels the drag under way.
+        Function to cancel the current drag.
     wall : callable
         The wall as typed.
     wall_settings : callable
@@ -100,7 +100,7 @@ class PressController(QObject):
     # Pressing
 
     def begin(self) -> None:
-        """Put plates on both sides unless there are, and get ready to press."""
+        """Put plates on both sides unless present, and prepare to press."""
         state = self._session.store.state
         if state is None or self._give_up():
             return
@@ -190,7 +190,7 @@ class PressController(QObject):
 
     @property
     def _timeline(self) -> Timeline:
-        """Steps of the open mesh; empty if those known are of another one."""
+        """Steps of the open mesh; empty if the timeline belongs to another mesh."""
         state, timeline = self._session.store.state, self._session.player.timeline
         return timeline if state is not None and timeline.is_of(state.document) else Timeline()
 

@@ -28,7 +28,7 @@ _VOLUME = ChartTexts(tr("Volume"), tr("Volume over the way of the plates, percen
 
 
 class TimelinePanel(QWidget):
-    """Controls to press, the timeline of what was solved, its readings and curves.
+    """Controls of a press, and the timeline of its steps with readings and curves.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class TimelinePanel(QWidget):
         return _SMALLEST
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Show the second chart where it has room."""
+        """Show the second chart if there is room for it."""
         super().resizeEvent(event)
         self.volume_view.setVisible(self.width() >= _WIDE)
 
@@ -172,7 +172,7 @@ class TimelinePanel(QWidget):
         self.direction.setCurrentIndex(axis)
 
     def show_run(self, is_playing: bool, is_paused: bool, said: str, may_open: bool) -> None:
-        """Show whether a press is under way, and what is said of its progress."""
+        """Show whether a press is under way, and a text on its progress."""
         go_on = tr("Continue") if is_paused else tr("Pause")
         self.press.setText(go_on if is_playing else tr("Press"))
         self.press.setToolTip(
@@ -186,7 +186,7 @@ class TimelinePanel(QWidget):
         self.progress.show_text(said)
 
     def show_steps(self, count: int, shown: int | None, is_replaying: bool) -> None:
-        """Show the number of steps, and which of them is on screen."""
+        """Show the number of steps, and the position of the displayed one."""
         self.slider.blockSignals(True)
         self.slider.setRange(0, max(1, count - 1))
         if shown is not None and not self.slider.isSliderDown():
@@ -205,7 +205,7 @@ class TimelinePanel(QWidget):
             self.replay.setIcon(icon("pause" if is_replaying else "play", self._theme))
 
     def show_readings(self, texts: Sequence[ReadingText], verdict: str, is_calm: bool) -> None:
-        """Show the readings of the shape on screen; what is not at rest stands first."""
+        """Show the readings of the shape on screen; a warning comes first."""
         while len(self.reading_rows) < len(texts):
             labels = QLabel(objectName="quiet"), QLabel(objectName="value"), QLabel(objectName="quiet")
             for column, label in enumerate(labels):

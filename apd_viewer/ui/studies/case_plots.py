@@ -54,9 +54,9 @@ class ColumnChoice(ComboBox):
     Parameters
     ----------
     name : str
-        For those who do not see it.
+        Accessible name.
     may_be_none : bool
-        Whether no column can be chosen too.
+        Whether no column can be chosen, too.
     """
 
     chosen = Signal()

@@ -25,7 +25,7 @@ from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.posing.motion_ghost import MotionGhost
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.plan_dialog import PlanDialog
-from apd_viewer.ui.studies.result_columns import ReadResults, shown_columns
+from apd_viewer.ui.studies.result_columns import ResultsSnapshot, shown_columns
 from apd_viewer.ui.studies.results_panel import ResultsPanel
 from apd_viewer.ui.studies.study_run import StudyRun, scheduler_option, stored_options
 from apd_viewer.ui.widgets.background_task import BackgroundTask
@@ -45,7 +45,7 @@ class CaseStudyController(QObject):
     files : FileController
         Asks before unsaved work is left.
     open_document : callable
-        What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
+        Function giving the open state, the active handle and the view; None without a mesh.
     ghost : MotionGhost
         Of handles where a motion would bring them.
     """
@@ -65,7 +65,7 @@ class CaseStudyController(QObject):
         self._window, self._dock, self._memory, self._notice = window, dock, preferences, notice
         self._session, self._filing, self._opened = session, files, open_document
         self._ghost = ghost
-        self._studied: Document | None = None  # kept in the folder of the study begun last
+        self._studied: Document | None = None  # document of the latest study, kept in its folder
         self.dialog: PlanDialog | None = None
         self.panel = ResultsPanel()
         dock.setWidget(self.panel)
@@ -244,7 +244,7 @@ class CaseStudyController(QObject):
 def _with_kept_view(before: tuple[State, int, View] | None, state: State, view: View) -> tuple[State, View]:
     """State of a case with its view; the previous view is kept for an equal mesh.
 
-    So shapes can be compared.
+    The shapes can then be compared.
     """
     same = before is not None and np.array_equal(before[0].document.mesh.V, state.document.mesh.V)
     return state, before[2] if before is not None and same else view
@@ -256,9 +256,9 @@ class FolderWatch(QObject):
     Attributes
     ----------
     results_read : Signal(object)
-        :class:`ReadResults`.
+        :class:`ResultsSnapshot`.
     failed : Signal(str)
-        Why they cannot be read, once.
+        Reason for unreadable results, once.
     """
 
     results_read = Signal(object)
@@ -291,7 +291,7 @@ class FolderWatch(QObject):
     def check_folder(self) -> None:
         """Read the results if they have changed."""
         folder = self.folder
-        if folder is None or self._task.busy or time.monotonic() < self._next:
+        if folder is None or self._task.is_busy or time.monotonic() < self._next:
             return
         try:
             found = (folder / DATABASE_NAME).stat()
@@ -302,12 +302,12 @@ class FolderWatch(QObject):
             self._seen = stamp
             self._task.begin(lambda _: _results(folder))
 
-    def _take(self, found: tuple[Path, ReadResults | str, float] | None) -> None:
+    def _take(self, found: tuple[Path, ResultsSnapshot | str, float] | None) -> None:
         if found is None or found[0] != self.folder:
             return
         _, results, took = found
         self._next = time.monotonic() + _TIMES * took
-        if isinstance(results, ReadResults):
+        if isinstance(results, ResultsSnapshot):
             self._said = ""
             self.results_read.emit(results)
         else:
@@ -323,11 +323,11 @@ class FolderWatch(QObject):
         self._task.close()
 
 
-def _results(folder: Path) -> tuple[Path, ReadResults | str, float]:
+def _results(folder: Path) -> tuple[Path, ResultsSnapshot | str, float]:
     started = time.monotonic()
     try:
         table = read_results(folder)
-        found: ReadResults | str = ReadResults(table, shown_columns(table))
+        found: ResultsSnapshot | str = ResultsSnapshot(table, shown_columns(table))
     except InputError as error:
         found = str(error)
     return folder, found, time.monotonic() - started

@@ -1,6 +1,6 @@
 """Command of the command line, run in its own process.
 
-A QProcess and no ChildProcess: it reports by signals on the GUI thread, which here would need a thread.
+A QProcess, because it emits signals on the GUI thread; a ChildProcess would need another thread.
 """
 
 import json
@@ -38,9 +38,9 @@ class CommandProcess(QObject):
     process_id : int
         Of the process started last, as the operating system counts them; 0 before.
     ended : Signal(str)
-        What it said, when it has ended well.
+        Output of a successful command.
     failed : Signal(str)
-        Why it has not, as a sentence.
+        Sentence on the reason of a failure.
     """
 
     reported = Signal(object)
@@ -61,7 +61,7 @@ class CommandProcess(QObject):
     def start(self, arguments: list[str], scratch: Path | None = None) -> None:
         """Start the command with the given arguments; none may be running.
 
-        It keeps its temporary files in ``scratch``: killed it cannot remove them.
+        Its temporary files are in ``scratch``, since a killed command cannot remove them.
         """
         assert self._process is None
         self._said = []

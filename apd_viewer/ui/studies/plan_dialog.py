@@ -41,11 +41,11 @@ class PlanDialog(QDialog):
     Parameters
     ----------
     session : Session
-        On whose mesh the ends of ranges are shown.
+        Session with the mesh for previews of the ranges' ends.
     handle : int
-        That typed motions move.
+        Index of the handle moved by typed motions.
     ghost : MotionGhost
-        Shows handles at once where the mesh follows.
+        Ghost of the handles, shown before the mesh follows.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class PlanDialog(QDialog):
             preferences,
         )
         self._preview = RangeEndPreview(session, ghost)
-        # Those of the shape on screen, where it was solved and not just opened.
+        # Seconds of the displayed shape; 0 if it was opened instead of solved.
         solved = session.store.activity is Activity.SETTLED
         self._step_seconds = solved * self._state.frame.iteration * session.store.seconds_per_iteration
         mesh = self._state.document.mesh
@@ -290,7 +290,7 @@ class RangeEndPreview:
     Parameters
     ----------
     ghost : MotionGhost
-        Shows the handles at once; the mesh follows.
+        Ghost of the handles, shown before the mesh follows.
     """
 
     def __init__(self, session: Session, ghost: MotionGhost) -> None:

@@ -16,7 +16,7 @@ from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_S
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.document_parts import kept_percentages
+from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
@@ -39,7 +39,7 @@ class PressDialog(RunDialog):
     Parameters
     ----------
     view : View
-        With the unit of lengths, as the user reads and types them, and the wall.
+        View with the unit of lengths and the wall.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class PressDialog(RunDialog):
         own = None
         with suppress(InputError):
             own = parse_wall(self._wall, self._unit).model_stiffness(
-                self._state.inspection.area, material.young
+                self._state.inspection.area, material.tensile_stiffness
             )
         if own is not None and material.bending > 0.0:
             said.append(tr("this wall has {own:.1g}").format(own=own))
@@ -232,7 +232,7 @@ class PressDialog(RunDialog):
     @property
     def _targets(self) -> dict[str, str]:
         """Command options for the targets kept by the method."""
-        area, volume, *_ = kept_percentages(self._document.with_settings(method=self.method.currentData()))
+        area, volume, *_ = goal_percentages(self._document.with_settings(method=self.method.currentData()))
         said = {"--area": area, "--volume": volume}
         return {option: f"{value!r}%" for option, value in said.items() if value is not None}
 

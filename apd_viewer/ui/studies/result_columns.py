@@ -117,7 +117,7 @@ class ResultColumn:
     is_from_plan : bool
         Whether it comes from the plan.
     ranks : (n,) float array or None
-        By which its texts are sorted, if not by the alphabet.
+        Sort keys of its texts, if not alphabetical.
     """
 
     name: str
@@ -155,7 +155,7 @@ class ResultColumn:
         return len(set(self.texts)) > 1
 
 
-class ReadResults(NamedTuple):
+class ResultsSnapshot(NamedTuple):
     """Results of a study, with the columns of their table."""
 
     table: ResultTable

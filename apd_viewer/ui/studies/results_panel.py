@@ -14,7 +14,7 @@ from apd_viewer.cases.study_progress import CaseCounts, ProgressMeter
 from apd_viewer.language import comma_separated, tr, trn
 from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.ui.studies.case_plots import CaseColors, CaseCurves, ScatterPlot
-from apd_viewer.ui.studies.result_columns import ReadResults
+from apd_viewer.ui.studies.result_columns import ResultsSnapshot
 from apd_viewer.ui.studies.result_table import ResultModel, ResultsView
 from apd_viewer.ui.studies.study_run import may_continue
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
@@ -97,7 +97,7 @@ class ResultsPanel(QWidget):
         self.curves.show_study(folder)
         self._follow_status()
 
-    def show_results(self, results: ReadResults) -> None:
+    def show_results(self, results: ResultsSnapshot) -> None:
         """Show results read from the study folder."""
         self.model.show_results(results.table, results.columns)
         self.status.set_results(results.table)

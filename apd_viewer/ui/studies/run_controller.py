@@ -29,11 +29,11 @@ class RunController(QObject):
     Parameters
     ----------
     session : Session
-        Whose last step can be exported.
+        Session with the gesture to export.
     files : FileController
         Asks about unsaved work before another mesh is opened.
     open_document : callable
-        What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
+        Function giving the open state, the active handle and the view; None without a mesh.
     show_failure : callable
         Says a sentence.
 

@@ -37,7 +37,7 @@ class RunDialog(QDialog):
     figure : str
         File name of the figure among the results.
     caption : str
-        What is to be seen there, for those who do not see it.
+        Description of the figure for screen readers.
     """
 
     def __init__(self, window: QWidget, title: str, run: RunBar, figure: str = "", caption: str = "") -> None:
@@ -122,11 +122,11 @@ class RunBar(QWidget):
     Parameters
     ----------
     start : str
-        On the button that starts.
+        Text of the start button.
     name : str
-        Of the folder that the results are saved as.
+        Name of the folder for saved results.
     preferences : Preferences
-        Where files were opened and written last.
+        Preferences with the folder last used.
     mesh : str
         File name of the mesh among the results, if one can be opened in the window.
 

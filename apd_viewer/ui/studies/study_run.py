@@ -51,7 +51,7 @@ class StudyDesign(NamedTuple):
     steps : int
         Of each case.
     handle : int
-        That typed motions move.
+        Index of the handle moved by typed motions.
     """
 
     spans: tuple[QuantityRange, ...]
@@ -79,7 +79,7 @@ class StudyDesign(NamedTuple):
         InputError
             If nothing varies.
         """
-        vary = [span.varied for span in self.spans if span.high is not None]
+        vary = [span.design_variable for span in self.spans if span.high is not None]
         vary += [DesignVariable("method", self.methods)] if len(self.methods) > 1 else []
         if not vary:
             raise InputError(tr("Nothing varies; give both ends of a range, or tick several methods."))
@@ -104,7 +104,7 @@ class StudyDesign(NamedTuple):
 def path_from_text(text: str) -> Path:
     """Absolute path from a text, with ~ expanded to the home folder.
 
-    That of a user who is not there stays as it is, instead of raising RuntimeError.
+    An unknown user's ``~`` stays as it is, instead of raising RuntimeError.
     """
     return Path(os.path.expanduser(text.strip())).absolute()  # noqa: PTH111
 
@@ -115,11 +115,11 @@ def write_study(folder: Path, rows: PlanRows, state: State, view: View) -> None:
     Parameters
     ----------
     folder : Path
-        Made where it is not there.
+        Folder of the study, created if missing.
     rows : tuple
         Columns and rows of the plan.
     state, view
-        What is open; its mesh goes along.
+        State and view of the session, saved with its mesh.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def document_with_values(state: State, unit: Unit, handle: int, values: Mapping[
     Parameters
     ----------
     handle : int
-        That typed motions move.
+        Index of the handle moved by typed motions.
     values : mapping of str to str
         Values by the names of quantities, as a plan has them.
 
@@ -202,7 +202,7 @@ class StudyRun(QObject):
         Parameters
         ----------
         options : sequence of str or None
-            Of the command, about where it runs; None for those of the last time.
+            Command options on the engine; None for those of the last run.
         retry_failed : bool
             Whether failed cases are run again.
 

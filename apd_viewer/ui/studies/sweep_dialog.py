@@ -42,9 +42,9 @@ class SweepDialog(RunDialog):
     Parameters
     ----------
     handle : int
-        Which a twist turns.
+        Index of the handle turned by a twist.
     view : View
-        How an animation looks at the mesh.
+        View of the mesh in an animation.
     """
 
     def __init__(
@@ -147,9 +147,9 @@ class AnimationDialog(RunDialog):
     Parameters
     ----------
     motions : sequence of (str, Document)
-        What can be exported, with its title; at least one.
+        Motions available for export, with their titles; at least one.
     view : View
-        How a film looks at the mesh.
+        View of the mesh in a film.
     """
 
     def __init__(

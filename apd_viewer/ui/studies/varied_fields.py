@@ -40,7 +40,7 @@ class VariedQuantity(NamedTuple):
         Ends of its range at first.
     is_motion : bool
         Whether it moves the handle, typed instead of the motion of the session.
-    by_factors : bool
+    is_logarithmic : bool
         Whether its range is divided into equal factors.
     """
 
@@ -52,7 +52,7 @@ class VariedQuantity(NamedTuple):
     low: str
     high: str
     is_motion: bool = False
-    by_factors: bool = False
+    is_logarithmic: bool = False
 
 
 class QuantityRange(NamedTuple):
@@ -69,9 +69,9 @@ class QuantityRange(NamedTuple):
     high: str | None
 
     @property
-    def varied(self) -> DesignVariable:
+    def design_variable(self) -> DesignVariable:
         """Design variable of the range; raises InputError if its ends are reversed."""
-        by = ":log" if self.quantity.by_factors else ""
+        by = ":log" if self.quantity.is_logarithmic else ""
         unit = PERCENT if self.low.endswith(PERCENT) else self.quantity.unit.replace(PERCENT, "")
         low = self.low.removesuffix(unit)
         return parse_variable(f"{self.quantity.name}={low}..{self.high}{by}")
@@ -99,7 +99,7 @@ def varied_quantities(state: State) -> list[VariedQuantity]:
             NO_UNIT,
             format_editable(stiffness / 10.0, 3),
             format_editable(stiffness * 10.0, 3),
-            by_factors=True,
+            is_logarithmic=True,
         )
     )
     note = tr("percent of rest")
@@ -151,7 +151,7 @@ def quantity_range(quantity: VariedQuantity, low: str, high: str, state: State, 
         last = None if last == first else last
         span = QuantityRange(quantity, first, last)
         if last is not None:
-            _ = span.varied
+            _ = span.design_variable
     except InputError as error:
         raise InputError(f"{quantity.title}: {error}") from error
     return span
@@ -208,7 +208,7 @@ class VariedFields(QWidget):
     Parameters
     ----------
     unit : Unit
-        In which lengths are typed.
+        Unit of typed lengths.
 
     Attributes
     ----------
@@ -282,8 +282,8 @@ class VariedFields(QWidget):
     def values_at_end(self, name: str, upper: bool) -> dict[str, str]:
         """Values of the checked quantities at one end of a quantity's range.
 
-        Motions go along to the same end, so that the corners of the ranges are seen; an end of a setting
-        is seen where the motions are largest.
+        All motions are at the same end, to show the corners of the ranges; an end of a setting is shown at
+        the largest motions.
 
         Raises
         ------

@@ -54,7 +54,7 @@ class VerificationDialog(RunDialog):
     def _begin(self) -> None:
         self._folder = None
         self._remove_figure()
-        self.table.empty()
+        self.table.remove_rows()
         self.summary.clear()
         self.run.begin(lambda _, results: ["verify", "-o", str(results)])
         for part in (self.table, self.summary, self.copy):
@@ -114,9 +114,9 @@ class VerificationTable(QTreeWidget):
         head.setSectionResizeMode(0, QHeaderView.ResizeMode.Fixed)
         for column in range(1, len(COLUMN_TITLES)):
             self.headerItem().setTextAlignment(column, _RIGHT)
-        self.empty()
+        self.remove_rows()
 
-    def empty(self) -> None:
+    def remove_rows(self) -> None:
         """Remove all rows."""
         self.clear()
         self._widest = 0

@@ -29,7 +29,7 @@ class TargetSection(Section):
     closest, vertex : tuple of QLabel
         Largest, RMS and mean distance from the closest points, and from the same vertices.
     name : QLabel
-        Of the file, or why it is missing.
+        Name of the file, or the reason it is missing.
     """
 
     def __init__(self) -> None:

@@ -12,7 +12,7 @@ class ActiveParts(QObject):
     Attributes
     ----------
     handle, region : int
-        Their numbers, from 0. There may be no region yet.
+        Indices of the active parts, from 0. There may be no region yet.
     obstacle : int or None
         Number of the obstacle in the hand; None while the handle is.
     changed : Signal()
@@ -27,7 +27,7 @@ class ActiveParts(QObject):
         self.handle = self.region = 0
         self.obstacle: int | None = None
 
-    def follow(self, old: Document | None, new: Document) -> None:
+    def follow_document(self, old: Document | None, new: Document) -> None:
         """Keep the active parts valid for a new document."""
         if old is None or old.mesh is not new.mesh:
             self.handle = self.region = 0

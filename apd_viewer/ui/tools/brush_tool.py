@@ -20,8 +20,8 @@ _AROUND = [QPointF(_NEAR_MISS * np.cos(a), _NEAR_MISS * np.sin(a)) for a in np.p
 class BrushTool(SelectionTool):
     """Brush to paint vertices by strokes.
 
-    A left press on the surface begins a stroke; the wheel changes the radius, with Ctrl it zooms; Esc takes
-    the stroke back. What ``painted`` brings are the vertices that a stroke covers for the first time.
+    A left press on the surface begins a stroke; the wheel changes the radius, or zooms with Ctrl; Esc cancels
+    the stroke. ``painted`` is emitted with the vertices covered by the stroke for the first time.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class BrushTool(SelectionTool):
             return False
         # Qt reports a vertical wheel turn as horizontal while Alt is down.
         notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
-        self.size.scale(RADIUS_PER_NOTCH**notches)
+        self.size.scale_radius(RADIUS_PER_NOTCH**notches)
         return True
 
     def leave(self) -> None:
@@ -131,8 +131,8 @@ class BrushTool(SelectionTool):
     ) -> Iterator[tuple[Hit | None, Hit | None]]:
         """Pairs of consecutive hits along the cursor's path, closely spaced.
 
-        The first of a pair is None where the surface under the cursor leaps to another depth: what
-        lies between the two was never touched.
+        The first hit of a pair is None if the surface under the cursor jumps to another depth: the part in
+        between was never touched.
         """
         way = end - start
         count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / self.size.dab_spacing(last))))
@@ -230,8 +230,8 @@ class BrushSize(QObject):
             self._mesh_radius = radius
             self._announce_change()
 
-    def scale(self, factor: float) -> None:
-        """Scale the radius by a factor."""
+    def scale_radius(self, factor: float) -> None:
+        """Multiply the radius by a factor."""
         if self._mesh_radius is None:
             self.radius = self._radius * factor
         else:

@@ -173,7 +173,7 @@ class Canvas(QObject):
         """Recolour the background."""
         self.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
-    def show_opening_mesh(self, mesh: Mesh, labels: np.ndarray) -> None:
+    def show_loading_mesh(self, mesh: Mesh, labels: np.ndarray) -> None:
         """Draw a mesh whose file is still loading, read-only."""
         self._sketched = mesh.V
         self.surface.set_mesh(PreviewSurface(mesh.F), mesh.V, label_colors(labels))

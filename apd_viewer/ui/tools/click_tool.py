@@ -37,7 +37,7 @@ class ClickTool(SelectionTool):
     Attributes
     ----------
     crease_angle : float
-        Where a fill stops, in degrees between the normals of two neighbours; the wheel changes it.
+        Largest angle between adjacent normals inside a fill, degrees; changed by the wheel.
     nothing_found : Signal()
         There is nothing of the kind that was clicked for.
     """
@@ -156,7 +156,7 @@ class PointPicker(MouseTool, QObject):
     marked_points : (k, 3) float array
         Points that are marked, joined by a line, whether or not any are asked for.
     prompt_changed : Signal(str)
-        What the user is to do; empty once that is done or cancelled.
+        Instruction to the user; empty after picking or cancelling.
     """
 
     prompt_changed = Signal(str)

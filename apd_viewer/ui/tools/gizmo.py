@@ -33,13 +33,13 @@ class Gizmo(MouseTool, QObject):
     moved : Signal(object)
         The new (4, 4) pose, while the drag goes on; once more the old one when it is cancelled.
     orientation : GizmoOrientation
-        What its axes are.
+        Orientation of the axes.
     may_grab : callable or None
         Whether a press at a position beside the gizmo takes the handle too.
     offered_handles : frozenset of str
         Handles of its own that it has.
     hint_changed : Signal(str)
-        What the drag does, such as "+32.5°"; empty when it is over.
+        Amount of the drag, such as "+32.5°"; empty at its end.
     """
 
     began = Signal()
@@ -250,7 +250,7 @@ class InactiveHandles(MouseTool, QObject):
     gizmo : Gizmo
         Drags what was taken.
     handle_at : callable
-        From a position in the viewport to the number of the handle that is painted there, or None.
+        Function giving the number of the handle painted at a position in the viewport, or None.
 
     Attributes
     ----------

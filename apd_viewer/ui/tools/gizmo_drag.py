@@ -41,7 +41,7 @@ class GizmoDrag:
     snapped_angle : float
         Rotation after snapping.
     text : str
-        What the drag does, in words and numbers.
+        Amount of the drag, in words and numbers.
     """
 
     handle: str
@@ -133,8 +133,8 @@ def begin_drag(handle: str, frame: GizmoFrame, pose: np.ndarray, x: float, y: fl
 def position_along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float | None:
     """Position of the cursor along axis ``i``, in mesh units from the centre.
 
-    The cursor's ray is cut with the plane through the axis that faces the camera most. None when
-    the ray passes that plane by.
+    The cursor's ray is intersected with the plane through the axis facing the camera most. None if the ray
+    misses that plane.
     """
     axis = frame.axes[i]
     sight = unit(frame.centre - frame.camera.position)
@@ -163,7 +163,7 @@ def cursor_rotation(
 ) -> float:
     """Rotation about axis ``i`` by the cursor's motion, in radians.
 
-    Seen from the side a ring is a line: there the way along the line counts.
+    Seen edge-on, a ring is a line: the motion along it determines the rotation.
     """
     axis = frame.axes[i]
     if abs(frame.facing[i]) < EDGE_ON:

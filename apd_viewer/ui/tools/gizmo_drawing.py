@@ -26,13 +26,13 @@ class GizmoAppearance:
 
     Parameters
     ----------
-    dark : bool
+    is_dark : bool
         Whether the background is dark.
     hovered_handle : str or None
         Handle under the cursor.
     """
 
-    dark: bool
+    is_dark: bool
     hovered_handle: str | None
     drag: GizmoDrag | None
 
@@ -47,9 +47,9 @@ class GizmoAppearance:
     def color(self, handle: str) -> QColor:
         """Colour of a gizmo handle, brighter under the cursor."""
         name = (
-            CENTRE[self.dark]
+            CENTRE[self.is_dark]
             if handle in ("centre", "scale")
-            else AXIS_COLOURS[self.dark][gizmo_drag.axis_index(handle)]
+            else AXIS_COLOURS[self.is_dark][gizmo_drag.axis_index(handle)]
         )
         color = QColor(name)
         return color.lighter(112) if handle == self.hovered_handle else color
@@ -102,7 +102,7 @@ def _draw_ring(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: i
         draw_polyline(painter, part, look.color(name), look.width(name) - 0.8)
     painter.setOpacity(look.opacity(name))
     for part in chosen_runs(points, near):
-        draw_polyline(painter, part, look.color(name), look.width(name), INK[look.dark])
+        draw_polyline(painter, part, look.color(name), look.width(name), INK[look.is_dark])
 
 
 def _draw_square(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: int, name: str) -> None:
@@ -125,12 +125,12 @@ def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: 
     visible = min(1.0, (gizmo_drag.ALONG_VIEW - abs(frame.facing[i])) / 0.06)
     painter.setOpacity(look.opacity(name) * visible)
     color = look.color(name)
-    draw_polyline(painter, np.array([start, end]), color, look.width(name), INK[look.dark])
-    painter.setPen(QPen(QColor(INK[look.dark]), 1.2))
+    draw_polyline(painter, np.array([start, end]), color, look.width(name), INK[look.is_dark])
+    painter.setPen(QPen(QColor(INK[look.is_dark]), 1.2))
     painter.setBrush(color)
     painter.drawPolygon(to_polygon(convex_hull(frame.tip(i))))
     if len(frame.offered_handles) > 1:  # a single arrow needs no name
-        _draw_letter(painter, name.upper(), letter, color, INK[look.dark])
+        _draw_letter(painter, name.upper(), letter, color, INK[look.is_dark])
 
 
 def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, color: QColor, halo: str) -> None:
@@ -154,8 +154,8 @@ def _draw_scale(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> 
     way = (corner - frame.screen_centre) / np.linalg.norm(corner - frame.screen_centre)
     rim = frame.camera.overlay_scale * gizmo_drag.RING_RADIUS + 6.0
     ends = np.array([frame.screen_centre + rim * way, corner - 8.0 * way])
-    draw_polyline(painter, ends, look.color("scale"), 1.4, INK[look.dark])
-    painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
+    draw_polyline(painter, ends, look.color("scale"), 1.4, INK[look.is_dark])
+    painter.setPen(QPen(QColor(INK[look.is_dark]), 1.5))
     painter.setBrush(look.color("scale"))
     painter.drawRoundedRect(QRectF(corner[0] - half, corner[1] - half, 2 * half, 2 * half), 1.5, 1.5)
 
@@ -165,7 +165,7 @@ def _draw_centre(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
         return
     hot = "centre" in (look.hovered_handle, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("centre"))
-    painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
+    painter.setPen(QPen(QColor(INK[look.is_dark]), 1.5))
     painter.setBrush(look.color("centre"))
     radius = gizmo_drag.DOT_RADIUS + 1.5 if hot else gizmo_drag.DOT_RADIUS
     painter.drawEllipse(QPointF(*frame.to_screen(np.zeros((1, 3)))[0]), radius, radius)
@@ -189,7 +189,7 @@ def _draw_motion(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
     painter.setPen(QPen(color, 1.6, Qt.PenStyle.DotLine))
     painter.drawPolyline(to_polygon(ends))
     painter.setPen(QPen(color, 1.6))
-    painter.setBrush(with_opacity(INK[look.dark]))
+    painter.setBrush(with_opacity(INK[look.is_dark]))
     painter.drawEllipse(QPointF(*ends[0]), 4, 4)
 
 

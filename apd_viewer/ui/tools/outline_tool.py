@@ -37,8 +37,8 @@ class OutlineKind(Enum):
 class OutlineTool(SelectionTool):
     """Tool to select the vertices within an outline, visible ones or all.
 
-    A box and a lasso are dragged. A polygon is clicked, corner by corner, and ended by a double click, by a
-    click on its first corner or by Return. Esc gives either up.
+    A box and a lasso are dragged. A polygon is clicked corner by corner, and closed by a double click, by a
+    click on its first corner or by Return. Esc cancels the outline.
 
     Attributes
     ----------
@@ -209,7 +209,7 @@ class SlabTool(SelectionTool):
     axis : int
         0, 1 or 2.
     planes_moved : Signal(float, float)
-        Where the two planes are along the axis.
+        Positions of the two planes along the axis.
     preview_timer : QTimer
         Until the cursor rests and the preview is made.
     """

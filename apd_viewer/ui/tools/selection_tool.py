@@ -48,7 +48,7 @@ class SelectionTool(MouseTool, QObject):
     Attributes
     ----------
     effect : StrokeEffect
-        Of the stroke, or of one that would begin now.
+        Effect of the current stroke, or of one beginning now.
     stroke_began : Signal(object)
         The Act.
     vertices_painted : Signal(object)

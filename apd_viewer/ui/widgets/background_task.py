@@ -29,7 +29,7 @@ class BackgroundTask(QObject):
         self._ended.connect(self._end, Qt.ConnectionType.QueuedConnection)
 
     @property
-    def busy(self) -> bool:
+    def is_busy(self) -> bool:
         """True while a result is pending."""
         return self._wanted is not None
 

@@ -45,8 +45,8 @@ def _fill(box: _Box, margins: Margins | None, parts: tuple[Part, ...]) -> _Box:
 def add_parts(box: QBoxLayout, *parts: Part) -> None:
     """Add parts at the end of a row or column.
 
-    Each is a widget or layout, one with its stretch, a widget with stretch and alignment, a space in px, or
-    STRETCH.
+    A part is a widget or layout, optionally with its stretch, a widget with stretch and alignment, a space in
+    px, or STRETCH.
     """
     for part in parts:
         if part is STRETCH:

@@ -27,7 +27,7 @@ class ConvergenceProgress(QWidget):
     clock : callable
         The time in seconds.
     is_waiting : callable
-        Whether the solver waits for its kernels: until then no time left can be told.
+        Whether the solver waits for its kernels, when no time left can be estimated.
     """
 
     def __init__(

@@ -178,7 +178,7 @@ class NumberField(QtWidgets.QDoubleSpinBox):
             if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(
                 percentage.PERCENT_SIGN
             ):
-                percentage.check_no_factor(value)
+                percentage.check_not_factor(value)
         except InputError as error:
             return str(error)
         return ""

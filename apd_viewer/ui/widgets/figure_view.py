@@ -19,7 +19,7 @@ class FigureView(QWidget):
     Parameters
     ----------
     description : str
-        What is to be seen, for those who do not see it.
+        Description of the figure for screen readers.
     """
 
     def __init__(self, path: Path, description: str) -> None:

@@ -25,7 +25,7 @@ def resize_on_screen(window: QWidget, size: QSize) -> None:
 def arrange_row(row: QBoxLayout, available_width: float) -> bool:
     """Lay out ``row`` horizontally if it fits in ``available_width`` px, else stacked.
 
-    Returns whether it stands side by side.
+    Returns whether it is laid out horizontally.
     """
     row.setDirection(QBoxLayout.Direction.LeftToRight)
     row.activate()  # includes changes inside nested rows

@@ -72,7 +72,7 @@ class Section(QWidget):
     Attributes
     ----------
     column : QVBoxLayout
-        What the section consists of.
+        Layout of the content.
     """
 
     def __init__(self, title: str) -> None:

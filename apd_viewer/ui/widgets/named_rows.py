@@ -88,7 +88,7 @@ class NamedRow(QFrame):
     Parameters
     ----------
     remove : str
-        What the button to remove it says.
+        Tooltip of the remove button.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class NamedList(QWidget, Generic[Row]):
     Parameters
     ----------
     make : callable
-        From a place and a name to a new row, connected to what only its kind has.
+        Function making a row for an index and a name, connected to the signals of its kind.
     """
 
     chosen = Signal(int)

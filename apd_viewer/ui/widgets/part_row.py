@@ -128,7 +128,7 @@ class PartList(NamedList[PartRow]):
     Parameters
     ----------
     make : callable
-        From a name and a colour to a new row.
+        Function making a row for a name and a colour.
     """
 
     hidden = Signal(int, bool)

@@ -21,9 +21,9 @@ class SliderScale(NamedTuple):
     Attributes
     ----------
     value_at : callable
-        From a step to its value.
+        Value of a step.
     step_of : callable
-        From a value to its step, not rounded.
+        Step of a value, not rounded.
     neutral : int
         The step that the knob falls into, and from which the bar is drawn.
     """
@@ -42,14 +42,14 @@ class SliderField(QWidget):
     title : QLabel or QCheckBox
         Before the field; a check box also says whether the value counts at all.
     name : str
-        For those who cannot see the title.
+        Accessible name.
     ends : (str, str), optional
         Words under both ends of the slider.
 
     Attributes
     ----------
     chosen : Signal(float)
-        By the field, by a step of the keyboard, or many times within a sweep of the knob.
+        Emitted by the field, by a key step, and repeatedly while the knob is moved.
     """
 
     chosen = Signal(float)

@@ -18,8 +18,8 @@ from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_CO
 class Theme:
     """Colours of the window as #rrggbb.
 
-    ``warm`` calls for attention, ``accent`` marks what is chosen; ``less`` and ``more`` are those of what
-    shrinks and grows.
+    ``warm`` is for warnings, ``accent`` for the selection; ``less`` and ``more`` are for shrinkage and
+    growth.
     """
 
     canvas_top: str

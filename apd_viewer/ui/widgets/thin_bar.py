@@ -34,8 +34,8 @@ class ElidedLabel(QLabel):
 class ThinBar(QProgressBar):
     """Thin progress bar without text.
 
-    A bar of unknown length moves, and the whole window is composed for each of its draws. Qt goes on with
-    that while the bar is empty, though its length is known by then.
+    A busy bar moves, and each of its draws composes the whole window. Qt continues the animation while the
+    bar is empty, although its length is then known.
     """
 
     def __init__(self) -> None:

@@ -56,7 +56,7 @@ def test_read_selection_file_brings_everything_back(suffix, selection, tmp_path_
     assert write_selection(path, MESH, selection) == ()
     there = read_selection_file(path, MESH)
     assert same(there, selection)
-    assert there.same_mesh
+    assert there.is_for_same_mesh
     assert there.labels.dtype == there.member.dtype == np.uint8
     assert not there.labels.flags.writeable
     assert not there.member.flags.writeable
@@ -148,7 +148,7 @@ def test_read_selection_file_gives_a_deformed_copy_the_selection_and_knows_that_
     write_selection(tmp_path / f"a{suffix}", MESH, painted())
     there = read_selection_file(tmp_path / f"a{suffix}", Mesh(2.0 * MESH.V, MESH.F))
     assert same(there, painted())
-    assert not there.same_mesh
+    assert not there.is_for_same_mesh
 
 
 def test_selection_dmat_is_what_libigl_reads_and_writes(tmp_path):

@@ -153,7 +153,7 @@ def test_read_json_needs_no_more_than_the_mesh_of_a_file_written_by_hand(tmp_pat
     (tmp_path / "a.json").write_text("\ufeff" + json.dumps(said), encoding="utf-8")
     there = read_selection_file(tmp_path / "a.json", MESH)
     assert (there.labels == FREE).all()
-    assert there.same_mesh
+    assert there.is_for_same_mesh
 
 
 FREE_ALL = np.full(N, FREE)

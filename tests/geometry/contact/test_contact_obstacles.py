@@ -70,7 +70,7 @@ def test_contact_forces_of_obstacles_are_those_of_differences(kind):
     """On the surface and on the obstacle, which carries what the surface does."""
     V, _, contact = touching(kind)
     contact.start_at(V)
-    g, h = contact.gradient(V), 1e-7
+    g, h = contact.quarter_gradient(V), 1e-7
     assert contact.touching_pairs > 0
     assert np.abs(g).max() > 0.0
     # Forces are balanced: what the gap does to one it does to the other.
@@ -110,7 +110,7 @@ def test_contact_lets_no_way_lead_into_an_obstacle(seed):
                 assert nearest(obstacle, shift, between, F)[0] > 0.0
                 assert obstacle.distances_and_directions(obstacle.points + shift, between)[0].min() > 0.0
         V, shifts = W, ahead
-        contact.gradient(V)
+        contact.quarter_gradient(V)
         near = [nearest(o, s, V, F)[1] for o, s in zip(KINDS.values(), shifts, strict=True)]
         assert contact.touching_pairs >= sum((found < REACH).sum() for found in near) > -1
 

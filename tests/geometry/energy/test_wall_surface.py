@@ -34,7 +34,7 @@ def test_wall_surface_stretches_as_elasticity_has_it():
     strain, poisson = 1e-5, MATERIAL.poisson
     for across, firm in ((-poisson * strain, 1.0), (0.0, 1.0 / (1.0 - poisson**2))):
         U = V * (1.0 + np.array([strain, across, 0.0]))
-        expected = 0.5 * MATERIAL.young * firm * strain**2 * 24.0
+        expected = 0.5 * MATERIAL.tensile_stiffness * firm * strain**2 * 24.0
         assert wall(V, F).energy_after_local_step(U) == pytest.approx(expected, rel=1e-4)
 
 

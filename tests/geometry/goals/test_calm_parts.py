@@ -6,7 +6,12 @@ from meshes import character, rotation, tube
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals import calm_parts
-from apd_viewer.geometry.goals.calm_parts import calm_levels, calmness, calmness_from_flux, gesture_flux
+from apd_viewer.geometry.goals.calm_parts import (
+    calm_level_weights,
+    calmness,
+    calmness_from_flux,
+    gesture_flux,
+)
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
@@ -149,10 +154,10 @@ def held():
     return ids, np.isin(ids, REST.weld.inverse[HEAD]).astype(int)
 
 
-def test_calm_levels_share_the_calm_vertices_among_them():
+def test_calm_level_weights_share_the_calm_vertices_among_them():
     ids, handle_of = held()
     x = gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)
-    levels = calm_levels(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)
+    levels = calm_level_weights(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)
     assert levels.min() >= 0.0
     inside = np.setdiff1d(ids, REST.solve_mesh.F[~np.isin(REST.solve_mesh.F, ids).all(axis=1)])
     assert len(inside) > 0
@@ -164,9 +169,9 @@ def test_calm_levels_share_the_calm_vertices_among_them():
     assert calmness_from_flux(np.array([0.0, -0.5, -4.0, -9.0])) == pytest.approx([0.0, 0.0, 1.0, 1.0])
 
 
-def test_calm_levels_keep_the_area_of_their_largest_part_apart_from_the_others():
+def test_calm_level_weights_keep_the_area_of_their_largest_part_apart_from_the_others():
     """The legs, which are connected below the base, and the arms."""
-    levels = calm_levels(REST.solve_mesh, *held(), NO_SOFT_CONSTRAINTS)
+    levels = calm_level_weights(REST.solve_mesh, *held(), NO_SOFT_CONSTRAINTS)
     legs, arms = REST.solve_mesh.V[:, 1] < -0.8, np.abs(REST.solve_mesh.V[:, 0]) > 2.0
     last = levels[-2:]
     assert last[0][legs].min() == 1.0
@@ -215,10 +220,10 @@ def test_gesture_flux_of_a_thinned_mesh_tells_about_the_same(monkeypatch):
 
 
 @pytest.mark.parametrize("missing", ["base", "handle"])
-def test_calm_levels_find_no_gesture_without_a_base_or_a_handle(missing):
+def test_calm_level_weights_find_no_gesture_without_a_base_or_a_handle(missing):
     ids, handle_of = held()
     number = np.zeros_like(handle_of) if missing == "handle" else np.ones_like(handle_of)
-    assert len(calm_levels(REST.solve_mesh, ids, number, NO_SOFT_CONSTRAINTS)) == 0
+    assert len(calm_level_weights(REST.solve_mesh, ids, number, NO_SOFT_CONSTRAINTS)) == 0
 
 
 def test_calmness_is_shown_for_the_vertices_of_the_file():

@@ -45,8 +45,8 @@ def test_goal_measures_have_values_and_gradients_that_belong_together():
     quotients = (measures.values(U + 1e-5 * direction) - measures.values(U - 1e-5 * direction)) / 2e-5
     np.testing.assert_allclose(quotients, (g * direction).sum(axis=(1, 2)), rtol=1e-6)
     for goal in goals:
-        assert goal.relative_miss(goal.target) == 0.0
-        assert goal.relative_miss(goal.rest) == pytest.approx(1 - goal.target / goal.rest)
+        assert goal.relative_deviation(goal.target) == 0.0
+        assert goal.relative_deviation(goal.rest) == pytest.approx(1 - goal.target / goal.rest)
 
 
 def test_make_goals_asks_a_level_of_calmness_for_what_the_area_is_but_not_in_a_region():

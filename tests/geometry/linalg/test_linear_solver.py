@@ -188,14 +188,14 @@ def test_supernodes_are_all_unknowns_and_the_tasks_are_apart(mesh):
     assert np.array_equal(np.sort(nodes.order), np.arange(len(V)))
     assert nodes.first[0] == 0
     assert nodes.first[-1] == len(V)
-    task_of = np.searchsorted(nodes.task, np.arange(len(nodes.own)), side="right") - 1
+    task_of = np.searchsorted(nodes.task, np.arange(len(nodes.own_width)), side="right") - 1
     last = len(nodes.task) - 1
-    supernode_of = np.repeat(np.arange(len(nodes.own)), nodes.own)
-    for s in range(len(nodes.own)):
+    supernode_of = np.repeat(np.arange(len(nodes.own_width)), nodes.own_width)
+    for s in range(len(nodes.own_width)):
         later = nodes.later[nodes.begin[s] : nodes.begin[s + 1]]
         assert (later >= nodes.first[s + 1]).all()
         assert np.isin(task_of[supernode_of[later]], [task_of[s], last]).all()
-    *shares, top = np.add.reduceat(nodes.own, nodes.task) / len(V)
+    *shares, top = np.add.reduceat(nodes.own_width, nodes.task) / len(V)
     assert len(shares) >= 4
     assert max(shares) <= 0.25
     assert top < 0.3, "what no two cores can share"

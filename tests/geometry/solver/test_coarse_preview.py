@@ -59,7 +59,7 @@ def test_coarse_preview_always_holds_what_is_asked(asked, factor):
         assert method.progress.has_met_goals
         assert np.array_equal(method.progress.U[FIXED], targets(0.04 * k, (0, 0, 0)))
         for goal in goals:
-            assert abs(goal.relative_miss(GoalMeasures((goal,)).values(method.progress.U)[0])) <= (
+            assert abs(goal.relative_deviation(GoalMeasures((goal,)).values(method.progress.U)[0])) <= (
                 1e-9 if asked == "all" else 1e-10
             )
         assert not solver.frame().settled

@@ -9,7 +9,7 @@ import pytest
 import apd_viewer
 from apd_viewer.errors import InputError
 from apd_viewer.figures.style import METHOD_STYLES
-from apd_viewer.geometry.solver.methods import COMPARED_METHODS, DEFAULT_METHOD, METHODS, check_method
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, DEFAULT_METHOD, METHODS, checked_method
 
 PACKAGE = Path(apd_viewer.__file__).parent
 NAMES = "|".join(map(re.escape, METHODS))
@@ -41,6 +41,6 @@ def test_method_traits_do_not_contradict_each_other(method):
 
 
 @pytest.mark.parametrize("name", ["", "Exact", None, ["exact"]])
-def test_check_method_refuses_an_unknown_method(name):
+def test_checked_method_refuses_an_unknown_method(name):
     with pytest.raises(InputError, match="Unknown method"):
-        check_method(name, np.array([0, 1]))
+        checked_method(name, np.array([0, 1]))

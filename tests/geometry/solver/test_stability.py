@@ -208,7 +208,8 @@ def test_stability_search_finds_the_lowest_curvature_of_a_dense_hessian(method):
     H, K = np.empty((3 * f, 3 * f)), np.empty((3 * f, 3 * f))
     for k, unit in enumerate(np.eye(3 * f)):
         way = unit.reshape(f, 3)
-        H[:, k] = ((at.slope(at.along(small * way)) - at.slope(at.along(-small * way))) / (2 * small)).ravel()
+        ahead, behind = (at.quarter_gradient(at.moved_along(s * way)) for s in (small, -small))
+        H[:, k] = ((ahead - behind) / (2 * small)).ravel()
         K[:, k] = at.solve(way).ravel()  # the inverse of the metric
     at.projection.evaluate(at.surface.U)
     g = at.projection.g[:, at.surface.free].reshape(-1, 3 * f)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from meshes import box, ends
 
-from apd_viewer.cases.case import case_of, run
+from apd_viewer.cases.case import case_of, case_steps
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import rotation_about
@@ -61,7 +61,7 @@ def test_gesture_motion_leads_from_the_shape_before_to_the_pose_after(first, sec
 def test_gesture_motion_begins_with_the_shape_before_when_swept(state):
     before = shown(state, turned(state.document, 90))
     motion = gesture_motion(before, turned(before.document, 150))
-    first, *_, last = run(case_of(motion.with_settings(method="exact"), 2, iterations=1))
+    first, *_, last = case_steps(case_of(motion.with_settings(method="exact"), 2, iterations=1))
     held = before.document.constraints()
     np.testing.assert_allclose(first.frame.U[held.fixed], held.targets, atol=1e-9)
     assert first.degrees == 0.0

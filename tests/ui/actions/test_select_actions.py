@@ -163,7 +163,7 @@ def expected(scene, tool, change):
 @pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.BASE, Tool.REGION, Tool.MOVE])
 @pytest.mark.parametrize("change", [GROW, SHRINK, INVERT])
 @pytest.mark.parametrize("name", ["rabbit", "seams", "pieces", pytest.param("bent", marks=pytest.mark.night)])
-def test_reshape_makes_a_part_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, change, tool):
+def test_edit_part_makes_a_part_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, change, tool):
     scene = theatre.scene(qtbot, name)
     scene.take(tool, SelectionMode.BRUSH)
     before, steps, action = scene.document, scene.steps, changes(scene)[change]
@@ -200,7 +200,7 @@ def test_select_actions_change_a_part_by_keys(scene, keyboard):
 
 
 @pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.REGION, Tool.BASE])
-def test_reshape_makes_no_step_where_it_changes_nothing(qtbot, theatre, tool):
+def test_edit_part_makes_no_step_where_it_changes_nothing(qtbot, theatre, tool):
     scene = theatre.scene(qtbot, "bare")
     scene.take(tool, SelectionMode.BRUSH)
     everything = len(scene.document.labels)
@@ -222,7 +222,7 @@ def test_reshape_makes_no_step_where_it_changes_nothing(qtbot, theatre, tool):
     assert scene.document is scene.state.document
 
 
-def test_reshape_in_the_middle_of_a_stroke_ends_the_stroke_and_does_no_more(qtbot, theatre):
+def test_edit_part_in_the_middle_of_a_stroke_ends_the_stroke_and_does_no_more(qtbot, theatre):
     scene = theatre.scene(qtbot, "bare")
     scene.take(Tool.BASE, SelectionMode.BRUSH)
     at, mouse = Gesture(scene.window, SelectionMode.BRUSH).press, Mouse(scene.view)

@@ -20,7 +20,7 @@ print(settings.fileName())
 
 @pytest.mark.skipif(sys.platform != "linux", reason="others keep settings elsewhere")
 @pytest.mark.parametrize("name", ["apd-viewer.conf", "apd-viewer/apd-viewer.conf", "apd-viewer/language"])
-def test_own_settings_do_not_wait_for_a_pipe_in_the_place_of_settings_or_language(name, tmp_path):
+def test_user_settings_do_not_wait_for_a_pipe_in_the_place_of_settings_or_language(name, tmp_path):
     (tmp_path / "apd-viewer").mkdir()
     pipe = WatchedPipe(tmp_path / name)
     own = {"XDG_CONFIG_HOME": str(tmp_path), "QT_QPA_PLATFORM": "offscreen", "APD_VIEWER_LANGUAGE": ""}

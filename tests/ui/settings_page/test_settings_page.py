@@ -128,7 +128,7 @@ def test_settings_dialog_has_each_setting_do_what_it_says_and_keeps_it(
     assert window.canvas.viewport.camera_controller.camera.up_axis is UpAxis.PLUS_Y
 
 
-def test_settings_page_is_one_follows_the_window_and_is_named_for_screen_readers(qtbot, window, page):
+def test_settings_dialog_is_one_follows_the_window_and_is_named_for_screen_readers(qtbot, window, page):
     window.actions_.settings.trigger()
     assert window.shell.findChildren(SettingsDialog) == [page]
     window.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()

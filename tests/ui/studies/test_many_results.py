@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt, QTimer
 from apd_viewer.cases.results import read_results
 from apd_viewer.ui.plots import scatter_view
 from apd_viewer.ui.studies import case_study_controller
-from apd_viewer.ui.studies.case_study_controller import FolderWatch, ReadResults
+from apd_viewer.ui.studies.case_study_controller import FolderWatch, ResultsSnapshot
 from apd_viewer.ui.studies.result_columns import shown_columns
 from apd_viewer.ui.studies.results_panel import ResultsPanel
 
@@ -43,7 +43,7 @@ def panels(qtbot, folders):
         qtbot.waitExposed(panel)
         table = read_results(folder)
         panel.show_study(folder)
-        panel.show_results(ReadResults(table, shown_columns(table)))
+        panel.show_results(ResultsSnapshot(table, shown_columns(table)))
     return found
 
 
@@ -64,7 +64,7 @@ def draw(panel):
 
 def show_again(panel):
     table = read_results(panel.folder)
-    found = ReadResults(table, shown_columns(table))
+    found = ResultsSnapshot(table, shown_columns(table))
     panel.show_results(found)
     draw(panel)
 

@@ -27,7 +27,7 @@ def test_varied_quantities_offer_motions_with_ranges_that_a_plan_can_say():
     assert [each.name for each in offered] == [word for word, kind in MOTION_KINDS.items() if kind.study]
     for each in offered:
         span = quantity_range(each, each.low, each.high, state, Unit.NONE)
-        assert (span.varied.low, span.varied.unit) == (0.0, each.unit)
+        assert (span.design_variable.low, span.design_variable.unit) == (0.0, each.unit)
         for end in span.low, span.high:
             parse_motion(f"{each.name} {end}")[0].parse_amounts(Unit.NONE)
 

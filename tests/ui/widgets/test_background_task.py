@@ -51,8 +51,8 @@ def test_background_task_tells_a_result_on_the_thread_of_the_window(qtbot, task)
     threads = []
     task.done.connect(lambda result: threads.append((result, threading.get_ident())))
     task.begin(lambda _: threading.get_ident())
-    assert task.busy
-    qtbot.waitUntil(lambda: not task.busy)
+    assert task.is_busy
+    qtbot.waitUntil(lambda: not task.is_busy)
     ((worked, told),) = threads
     assert told == threading.get_ident() != worked
 
@@ -63,7 +63,7 @@ def test_background_task_tells_only_of_what_is_asked_for_last(qtbot, task, told)
     assert started.wait(5)
     task.begin(lambda _: "older than the next")
     task.begin(lambda _: "new")
-    qtbot.waitUntil(lambda: not task.busy)
+    qtbot.waitUntil(lambda: not task.is_busy)
     assert told == ["new"]
 
 
@@ -72,11 +72,11 @@ def test_cancel_keeps_a_result_from_being_told(qtbot, task, told):
     task.begin(patient(started, "old"))
     assert started.wait(5)
     task.cancel()
-    assert not task.busy
+    assert not task.is_busy
     qtbot.waitUntil(lambda: not measuring())
     QApplication.processEvents()
     task.begin(lambda _: "new")
-    qtbot.waitUntil(lambda: not task.busy)
+    qtbot.waitUntil(lambda: not task.is_busy)
     assert told == ["new"]
 
 
@@ -85,7 +85,7 @@ def test_background_task_tells_a_lack_of_memory_as_one(qtbot, task, told):
         raise MemoryError
 
     task.begin(work)
-    qtbot.waitUntil(lambda: not task.busy)
+    qtbot.waitUntil(lambda: not task.is_busy)
     assert told == [None]
 
 

@@ -7,7 +7,7 @@ from meshes import sphere, tube
 
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.energy.solve_mesh import AreaBarrier, SolveMesh
+from apd_viewer.geometry.energy.solve_mesh import AreaPenalty, SolveMesh
 from apd_viewer.geometry.solver.deformation_result import deform
 
 V, F = sphere(2)
@@ -18,56 +18,56 @@ def crumpled(amount):
     return V + amount * np.random.default_rng(0).normal(size=V.shape)
 
 
-def test_area_barrier_energy_is_the_sum_over_triangles_below_three_tenths_of_their_area():
+def test_area_penalty_energy_is_the_sum_over_triangles_below_three_tenths_of_their_area():
     U, before = crumpled(0.1), oracle.areas(V, F)
     share = oracle.areas(U, F) / before
     assert (share < 0.3).sum() > 10
     expected = 2 * before.sum() * sum((1 - s / 0.3) ** 2 for s in share if s < 0.3)
-    assert AreaBarrier(V, F).energy(U) == pytest.approx(expected, rel=1e-12)
+    assert AreaPenalty(V, F).energy(U) == pytest.approx(expected, rel=1e-12)
 
 
-def test_area_barrier_gradient_is_that_of_finite_differences():
-    barrier, U, h = AreaBarrier(V, F), crumpled(0.1), 1e-7
+def test_area_penalty_gradient_is_that_of_finite_differences():
+    penalty, U, h = AreaPenalty(V, F), crumpled(0.1), 1e-7
     share = oracle.areas(U, F) / oracle.areas(V, F)
     assert share.min() > 1e-3  # below, a normal is rounding
-    gradient, expected = barrier.gradient(U), np.zeros_like(U)
+    gradient, expected = penalty.gradient(U), np.zeros_like(U)
     for i, axis in np.ndindex(*U.shape):
         step = np.zeros_like(U)
         step[i, axis] = h
-        expected[i, axis] = (barrier.energy(U + step) - barrier.energy(U - step)) / (2 * h)
+        expected[i, axis] = (penalty.energy(U + step) - penalty.energy(U - step)) / (2 * h)
     np.testing.assert_allclose(gradient, expected, atol=1e-6 * np.abs(expected).max())
     assert np.abs(gradient.sum(axis=0)).max() <= 1e-9
 
 
-def test_area_barrier_gradient_begins_without_a_jump():
+def test_area_penalty_gradient_begins_without_a_jump():
     """At three tenths of the area, from either side."""
-    barrier, scale = AreaBarrier(V, F), np.sqrt(0.3)
-    assert np.abs(barrier.gradient(scale * (1 + 1e-9) * V)).max() == 0.0
-    assert barrier.energy(scale * (1 + 1e-9) * V) == 0.0
-    assert 0.0 < np.abs(barrier.gradient(scale * (1 - 1e-9) * V)).max() <= 1e-5
+    penalty, scale = AreaPenalty(V, F), np.sqrt(0.3)
+    assert np.abs(penalty.gradient(scale * (1 + 1e-9) * V)).max() == 0.0
+    assert penalty.energy(scale * (1 + 1e-9) * V) == 0.0
+    assert 0.0 < np.abs(penalty.gradient(scale * (1 - 1e-9) * V)).max() <= 1e-5
 
 
-def test_area_barrier_stays_finite_with_slivers_and_flat_triangles():
+def test_area_penalty_stays_finite_with_slivers_and_flat_triangles():
     X = np.vstack([V, V[0] + 1e-12])
-    barrier = AreaBarrier(X, np.vstack([F, [0, 1, len(V)]]))
+    penalty = AreaPenalty(X, np.vstack([F, [0, 1, len(V)]]))
     for U in (X, 0.0 * X, np.outer(X[:, 0], [1.0, 0, 0])):
-        assert np.isfinite(barrier.energy(U))
-        assert np.isfinite(barrier.gradient(U)).all()
-    assert barrier.energy(X) == 0.0
+        assert np.isfinite(penalty.energy(U))
+        assert np.isfinite(penalty.gradient(U)).all()
+    assert penalty.energy(X) == 0.0
 
 
 @pytest.mark.parametrize("bending", [1e-3, 1e-2])
-def test_elastic_surface_iterate_reduces_the_energy_without_the_area_barrier(bending):
+def test_elastic_surface_iterate_reduces_the_energy_without_the_area_penalty(bending):
     """Half of a crumpled sphere is held: on the way back nothing sends the other half to and fro."""
     rng = np.random.default_rng(0)
     held, U = np.flatnonzero(rng.random(len(V)) < 0.5), crumpled(0.25)
-    elastic, barrier = ElasticSurface(SolveMesh(V, F), held, Material(bending=bending)), AreaBarrier(V, F)
+    elastic, penalty = ElasticSurface(SolveMesh(V, F), held, Material(bending=bending)), AreaPenalty(V, F)
     elastic.local_step(U)
     energies = []
     for _ in range(20):
         elastic.local_step(elastic.global_step(U[held]))
-        energies.append(elastic.energy - bending * barrier.energy(elastic.U))
-    assert barrier.energy(elastic.U) > 0.0
+        energies.append(elastic.energy - bending * penalty.energy(elastic.U))
+    assert penalty.energy(elastic.U) > 0.0
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
 
 
