@@ -130,12 +130,13 @@ def page_html(page: Page) -> str:
 
 
 def _section(section: PageSection) -> str:
-    blocks = "\n".join(_block(block) for block in section.blocks)
+    blocks = "\n".join(block_html(block) for block in section.blocks)
     kind = ' class="wide"' if section.is_wide else ""
     return f"<section{kind}>\n<h2>{escape(section.heading)}</h2>\n{blocks}\n</section>"
 
 
-def _block(block: PageBlock) -> str:
+def block_html(block: PageBlock) -> str:
+    """HTML text of a block."""
     if isinstance(block, PageTable):
         return "<table>\n" + "\n".join(_row(*row) for row in block.rows) + "\n</table>"
     if isinstance(block, PageGrid):

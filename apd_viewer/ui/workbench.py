@@ -223,6 +223,9 @@ class Workbench(QObject):
         signals.failed.connect(self.notice.show_failure)
         signals.view_opened.connect(self._apply_view)
         signals.measured.connect(self.volume.show_check)
+        wall_entered = self.panel.measures.wall_fields.entered
+        for change in (signals.measured, signals.status_changed, wall_entered):
+            change.connect(self.reports.refresh_volumes)
         for change in (signals.changed, signals.measured):
             change.connect(self.measurements.refresh)
         signals.changed.connect(self.obstacles.refresh)
@@ -233,6 +236,7 @@ class Workbench(QObject):
         session_signals.connect_parts(self.panel, self.session, self.parts)
         self.panel.area.unit.chosen.connect(self.choose_unit)
         self.panel.area.unit.chosen.connect(self.volume.follow_wall)
+        self.panel.area.unit.chosen.connect(self.reports.refresh_volumes)
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
         self.status.pause_requested.connect(self.session.store.pause_or_resume)

@@ -14,6 +14,8 @@ def dialogs(driver):
     for name, open_dialog in zip(("sweep", "animate", "press", "paper", "verify"), openers, strict=True):
         open_dialog()
         show(driver, name, runs.dialogs[name])
+    window.reports.open_volumes()
+    show(driver, "volumes", window.reports.volumes)
     window.case_studies.design_study()
     for row in window.case_studies.dialog.varied.rows.values():
         row.check.setChecked(True)

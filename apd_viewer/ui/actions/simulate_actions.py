@@ -34,6 +34,8 @@ class SimulateActions:
         self.sweep = make("sweep", tr("&Sweep…"), "sweep", tip, None, commands.runs.open_sweep)
         tip = tr("Compute many variants of this deformation, and compare what comes of them")
         self.study = make("study", tr("Study…"), "study", tip, None, commands.case_studies.design_study)
+        tip = tr("Show the volumes at rest and now beside published figures of crushed bottles")
+        self.volumes = make("volumes", tr("&Volumes…"), "volumes", tip, None, commands.reports.open_volumes)
         tip = tr("Pause the solver, or let it continue")
         self.pause = make(
             "pause", tr("Pause or c&ontinue solving"), "pause", tip, "Space", commands.pause_or_resume
@@ -44,7 +46,7 @@ class SimulateActions:
     @property
     def mesh_actions(self) -> list[QAction]:
         """Actions available only with an open mesh."""
-        runs = [self.press_live, self.press, self.compare, self.sweep, self.study]
+        runs = [self.press_live, self.press, self.compare, self.sweep, self.study, self.volumes]
         return [*runs, *self.obstacles.mesh_actions]
 
     def fill(self, menu: QMenu) -> None:
@@ -53,5 +55,6 @@ class SimulateActions:
         self.obstacles.fill(menu)
         menu.addSeparator()
         menu.addActions([self.press, self.compare, self.sweep, self.study])
+        menu.addAction(self.volumes)
         menu.addSeparator()
         menu.addAction(self.pause)

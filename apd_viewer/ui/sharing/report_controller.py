@@ -29,7 +29,7 @@ from apd_viewer.log import redacted_text
 from apd_viewer.presentation.legend_svg import legend_svg
 from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_blocks import ReportReadings
-from apd_viewer.presentation.report_page import ReportSubject, report_page
+from apd_viewer.presentation.report_page import ReportSubject, report_page, volumes_block
 from apd_viewer.presentation.scales import Measure, Scale, default_scale
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
@@ -47,6 +47,7 @@ from apd_viewer.ui.plots.plots import svg_element
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.scene_picture import OffscreenScene, encode_png
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureRenderer, PictureSettings
+from apd_viewer.ui.sharing.volumes_dialog import VolumesDialog
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
@@ -90,6 +91,7 @@ class ReportController:
         self._session = session
         self.pictures = PictureRenderer(canvas, display_options, notice, session.jobs)
         self._wish: PictureSettings | None = None
+        self.volumes: VolumesDialog | None = None
 
     def copy_diagnostics(self) -> None:
         """Copy diagnostics to the clipboard."""
@@ -107,6 +109,26 @@ class ReportController:
             return
         QGuiApplication.clipboard().setText(lines)
         self._notice.show_message(tr("Copied the Python lines that repeat this deformation."))
+
+    def open_volumes(self) -> None:
+        """Open the dialog of volumes beside published figures."""
+        if self.volumes is None:
+            self.volumes = VolumesDialog(self._window, self._volumes_table)
+        self.volumes.refresh()
+        self.volumes.show()
+        self.volumes.activateWindow()
+
+    def refresh_volumes(self) -> None:
+        """Refresh the dialog of volumes, if it is open."""
+        if self.volumes is not None and self.volumes.isVisible():
+            self.volumes.refresh()
+
+    def _volumes_table(self) -> html_page.PageBlock:
+        store, checks = self._session.store, self._session.shape_checks
+        if store.state is None or checks.shape_check is None or checks.rest_check is None:
+            return html_page.PageNote(tr("Measuring…"))
+        wall = self._view().wall
+        return volumes_block(store.state, store.unit, wall, (checks.rest_check, checks.shape_check))
 
     def ask_for_report(self) -> None:
         """Ask for a file and write a report to it."""

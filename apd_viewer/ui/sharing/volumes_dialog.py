@@ -1,0 +1,63 @@
+"""Dialog with the volumes of a shape beside published figures."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QEvent, QSize
+from PySide6.QtWidgets import QDialog, QPushButton, QTextBrowser, QWidget
+
+from apd_viewer.files.html_page import PageBlock, block_html
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
+
+_SIZE = QSize(980, 640)
+_STYLE = """
+th, td {{ padding: 6px 14px 6px 0; text-align: left; vertical-align: top; }}
+th {{ font-weight: 600; }}
+small {{ color: {quiet}; font-weight: 400; }}
+"""
+
+
+class VolumesDialog(QDialog):
+    """Dialog with the volumes at rest and now, beside published figures.
+
+    Parameters
+    ----------
+    table : callable
+        Returns the table of a report.
+    """
+
+    def __init__(self, window: QWidget, table: Callable[[], PageBlock]) -> None:
+        super().__init__(window, objectName="study")
+        self.setWindowTitle(tr("Volumes"))
+        self._table = table
+        self._shown: tuple[Theme, str] | None = None
+        self.text = QTextBrowser(openLinks=False, accessibleName=tr("Volumes"), objectName="pages")
+        self.copy = QPushButton(tr("Copy table"), autoDefault=False, clicked=self._copy)
+        self.close_ = QPushButton(tr("Close"), objectName="primary", autoDefault=False, clicked=self.close)
+        below = row_layout(self.copy, STRETCH, self.close_)
+        column_layout((self.text, 1), below, spacing=16, margins=(24, 20, 24, 20), parent=self)
+        self.refresh()
+        resize_on_screen(self, _SIZE)
+
+    def refresh(self) -> None:
+        """Show the current volumes; the text stays where it is scrolled to."""
+        theme = DARK if self.palette().window().color().lightnessF() < 0.5 else LIGHT
+        shown = theme, block_html(self._table())
+        if shown != self._shown:
+            self._shown, place = shown, self.text.verticalScrollBar().value()
+            self.text.document().setDefaultStyleSheet(_STYLE.format(quiet=theme.quiet))
+            self.text.setHtml(shown[1])
+            self.text.verticalScrollBar().setValue(place)
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Show the text in the colours of the theme."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and self._shown is not None:
+            self.refresh()
+
+    def _copy(self) -> None:
+        self.text.selectAll()
+        self.text.copy()
+        self.text.moveCursor(self.text.textCursor().MoveOperation.Start)
