@@ -1,6 +1,6 @@
 """Readings of a shape between two plates as texts and curves."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,6 @@ from apd_viewer.presentation import obstacle_readings, readings
 from apd_viewer.presentation.number_format import format_grouped, format_length, format_significant
 from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
 
@@ -28,12 +27,19 @@ class ReadingText(NamedTuple):
 
 
 def plate_reading_texts(
-    state: State, unit: Unit, newtons: NewtonConversion | None
+    state: State, unit: Unit, newtons: NewtonConversion | None, wall_newtons: float | None = None
 ) -> tuple[ReadingText, ...]:
-    """Distance, load, volume and area of a shape between plates."""
+    """Distance, load, volume and area of a shape between plates.
+
+    ``wall_newtons`` is the load that the method Wall found at the same place of the plates.
+    """
+    load = _load(state, newtons)
+    if wall_newtons is not None:
+        tip = tr("Load of the wall itself; of the shape on screen {load}").format(load=_joined(load))
+        load = ReadingText(load.title, newtons_text(wall_newtons), tr("of the wall"), f"{tip}.")
     return (
         _distance(state, unit),
-        _load(state, newtons),
+        load,
         _volume(state, unit),
         ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest")),
     )
@@ -61,9 +67,18 @@ def _load(state: State, newtons: NewtonConversion | None) -> ReadingText:
     note = tr("excess {percent} %").format(percent=format_significant(100.0 * excess, 2))
     if newtons is None:
         return ReadingText(tr("Load"), format_significant(load, 4), note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
-    text = tr("{force} N").format(force=format_significant(newtons.newtons_per_load * load, 3))
+    text = newtons_text(newtons.newtons_per_load * load)
     off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor())
     return ReadingText(tr("Load"), text, off or note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
+
+
+def newtons_text(force: float) -> str:
+    """Text of a force in newtons."""
+    return tr("{force} N").format(force=format_significant(force, 3))
+
+
+def _joined(reading: ReadingText) -> str:
+    return f"{reading.value} ({reading.note})" if reading.note else reading.value
 
 
 def _volume(state: State, unit: Unit) -> ReadingText:
@@ -95,8 +110,8 @@ class PlateCurves(NamedTuple):
 
     Attributes
     ----------
-    starts : (s,) int array
-        Numbers of the steps that begin a run.
+    states : tuple of State or None
+        What is read, for each step.
     deflection : (s,) float array
         Way of the plates, mesh units.
     load : (s,) float array
@@ -106,19 +121,23 @@ class PlateCurves(NamedTuple):
     settled : (s,) bool array
     """
 
-    starts: np.ndarray
+    states: tuple[State | None, ...]
     deflection: np.ndarray
     load: np.ndarray
     volume: np.ndarray
     settled: np.ndarray
 
 
-def plate_curves(timeline: Timeline, newtons: Callable[[State], NewtonConversion | None]) -> PlateCurves:
-    """Curves of load and volume along a timeline."""
-    rows = [_curve_row(step.state, newtons(step.state)) for step in timeline.steps]
+def plate_curves(
+    states: Sequence[State | None], newtons: Callable[[State], NewtonConversion | None]
+) -> PlateCurves:
+    """Curves of load and volume along states; None is a gap in them."""
+    rows = [_NO_ROW if state is None else _curve_row(state, newtons(state)) for state in states]
     deflection, load, volume, settled = np.array(rows).reshape(-1, 4).T
-    starts = np.flatnonzero([step.begins_run for step in timeline.steps])
-    return PlateCurves(starts, deflection, load, volume, settled > 0.0)
+    return PlateCurves(tuple(states), deflection, load, volume, settled > 0.0)
+
+
+_NO_ROW = np.nan, np.nan, np.nan, 1.0
 
 
 def _curve_row(state: State, newtons: NewtonConversion | None) -> tuple[float, float, float, float]:

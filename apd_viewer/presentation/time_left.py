@@ -112,6 +112,19 @@ def time_left_text(seconds: float) -> str:
     return tr("about {n} min left").format(n=round(rounded / 60))
 
 
+def progress_text(said: str, seconds: float, done: int, count: int) -> str:
+    """Sentence on equal steps, with the time left once a step is done.
+
+    Parameters
+    ----------
+    said : str
+        What is under way.
+    seconds : float
+        Since it began.
+    """
+    return f"{said}, {time_left_text(seconds * (count - done) / done)}" if done else said
+
+
 def duration_text(seconds: float) -> str:
     """Text of a duration, rounded to about one percent."""
     if seconds < 100.0:

@@ -143,10 +143,17 @@ class FileJobs:
 
         self._write(path, write)
 
-    def export_timeline(self, path: str | Path, timeline: Timeline, newtons: Sequence[float]) -> None:
+    def export_timeline(
+        self,
+        path: str | Path,
+        timeline: Timeline,
+        newtons: Sequence[tuple[float, float]],
+        of_wall: bool = False,
+    ) -> None:
         """Export a timeline as a table or an animation, in the background.
 
-        ``newtons`` are newtons per load at each step; NaN if unknown.
+        ``newtons`` are newtons per load at each step, of the press and of the wall, NaN if unknown;
+        ``of_wall`` takes the shapes of the wall.
         """
         path = Path(path)
 
@@ -154,7 +161,7 @@ class FileJobs:
             # Imported here so that the first picture does not wait for numba.
             from apd_viewer.session.storage.timeline_file import write_timeline
 
-            write_timeline(timeline, path, newtons)
+            write_timeline(timeline, path, newtons, of_wall)
             return tr("Saved {name}.").format(name=path.name)
 
         self._write(path, write)

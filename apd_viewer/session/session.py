@@ -23,6 +23,7 @@ from apd_viewer.session.shape_editor import ShapeEditor
 from apd_viewer.session.state_store import Activity, Listener, StateStore, with_followers
 from apd_viewer.session.timeline_player import TimelinePlayer
 from apd_viewer.session.typed_values import TypedValues
+from apd_viewer.session.wall_run import WallRun
 
 
 class Session:
@@ -53,6 +54,7 @@ class Session:
         self.jobs = Jobs(listener.wake, listener.failed, listener.message_sent, listener.status_changed)
         self.typed_values = TypedValues(store)
         self.player = TimelinePlayer(store, gestures, listener)
+        self.wall_run = WallRun(store, self.player, listener)
         self.shapes = ShapeEditor(store, gestures, self.jobs, listener)
         self.saved_work = SavedWork(store, gestures, listener)
         self.files = FileJobs(store, gestures, self.saved_work, self.jobs, listener)
@@ -63,6 +65,7 @@ class Session:
             self.shape_checks.follow_state,
             self.autosave.follow_state,
             self.player.follow_state,
+            self.wall_run.follow_state,
         ]
         gestures.history.entries_dropped = self._make_room
 
@@ -71,6 +74,7 @@ class Session:
         self.jobs.receive()
         self.store.receive()
         self.player.receive()
+        self.wall_run.receive()
         self.autosave.receive()
         if self.jobs.current is None:  # writes by this program are no external changes
             self.saved_work.receive()
@@ -99,4 +103,5 @@ class Session:
         self.autosave.close()
         self.shape_checks.close()
         self.measurement_readings.close()
+        self.wall_run.close()
         self._worker.close()

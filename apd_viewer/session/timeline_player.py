@@ -1,7 +1,6 @@
 """Player of motions in steps, with each shape on a timeline."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import Gestures
@@ -12,7 +11,7 @@ from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.state_store import Activity, Listener, StateStore
 
 # Attempts to move on once contact has stopped the obstacles.
-_RETRIES = 5
+RETRIES = 5
 
 
 class TimelinePlayer:
@@ -27,6 +26,8 @@ class TimelinePlayer:
         Steps recorded so far.
     done, count : int
         Steps that are done, and all steps, of the motion under way or the last one.
+    shows_wall : bool
+        The answers of the wall are looked at, where they are known.
     """
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
@@ -35,7 +36,8 @@ class TimelinePlayer:
         self.done = self.count = 0
         self._ahead: tuple[Document, ...] = ()
         self._detour: Document | None = None
-        self._retries = _RETRIES
+        self._retries = RETRIES
+        self.shows_wall = False
 
     @property
     def is_playing(self) -> bool:
@@ -60,7 +62,7 @@ class TimelinePlayer:
         self.timeline = self.timeline.begun_at(state)
         self._gestures.record(title, state)
         self._ahead, self.done, self.count = tuple(documents), 0, len(documents)
-        self._retries = _RETRIES
+        self._retries = RETRIES
         self._store.solve(self._ahead[0])
 
     def stop(self) -> None:
@@ -78,10 +80,18 @@ class TimelinePlayer:
         self._listener.status_changed()
 
     def follow_state(self) -> None:
-        """End the motion if something else has changed the document."""
+        """End the motion if something else has changed the document.
+
+        Which shapes are shown follows a step that undo returns to.
+        """
         if self._ahead and self._store.required_state().document is not self._ahead[0]:
             self._ahead = ()
             self._listener.status_changed()
+        state = self._store.state
+        if state is not None and state.document.settings.traits.is_wall is not self.shows_wall:
+            k = self.shown
+            if k is not None and self.timeline.steps[k].answer is not None:
+                self.shows_wall = not self.shows_wall
 
     def receive(self) -> None:
         """Record a shape that has come to rest, and go on with the next."""
@@ -104,7 +114,7 @@ class TimelinePlayer:
             self._retry(state)
         else:
             self.timeline, self.done = self.timeline.followed_by(state), self.done + 1
-            self._retries = _RETRIES
+            self._retries = RETRIES
             if is_stopped and len(self._ahead) > 1:
                 self._ahead = self._ahead[:1]
                 self._listener.message_sent(tr("Contact lets nothing come any farther."))
@@ -116,9 +126,7 @@ class TimelinePlayer:
         Walls in the way of the obstacles may give way once they have come to rest.
         """
         self._retries -= 1
-        reached = zip(state.document.obstacles, state.obstacle_shifts, strict=True)
-        obstacles = tuple(each.with_shift(shift) for each, shift in reached)
-        self._detour = replace(state.document, obstacles=obstacles)
+        self._detour = state.document_as_come
         self._ahead = (self._detour, *self._ahead)
         self._store.solve(self._detour)
 
@@ -136,11 +144,16 @@ class TimelinePlayer:
         moved = state.document.obstacles is not self.timeline.steps[-1].state.document.obstacles
         return moved and self.timeline.index_of(state) is None
 
+    def add_answer(self, k: int, answer: State) -> None:
+        """Add the answer of the wall at step ``k``; what is shown stays."""
+        self.timeline = self.timeline.with_answer(k, answer)
+        self._listener.status_changed()
+
     # Looking at steps
 
     def show(self, k: int) -> None:
         """Show step ``k``; :meth:`end_show` makes it the current shape."""
-        state = self.timeline.state_at(k, self._store.required_state().document)
+        state = self.timeline.state_at(k, self._store.required_state().document, self.shows_wall)
         if self._gestures.state_before is None:
             self._gestures.begin()
         self._store.show(state)
@@ -152,6 +165,14 @@ class TimelinePlayer:
             known = self.timeline.index_of(before) is not None
             self._gestures.end(None if known else tr("Go to another step"))
             self._store.jump_to(self._store.required_state())
+
+    def choose_wall(self, shows_wall: bool) -> None:
+        """Look at the answers of the wall, or at what the motions came to; shown at once."""
+        k, is_other, self.shows_wall = self.shown, shows_wall is not self.shows_wall, shows_wall
+        if is_other and k is not None and self.timeline.steps[k].answer is not None:
+            self.show(k)
+            self.end_show()
+        self._listener.status_changed()
 
     @property
     def shown(self) -> int | None:

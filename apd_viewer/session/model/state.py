@@ -87,6 +87,14 @@ class State:
         return np.array([each.shift for each in obstacles]).reshape(-1, 3)
 
     @property
+    def document_as_come(self) -> Document:
+        """Document with the obstacles moved as far as they have come."""
+        if self.frame.share_reached >= 1.0:
+            return self.document
+        come = zip(self.document.obstacles, self.obstacle_shifts, strict=True)
+        return replace(self.document, obstacles=tuple(each.with_shift(shift) for each, shift in come))
+
+    @property
     def load_excess(self) -> float | None:
         """Expected relative overestimate of the obstacle loads; None without stiffness."""
         return load_excess_of(self.document)

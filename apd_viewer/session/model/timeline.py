@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
@@ -23,10 +25,32 @@ class TimelineStep:
     ----------
     begins_run : bool
         Whether it precedes a motion; the steps up to the next such state follow from it.
+    answer : State or None
+        State of the method Wall at the same place of the obstacles, where it was solved as well.
     """
 
     state: State
     begins_run: bool = False
+    answer: State | None = None
+
+    @property
+    def first(self) -> State | None:
+        """State of the method that the motion was solved with; None if that is Wall."""
+        return None if self.state.document.settings.traits.is_wall else self.state
+
+    @property
+    def wall(self) -> State | None:
+        """State of the method Wall; None without one."""
+        return self.answer or (self.state if self.first is None else None)
+
+    def lacks_answer(self, settings: Mapping[str, Any]) -> bool:
+        """True unless there is an answer of the wall with these settings."""
+        own = self.state.document.with_settings(**settings).settings
+        return self.first is not None and (self.answer is None or self.answer.document.settings != own)
+
+    def has_shape_of(self, state: State) -> bool:
+        """True if one of both states has the shape of a state and all it depends on."""
+        return any(each is not None and _is_same_shape(each, state) for each in (self.state, self.answer))
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +74,26 @@ class Timeline:
     def index_of(self, state: State) -> int | None:
         """Number of the last step with the shape of a state and the same inputs."""
         numbers = reversed(range(len(self.steps)))
-        return next((k for k in numbers if _is_same_shape(self.steps[k].state, state)), None)
+        return next((k for k in numbers if self.steps[k].has_shape_of(state)), None)
+
+    def run_of(self, k: int) -> range:
+        """Numbers of the steps of the run that step ``k`` belongs to."""
+        starts = [i for i, step in enumerate(self.steps) if step.begins_run]
+        first = max((i for i in starts if i <= k), default=0)
+        return range(first, min((i for i in starts if i > k), default=len(self.steps)))
+
+    def unanswered(self, k: int, settings: Mapping[str, Any]) -> list[int]:
+        """Numbers of the steps in the run of step ``k`` that lack an answer of the wall."""
+        return [i for i in self.run_of(k) if self.steps[i].lacks_answer(settings)]
+
+    def number_of(self, state: State) -> int | None:
+        """Number of the step that a motion came to with just this state."""
+        return next((k for k, step in enumerate(self.steps) if step.state is state), None)
+
+    def with_answer(self, k: int, answer: State) -> Timeline:
+        """Timeline with the answer of the wall at step ``k``."""
+        step = replace(self.steps[k], answer=answer)
+        return replace(self, steps=(*self.steps[:k], step, *self.steps[k + 1 :]))._bounded()
 
     def begun_at(self, state: State) -> Timeline:
         """Timeline with a new run from a state, after earlier runs of the same mesh."""
@@ -59,18 +102,30 @@ class Timeline:
             return kept
         if kept.steps and kept.steps[-1].begins_run:  # of a run that never went on
             kept = replace(kept, steps=kept.steps[:-1])
-        return kept.followed_by(state, begins_run=True)
+        known = kept.index_of(state)
+        answer = None if known is None else kept.steps[known].answer
+        return kept._with_step(TimelineStep(state, True, answer))
 
-    def followed_by(self, state: State, begins_run: bool = False) -> Timeline:
+    def followed_by(self, state: State) -> Timeline:
         """Timeline with one more step; the oldest are dropped beyond the limit."""
-        steps = (*self.steps, TimelineStep(state, begins_run))
-        most = max(2, min(MOST_STEPS, MOST_BYTES // max(1, state.frame.U.nbytes)))
-        surplus = max(0, len(steps) - most)
-        return replace(self, steps=steps[surplus:], dropped=self.dropped + surplus)
+        return self._with_step(TimelineStep(state))
 
-    def state_at(self, k: int, current: Document) -> State:
-        """State of step ``k``, with regions and measurements of the current document."""
-        state = self.steps[k].state
+    def _with_step(self, step: TimelineStep) -> Timeline:
+        return replace(self, steps=(*self.steps, step))._bounded()
+
+    def _bounded(self) -> Timeline:
+        """Timeline without its first steps beyond the limit."""
+        answers = sum(step.answer is not None for step in self.steps)
+        shapes = MOST_BYTES // max(1, self.steps[-1].state.frame.U.nbytes) - answers
+        surplus = max(0, len(self.steps) - max(2, min(MOST_STEPS, shapes)))
+        return replace(self, steps=self.steps[surplus:], dropped=self.dropped + surplus)
+
+    def state_at(self, k: int, current: Document, of_wall: bool = False) -> State:
+        """State of step ``k``, with regions and measurements of the current document.
+
+        ``of_wall`` is that of the method Wall, where it is known.
+        """
+        state = (self.steps[k].wall if of_wall else None) or self.steps[k].state
         own = {name: getattr(current, name) for name in _OVER_IT}
         is_kept = all(value is getattr(state.document, name) for name, value in own.items())
         if is_kept or state.document.mesh is not current.mesh:

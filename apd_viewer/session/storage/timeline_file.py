@@ -18,17 +18,22 @@ _COLUMNS = (
     *("step", "distance", "deflection", "load_low", "load_high", "volume", "volume_capped"),
     *("area_error", "settled", "load_low_newton", "load_high_newton"),
 )
+_OF_WALL = tuple(f"wall_{name}" for name in _COLUMNS[1:])
 _TABLE = ".csv"
 TIMELINE_FORMATS = (_TABLE, *ANIMATION_FORMATS)
 
 
-def write_timeline(timeline: Timeline, path: Path, newtons: Sequence[float]) -> None:
+def write_timeline(
+    timeline: Timeline, path: Path, newtons: Sequence[tuple[float, float]], of_wall: bool = False
+) -> None:
     """Write readings or shapes of all steps, in the format of the suffix.
 
     Parameters
     ----------
-    newtons : sequence of float
-        Per load, for each step; NaN where unknown.
+    newtons : sequence of (float, float)
+        Per load, for each step and for the wall there; NaN where unknown.
+    of_wall : bool
+        The shapes are those of the method Wall, where they are known; a table has the readings of both.
 
     Raises
     ------
@@ -37,21 +42,23 @@ def write_timeline(timeline: Timeline, path: Path, newtons: Sequence[float]) -> 
     """
     if path.suffix.lower() == _TABLE:
         pairs = zip(timeline.steps, newtons, strict=True)
-        rows = [[k, *_row(step.state, each)] for k, (step, each) in enumerate(pairs)]
-        write_table(path, _COLUMNS, rows)
+        rows = [[k, *_row(step.state, a), *_row(step.wall, b)] for k, (step, (a, b)) in enumerate(pairs)]
+        write_table(path, (*_COLUMNS, *_OF_WALL), rows)
         return
     check_animation(path)
     last = timeline.steps[-1].state.document
     with tempfile.TemporaryDirectory(prefix="apd-timeline-") as folder:
         files = [Path(folder, f"{k}.npy") for k in range(len(timeline.steps))]
         for file, step in zip(files, timeline.steps, strict=True):
-            np.save(file, step.state.frame.U)
+            np.save(file, ((step.wall if of_wall else None) or step.state).frame.U)
         times = [float(k) for k in range(len(files))]
         write_animation(Animation(last.mesh, last.labels, last.member, files, times), path)
 
 
-def _row(state: State, newtons: float) -> list[float | None]:
+def _row(state: State | None, newtons: float) -> list[float | None]:
     """Readings of a step; None or NaN for those unknown."""
+    if state is None:
+        return [None] * len(_OF_WALL)
     pair, frame = plate_pair(state.document), state.frame
     plates = [np.nan] * 4 if pair is None else list(pair.reading(state))
     forces = [newtons * load for load in plates[-2:]]

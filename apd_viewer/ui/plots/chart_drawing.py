@@ -193,12 +193,18 @@ class ChartArea:
             places = first + np.flatnonzero(leaves)
             points = [QPointF(a, b) for a, b in zip(x[places].tolist(), y[places].tolist(), strict=True)]
             self._painter.drawPolyline(QPolygonF(points))
+            if curve.has_dots:
+                self._painter.setBrush(pen.color())
+                for point in points:
+                    self._painter.drawEllipse(point, _SMALL_DOT, _SMALL_DOT)
+                self._painter.setBrush(Qt.BrushStyle.NoBrush)
 
 
 PixelPositions = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 # Pixels.
 DOT_RADIUS = 4.0
+_SMALL_DOT = 1.75
 _HALF = 5.0  # half the side of a dot's pixmap
 _RING = 7.0
 _CROSS = 3.5
@@ -302,12 +308,13 @@ def draw_color_bar(
 class Curve:
     """Polyline in chart coordinates, in a theme colour or #rrggbb.
 
-    It is broken where ``y`` is not finite.
+    It is broken where ``y`` is not finite. With ``has_dots`` each point is a dot, too.
     """
 
     x: np.ndarray
     y: np.ndarray
     color: str = "accent"
+    has_dots: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,23 +1,19 @@
 """Charts of load and volume over the travel of two plates."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 
 import numpy as np
 
-from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.solver.methods import wall_material
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, linear_axis, rounded_axis
 from apd_viewer.presentation.number_format import format_significant
-from apd_viewer.presentation.plate_readings import plate_curves
+from apd_viewer.presentation.plate_readings import PlateCurves, plate_curves
 from apd_viewer.session.model.plate_pair import plate_pair
-from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
-from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
-from apd_viewer.session.quantities.wall import WallText, parse_wall
 from apd_viewer.session.session import Session
 from apd_viewer.ui.plots.chart_drawing import Chart, Curve, Dots, ReferenceLine
+from apd_viewer.ui.simulate.known_wall import KnownWall
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 _LEAST = 1.0  # %: smallest range of the axis of volume
@@ -26,10 +22,7 @@ _LEAST = 1.0  # %: smallest range of the axis of volume
 class PressCharts:
     """Charts of a timeline, with the step on screen.
 
-    Parameters
-    ----------
-    wall : callable
-        The wall as typed, for loads in newtons.
+    What the motions came to is one curve, and the answers of the method Wall are another, with dots.
 
     Attributes
     ----------
@@ -40,78 +33,99 @@ class PressCharts:
     theme : Theme
     """
 
-    def __init__(self, session: Session, wall: Callable[[], WallText]) -> None:
+    def __init__(self, session: Session, wall: KnownWall) -> None:
         self._session, self._wall = session, wall
         self.timeline, self.reach = Timeline(), 0.0
         self.theme: Theme = LIGHT
-        self._conversion: tuple[tuple[object, ...], NewtonConversion | None] = (), None
-        self._curves = plate_curves(self.timeline, self.newtons)
-        self._curves_of: tuple[Timeline, object] = self.timeline, None
-
-    def newtons(self, state: State) -> NewtonConversion | None:
-        """Conversion of loads into newtons; None for an unknown wall."""
-        document, unit = state.document, self._session.store.unit
-        try:
-            wall = parse_wall(self._wall(), unit)
-        except InputError:
-            return None
-        if wall.rigidity is None or unit.metres is None:
-            return None
-        settings, mesh = document.settings.in_effect, document.mesh
-        key = mesh, settings, wall
-        if self._conversion[0] != key:
-            rest, material = RestMesh(mesh.V, mesh.F, mesh.weld), settings.material
-            if settings.traits.is_wall:
-                material = wall_material(rest.diagonal, settings.wall_thickness, settings.poisson)
-            self._conversion = key, newton_conversion(wall, material, rest)
-        return self._conversion[1]
+        self._curves: tuple[PlateCurves, ...] = ()
+        self._curves_of: tuple[Timeline | None, object] = None, None
 
     def load_chart(self) -> Chart:
         """Chart of the load."""
-        load = self._read_curves()
+        points = [np.column_stack([part.deflection, part.load]) for part in self._read_curves()]
+        loads = np.vstack(points)[:, 1]
         state = self._session.store.state
-        suffix = tr(" N") if state is not None and self.newtons(state) is not None else ""
-        if not np.isfinite(load).any():
+        suffix = tr(" N") if state is not None and self._wall.newtons(state) is not None else ""
+        if not np.isfinite(loads).any():
             return Chart("", empty_text=tr("Press to see the load here."))
-        y = rounded_axis(0.0, float(np.nanmax(load)) or 1.0, suffix)
-        return self._chart(tr("Load"), Curve(self._curves.deflection, load), y, suffix)
+        y = rounded_axis(0.0, float(np.nanmax(loads)) or 1.0, suffix)
+        return self._chart((tr("Load"), *self.names), points, "accent", y, suffix)
 
     def volume_chart(self) -> Chart:
         """Chart of the volume."""
-        self._read_curves()
-        deflection, volume = self._curves.deflection, self._curves.volume
-        known = volume[np.isfinite(volume) & np.isfinite(deflection)]
+        points = [np.column_stack([part.deflection, part.volume]) for part in self._read_curves()]
+        known = np.vstack(points)
+        known = known[np.isfinite(known).all(axis=1), 1]
         if not len(known):
             return Chart("", empty_text=tr("Press a closed mesh to see its volume here."))
         y = rounded_axis(min(float(known.min()), 100.0 - _LEAST), max(float(known.max()), 100.0), " %")
-        return self._chart(tr("Volume"), Curve(deflection, volume, "warm"), y, " %")
+        first, wall = self.names
+        words = tr("Volume"), first, METHODS["wall"].short_title if wall else ""  # without room for more
+        return self._chart(words, points, "warm", y, " %")
 
-    def _read_curves(self) -> np.ndarray:
-        """Loads of the timeline, updated after a change of timeline, wall or unit."""
-        given = self._wall(), self._session.store.unit
+    def _read_curves(self) -> tuple[PlateCurves, ...]:
+        """Curves of the motions and of the wall, read anew where something changed."""
+        given, steps = (self._wall.text(), self._session.store.unit), self.timeline.steps
         if self._curves_of[0] is not self.timeline or self._curves_of[1] != given:
-            self._curves, self._curves_of = plate_curves(self.timeline, self.newtons), (self.timeline, given)
-        return self._curves.load
+            self._curves = (
+                plate_curves([step.first for step in steps], self._wall.newtons),
+                plate_curves([step.wall for step in steps], self._wall.newtons_as_pressed),
+            )
+            self._curves_of = self.timeline, given
+        return self._curves
 
-    def _chart(self, title: str, curve: Curve, y: Axis, suffix: str) -> Chart:
-        """Chart of a curve, broken between runs, with the step on screen."""
+    def _chart(
+        self, words: tuple[str, str, str], points: Sequence[np.ndarray], color: str, y: Axis, suffix: str
+    ) -> Chart:
+        """Chart of curves (s, 2), broken between runs, with the step on screen.
+
+        ``words`` are its title and the names of the curves.
+        """
+        title, *names = words
         state = self._session.store.state
         pair = None if state is None else plate_pair(state.document)
         way = np.nan if state is None or pair is None else pair.reading(state).deflection
         number = None if state is None else self.timeline.index_of(state)
-        at = [] if number is None else [number]
-        values = [value for value in curve.y[at].tolist() if np.isfinite(value)]
-        readings = [(f"{format_significant(value, 4)}{suffix}", curve.color) for value in values]
-        points = np.column_stack([curve.x, curve.y])
-        unsettled = points[~self._curves.settled & np.isfinite(points).all(axis=1)]
-        reach = np.nanmax([*curve.x.tolist(), way, self.reach, 0.0])
-        x, broken = (np.insert(row, self._curves.starts, np.nan) for row in points.T)
+        starts = [k for k, step in enumerate(self.timeline.steps) if step.begins_run]
+        drawn, places, crosses = [], [np.empty((0, 2))], []
+        for rows, each, its_color in zip(points, self._curves, (color, "ink"), strict=True):
+            known = np.isfinite(rows).all(axis=1)
+            if known.any():
+                x, broken = (np.insert(row, starts, np.nan) for row in rows.T)
+                drawn.append(Curve(x, broken, its_color, has_dots=its_color != color))
+                crosses.append(rows[known & ~each.settled])
+            if number is not None and known[number]:
+                places.append(rows[[number]])
+        at = np.vstack(places)
+        reach = np.nanmax([*np.vstack(points)[:, 0].tolist(), way, self.reach, 0.0])
         return Chart(
             "",
-            ((title, "quiet"), *readings),
+            ((title, "quiet"), *self._legend(names, points, number, color, suffix)),
             linear_axis(0.0, float(reach) or 1.0, self._session.store.unit.format_length("")),
             y,
-            (Curve(x, broken, curve.color),),
-            dots=Dots(curve.x[at], curve.y[at], (self.theme.ink,) * len(at), unsettled),
+            tuple(drawn),
+            dots=Dots(*at.T, (self.theme.ink,) * len(at), np.vstack(crosses)),
             vertical_lines=(ReferenceLine(way),) if np.isfinite(way) else (),
         )
+
+    @staticmethod
+    def _legend(
+        names: Sequence[str], points: Sequence[np.ndarray], number: int | None, color: str, suffix: str
+    ) -> list[tuple[str, str]]:
+        """Value of each curve at a step, named where there are two curves."""
+        (first, wall), found = names, []
+        names = (first, f"\u25cf\u00a0{wall}") if first and wall else ("", "")
+        for rows, name, its_color in zip(points, names, (color, "ink"), strict=True):
+            value = np.nan if number is None else rows[number, 1]
+            said = f"{format_significant(value, 4)}{suffix}" if np.isfinite(value) else ""
+            found.append((f"{name}: {said}" if name and said else name or said, its_color))
+        return [row for row in found if row[0]]
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """Names of the two curves; empty where there is none."""
+        first, wall = (
+            [state.document.settings for state in each.states if state is not None]
+            for each in self._read_curves()
+        )
+        return first[-1].traits.short_title if first else "", self._wall.title(wall[-1]) if wall else ""

@@ -14,7 +14,7 @@ from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr
 from apd_viewer.presentation import plate_readings
 from apd_viewer.presentation.number_format import format_length, format_short
-from apd_viewer.presentation.time_left import time_left_text
+from apd_viewer.presentation.time_left import progress_text
 from apd_viewer.session.model.plate_pair import PlatePair, plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
@@ -26,8 +26,10 @@ from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.simulate.known_wall import KnownWall
 from apd_viewer.ui.simulate.press_charts import PressCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
+from apd_viewer.ui.simulate.wall_follower import WallFollower
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.theme import Theme
@@ -75,7 +77,9 @@ class PressController(QObject):
         self._wall_settings = wall_settings
         self._memory, self._notice, self._viewport = preferences, notice, viewport
         self._axis, self._began = 0, 0.0
-        self.charts = PressCharts(session, wall)
+        self.known_wall = KnownWall(session, wall)
+        self._wall_follower = WallFollower(session, self.known_wall, lambda: self._timeline)
+        self.charts = PressCharts(session, self.known_wall)
         self.panel = panel = TimelinePanel()
         dock.setWidget(panel)
         panel.load_view.chart = self.charts.load_chart
@@ -93,6 +97,8 @@ class PressController(QObject):
         panel.show_ended.connect(player.end_show)
         panel.show_cancelled.connect(self._session.gestures.cancel)
         panel.play_requested.connect(self._play_or_stop)
+        panel.wall_requested.connect(self._wall_follower.begin_or_stop)
+        panel.wall_chosen.connect(self._choose_wall)
         panel.clear_requested.connect(player.clear)
         panel.export_requested.connect(self._export)
         self._dock.visibilityChanged.connect(self.refresh)
@@ -169,10 +175,12 @@ class PressController(QObject):
             self._move_plates(tr("Open plates"), self._required_pair().first_distance(state.document))
 
     def _move_plates(self, title: str, distance: float) -> None:
+        self._session.player.choose_wall(False)  # the wall follows what is pressed
         state, steps = self._session.store.required_state(), round(self.panel.steps.value())
         documents = self._required_pair().documents_to(state, distance, steps)
         self._began = time.monotonic()
         self._session.player.play(title, documents)
+        self._wall_follower.is_due = True
         self.charts.reach = self._required_pair().first_distance(state.document) - distance
         self._dock.window().setFocus()
 
@@ -204,6 +212,10 @@ class PressController(QObject):
         self._replay.start(min(max(_REPLAY // max(1, count), _FASTEST), _SLOWEST))
         self.refresh()
 
+    def _choose_wall(self, shows_wall: bool) -> None:
+        self._end_replay()
+        self._session.player.choose_wall(shows_wall)
+
     def _show_next(self) -> None:
         player, count = self._session.player, len(self._timeline.steps)
         after = (player.shown if player.shown is not None else count) + 1
@@ -225,18 +237,18 @@ class PressController(QObject):
         proposed = self._memory.last_folder / f"{mesh.stem}-timeline.csv"
         path = file_dialogs.ask_for_format(self.panel, tr("Export timeline"), proposed, TIMELINE_FORMATS)
         if path is not None:
-            found = [self.charts.newtons(step.state) for step in self._timeline.steps]
-            newtons = [np.nan if each is None else each.newtons_per_load for each in found]
-            self._session.files.export_timeline(path, self._timeline, newtons)
+            newtons, of_wall = self._wall_follower.newtons_per_load(), self._session.player.shows_wall
+            self._session.files.export_timeline(path, self._timeline, newtons, of_wall)
 
     # Display
 
     def refresh(self, *_: object) -> None:
         """Show the state of the session, if the dock is visible."""
+        self._wall_follower.follow()
         state = self._session.store.state
         if state is None or not self._dock.isVisible():
             return
-        player, unit, steps = self._session.player, self._session.store.unit, self._timeline.steps
+        player, steps = self._session.player, self._timeline.steps
         pair = plate_pair(state.document)
         if pair is not None:
             self._axis = int(np.argmax(np.abs(pair.axis)))
@@ -246,16 +258,33 @@ class PressController(QObject):
         self.panel.show_run(player.is_playing, player.is_paused, self._progress, may_open)
         last = len(steps) - 1 if player.is_playing else None
         self.panel.show_steps(len(steps), shown if shown is not None else last, self._replay.isActive())
-        texts = plate_readings.plate_reading_texts(state, unit, self.charts.newtons(state))
-        said, is_calm = plate_readings.rest_verdict(state)
-        if self._session.store.activity is Activity.REFINING:
-            said, is_calm = tr("Coming to rest…"), True
-        self.panel.show_readings(texts, said, is_calm)
         self.charts.timeline = self._timeline
+        self._show_readings(state)
+        is_running, may_begin = self._session.wall_run.is_running, self._wall_follower.may_begin
+        names = self.charts.names if any(step.answer is not None for step in steps) else ()
+        self.panel.show_wall(is_running, may_begin, names, player.shows_wall)
         if not player.is_playing:
             self.charts.reach = 0.0
         self.panel.load_view.update()
         self.panel.volume_view.update()
+
+    def _show_readings(self, state: State) -> None:
+        """Show the readings of a state, with the load of the wall where that is known."""
+        k, store, method = self._shown_number, self._session.store, state.document.settings.traits
+        answer = None if k is None else self._timeline.steps[k].answer
+        is_of_wall = answer is not None and method.is_wall
+        said, is_calm = plate_readings.rest_verdict(state)
+        if answer is not None and not answer.frame.settled:
+            said, is_calm = tr("The wall did not come to rest here."), False
+        elif k is not None and answer is None and self._session.player.shows_wall and not method.is_wall:
+            said, is_calm = tr("The wall is not solved here: this is {method}."), False
+            said = said.format(method=method.short_title)
+        if store.activity is Activity.REFINING:
+            said, is_calm = tr("Coming to rest…"), True
+        newtons = (self.known_wall.newtons_as_pressed if is_of_wall else self.known_wall.newtons)(state)
+        force = None if is_of_wall else self._wall_follower.force(answer)
+        texts = plate_readings.plate_reading_texts(state, store.unit, newtons, force)
+        self.panel.show_readings(texts, said, is_calm)
 
     @property
     def _shown_number(self) -> int | None:
@@ -265,16 +294,15 @@ class PressController(QObject):
     def _progress(self) -> str:
         player = self._session.player
         if not player.is_playing:
+            if wall := self._wall_follower.progress:
+                return wall
             dropped = self._timeline.dropped
             said = tr("The first {n} steps were dropped to save memory.")
             return said.format(n=dropped) if dropped else ""
         said = tr("Step {k} of {count}").format(k=player.done + 1, count=player.count)
         if player.is_paused:
             return tr("{progress}, paused").format(progress=said)
-        if not player.done:
-            return said
-        seconds = (time.monotonic() - self._began) * (player.count - player.done) / player.done
-        return f"{said}, {time_left_text(seconds)}"
+        return progress_text(said, time.monotonic() - self._began, player.done, player.count)
 
     def _direction_titles(self, state: State) -> list[str]:
         size, unit = state.inspection.size, self._session.store.unit

@@ -40,6 +40,10 @@ class TimelinePanel(QWidget):
         Number of a step to look at; ``show_ended`` follows once it is chosen.
     play_requested : Signal()
         Go along all steps, or stop doing so.
+    wall_requested : Signal()
+        Solve the steps by the method Wall as well, or stop doing so.
+    wall_chosen : Signal(bool)
+        Whether to look at the answers of the wall.
     reading_rows : list of (QLabel, QLabel, QLabel)
         Title, value and note of each reading.
     """
@@ -52,6 +56,8 @@ class TimelinePanel(QWidget):
     show_ended = Signal()
     show_cancelled = Signal()
     play_requested = Signal()
+    wall_requested = Signal()
+    wall_chosen = Signal(bool)
     export_requested = Signal()
     clear_requested = Signal()
 
@@ -106,6 +112,8 @@ class TimelinePanel(QWidget):
         self.open = QPushButton(tr("Open again"), toolTip=tr("Open the plates again, to see what remains"))
         self.open.clicked.connect(self.open_requested)
         self.progress = ElidedLabel(objectName="quiet", accessibleName=tr("Progress"))
+        self.wall = QPushButton()
+        self.wall.clicked.connect(self.wall_requested)
         words = [
             QLabel(text)
             for text in (
@@ -117,7 +125,7 @@ class TimelinePanel(QWidget):
         ]
         return row_layout(
             *(words[0], self.direction, words[1], self.end, words[2], self.steps, words[3], 4),
-            *(self.press, self.stop, self.open, (self.progress, 1)),
+            *(self.press, self.stop, self.open, (self.progress, 1), self.wall),
             spacing=6,
         )
 
@@ -138,6 +146,9 @@ class TimelinePanel(QWidget):
         self.slider.drag_cancelled.connect(self.show_cancelled)
         self.position = QLabel(accessibleName=tr("Step of the timeline"))
         self.position.setMinimumWidth(self.fontMetrics().horizontalAdvance("000 / 000"))
+        tip = tr("Shapes to look at: of the method that pressed, or of the wall itself")
+        self.answer = ComboBox(accessibleName=tr("Shapes to look at"), toolTip=tip)
+        self.answer.activated.connect(lambda k: self.wall_chosen.emit(k == 1))
         tip = tr("Export the readings of all steps as a table, or their shapes as an animation")
         self.export = QPushButton(tr("Export…"), toolTip=tip)
         self.export.clicked.connect(self.export_requested)
@@ -145,7 +156,7 @@ class TimelinePanel(QWidget):
         self.clear.clicked.connect(self.clear_requested)
         return row_layout(
             *(self.back, self.replay, self.forward, self.loop, (self.slider, 1), self.position),
-            *(self.export, self.clear),
+            *(self.answer, self.export, self.clear),
             spacing=4,
         )
 
@@ -203,6 +214,21 @@ class TimelinePanel(QWidget):
         self.position.setText(said if shown is not None else "")
         if self._theme is not None:
             self.replay.setIcon(icon("pause" if is_replaying else "play", self._theme))
+
+    def show_wall(self, is_running: bool, may_begin: bool, names: Sequence[str], shows_wall: bool) -> None:
+        """Show whether the wall is solved or could be, and the shapes to choose from."""
+        self.wall.setVisible(is_running or may_begin)
+        self.wall.setText(tr("Stop") if is_running else tr("Solve as wall"))
+        self.wall.setToolTip(
+            tr("Solve the wall no further; what has come stays")
+            if is_running
+            else tr("Solve these steps by the method Wall, too, in the background: it has true newtons")
+        )
+        if [self.answer.itemText(k) for k in range(self.answer.count())] != list(names):
+            self.answer.clear()
+            self.answer.addItems(list(names))
+        self.answer.setVisible(bool(names))
+        self.answer.setCurrentIndex(int(shows_wall))
 
     def show_readings(self, texts: Sequence[ReadingText], verdict: str, is_calm: bool) -> None:
         """Show the readings of the shape on screen; a warning comes first."""

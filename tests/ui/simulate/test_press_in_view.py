@@ -202,7 +202,7 @@ def test_press_in_view_exports_a_table_and_an_animation(qtbot, window, tmp_path,
     readings = [plate_pair(step.state.document).reading(step.state) for step in steps(window)]
     assert [float(row["load_low"]) for row in rows] == [one.load_low for one in readings]
     assert [float(row["volume"]) for row in rows] == [step.state.frame.volume for step in steps(window)]
-    factor = window.press.charts.newtons(steps(window)[-1].state).newtons_per_load
+    factor = window.press.known_wall.newtons(steps(window)[-1].state).newtons_per_load
     newtons = [float(row["load_high_newton"]) for row in rows]
     assert newtons == pytest.approx([factor * one.load_high for one in readings])
     assert {row["volume_capped"] for row in rows} == {""}, "the mesh is closed"
@@ -217,7 +217,7 @@ def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch)
     window.panel.measures.show_wall(wall)
     window.press.refresh()
     state = window.session.store.state
-    newtons = window.press.charts.newtons(state)
+    newtons = window.press.known_wall.newtons(state)
     assert reading(window, "Load")[0].endswith(" N")
     assert float(reading(window, "Load")[0][:-2]) == pytest.approx(newtons.newtons_per_load * bare, 0.01)
     assert drawn(window.press.charts.load_chart())[1][0].endswith(" N")
@@ -233,7 +233,7 @@ def test_press_in_view_reads_newtons_of_the_method_wall_as_thick_as_it_is(window
     state = window.session.store.state
     for thickness in (0.02, 0.04):
         thin = state.document.with_settings(method="wall", wall_thickness=thickness, poisson=0.38)
-        newtons = window.press.charts.newtons(state.updated(document=thin))
+        newtons = window.press.known_wall.newtons(state.updated(document=thin))
         assert newtons.matches_wall is (thickness == 0.02)
 
 
@@ -253,3 +253,101 @@ def test_press_charts_break_the_curve_between_runs_and_mark_what_is_not_at_rest(
     assert len(chart.dots.x) == 1
     assert len(chart.dots.crosses) == 0
     assert chart.vertical_lines[0].place == pytest.approx(chart.dots.x[0])
+
+
+@pytest.fixture
+def walled(qtbot, window):
+    """The window, with a wall of PET of 0.3 mm, that has begun to follow a press to 90 %."""
+    window.session.store.unit = Unit.CENTIMETRE
+    window.panel.measures.show_wall(WallText("0.3mm", material=WALL_MATERIALS[0]))
+    pressed(qtbot, window, "90", 2)
+    return window
+
+
+def solved(qtbot, window):
+    """Wait until the wall is solved."""
+    qtbot.waitUntil(lambda: not window.session.wall_run.is_running, timeout=WAIT)
+    work_off()
+
+
+def answers(window):
+    return [step.answer for step in steps(window)]
+
+
+def test_press_in_view_lets_the_wall_follow_in_the_same_curves(qtbot, walled):
+    panel, charts, shown = walled.press.panel, walled.press.charts, walled.session.store.state
+    assert walled.session.wall_run.is_running
+    assert panel.progress.text() == "Wall 0.3 mm: step 1 of 2"
+    assert (panel.wall.text(), panel.wall.isVisible()) == ("Stop", True)
+    assert reading(walled, "Load")[1].endswith("times too low"), "the first answer is there at once"
+    solved(qtbot, walled)
+    assert walled.session.store.state is shown, "the view stays"
+    assert not panel.wall.isVisible()
+    newtons = walled.press.known_wall.newtons_as_pressed
+    loads = [plate_pair(one.document).reading(one).load for one in answers(walled)]
+    forces = [newtons(one).newtons_per_load * load for one, load in zip(answers(walled), loads, strict=True)]
+    first, wall = charts.load_chart().curves
+    assert (first.has_dots, wall.has_dots) == (False, True)
+    assert wall.y[1:] == pytest.approx(forces)
+    assert float(reading(walled, "Load")[0][:-2]) == pytest.approx(forces[-1], 0.01)
+    assert reading(walled, "Load")[1] == "of the wall"
+    name, value = drawn(charts.load_chart())[2][0].split(": ")
+    assert name == "\u25cf\xa0Wall 0.3 mm"
+    assert float(value.removesuffix(" N")) == pytest.approx(forces[-1], 1e-3)
+    area = panel.load_view.chart_area
+    x, y = area.pixel_positions(wall.x[1:2], wall.y[1:2])[0]
+    beside = panel.load_view.grab().toImage().pixelColor(round(x - 1.5), round(y - 0.5))
+    assert beside.lightness() < 160, "the curve begins with a dot"
+    volumes = np.array([one.frame.volume for one in answers(walled)])
+    assert charts.volume_chart().curves[1].y[1:] == pytest.approx(100.0 * volumes / volumes[0])
+
+
+def test_press_in_view_shows_the_shapes_of_the_wall_and_presses_on_from_the_first(qtbot, walled):
+    panel = walled.press.panel
+    solved(qtbot, walled)
+    assert [panel.answer.itemText(k) for k in range(2)] == ["Exact", "Wall 0.3 mm"]
+    force = reading(walled, "Load")[0]
+    panel.answer.activated.emit(1)
+    assert walled.session.store.state is answers(walled)[-1]
+    assert reading(walled, "Load")[0] == force
+    panel.back.click()
+    assert walled.session.store.state is answers(walled)[1]
+    assert panel.position.text() == "2 of 3"
+    pressed(qtbot, walled, "85", 1)
+    assert panel.answer.currentIndex() == 0
+    assert [step.state.document.settings.method for step in steps(walled)] == ["exact"] * len(steps(walled))
+
+
+def test_press_in_view_ends_the_wall_where_it_becomes_another_one(qtbot, walled):
+    panel = walled.press.panel
+    walled.panel.measures.show_wall(WallText("0.5mm", material=WALL_MATERIALS[0]))
+    walled.press.refresh()
+    assert not walled.session.wall_run.is_running
+    assert walled.notice.text == "The wall has changed: it is solved no further."
+    assert reading(walled, "Load")[1].endswith("times too low"), "the first answer stays"
+    assert (panel.wall.text(), panel.wall.isVisible()) == ("Solve as wall", True)
+    panel.wall.click()
+    assert panel.progress.text() == "Wall 0.5 mm: step 1 of 2"
+    panel.wall.click()
+    assert not walled.session.wall_run.is_running
+    panel.answer.activated.emit(1)
+    assert panel.warning.text() == "The wall is not solved here: this is Exact."
+
+
+def test_press_in_view_exports_the_wall_in_columns_of_its_own(qtbot, walled, tmp_path, monkeypatch):
+    qtbot.waitUntil(lambda: walled.session.wall_run.done == 1, timeout=WAIT)
+    walled.session.wall_run.stop()
+    path = tmp_path / "steps.csv"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
+    walled.press.panel.export.click()
+    idle(qtbot, walled)
+    rows = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+    answer = answers(walled)[1]
+    found, own = plate_pair(answer.document).reading(answer), rows[1]
+    factor = walled.press.known_wall.newtons_as_pressed(answer).newtons_per_load
+    assert float(own["wall_distance"]) == float(own["distance"]) == found.distance
+    assert float(own["wall_load_low"]) == found.load_low
+    assert float(own["wall_load_low_newton"]) == pytest.approx(factor * found.load_low)
+    assert float(own["wall_volume"]) == answer.frame.volume
+    assert {value for name, value in rows[2].items() if name.startswith("wall_")} == {""}
+    assert all(rows[2][name] for name in ("load_low", "load_low_newton", "volume"))

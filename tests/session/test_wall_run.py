@@ -1,0 +1,216 @@
+"""The method Wall behind a motion in steps: as the press by that method, stopped, gone on with and ended."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from meshes import sphere, tube
+
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.convergence import Convergence
+from apd_viewer.geometry.solver.pressed_mesh import press
+from apd_viewer.session import wall_run
+from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.state import shape_frame
+from apd_viewer.session.processes.request_and_reply import Reply
+
+pytestmark = pytest.mark.usefixtures("processes")
+X = np.eye(3)[0]
+STEPS, TO = 3, 1.4
+WALL = {"method": "wall", "wall_thickness": 0.02, "poisson": 0.38}
+
+
+@pytest.fixture
+def pressed(empty):
+    """A tube that two plates have pressed in steps by the method Exact."""
+    return press_in_view(empty, tube(12, 12), TO, STEPS)
+
+
+def press_in_view(session, mesh, to, count):
+    """The session with a mesh that was pressed along x."""
+    session.show_now(Mesh(*mesh))
+    session.obstacles.put_press(X)
+    session.player.begin()
+    session.settle()
+    go(session, to, count)
+    return session
+
+
+def go(session, to, steps):
+    """Move the plates in steps until it is done."""
+    state = session.store.state
+    session.player.play("Press", plate_pair(state.document).documents_to(state, to, steps))
+    session.until(lambda: not session.player.is_playing)
+
+
+def solve(session, k=-1, wall=WALL):
+    """Solve the wall of the run of a step until it is done."""
+    session.wall_run.begin(k % len(steps(session)), wall)
+    session.until(lambda: not session.wall_run.is_running)
+
+
+def steps(session):
+    return session.player.timeline.steps
+
+
+def answers(session):
+    return [step.answer for step in steps(session)]
+
+
+def readings(states):
+    return [plate_pair(state.document).reading(state) for state in states]
+
+
+def test_wall_run_presses_as_the_command_does_by_the_method_wall(empty):
+    ball = sphere(2)
+    press_in_view(empty, ball, 1.8, 2)
+    shown, undo = empty.store.state, empty.gestures.history.undo_names
+    first = [step.state for step in steps(empty)]
+    wall = WALL | {"wall_thickness": 0.03, "convergence": Convergence(energy_tolerance=1e-10)}
+    solve(empty, wall=wall)
+    told = press(*ball, X, 1.8, 2, **wall).steps
+    found = readings(answers(empty))
+    assert [one.distance for one in found] == pytest.approx([step.distance for step in told])
+    assert [one.load for one in found] == pytest.approx([step.load_low for step in told], 1e-4, 1e-9)
+    volumes = [answer.frame.volume for answer in answers(empty)]
+    assert volumes == pytest.approx([step.volume for step in told], 1e-6)
+    assert [step.state for step in steps(empty)] == first, "the first answers stay"
+    assert empty.store.state is shown
+    assert empty.gestures.history.undo_names == undo
+
+
+def test_wall_run_shows_its_shapes_on_the_timeline_without_a_step_of_undo(pressed):
+    solve(pressed)
+    player, undo = pressed.player, pressed.gestures.history.undo_names
+    player.choose_wall(True)
+    assert pressed.store.state is answers(pressed)[STEPS]
+    player.show(1)
+    player.end_show()
+    assert (pressed.store.state, player.shown) == (answers(pressed)[1], 1)
+    pressed.listen(0.1)
+    assert pressed.store.state is answers(pressed)[1], "it is at rest as it was"
+    player.choose_wall(False)
+    assert pressed.store.state is steps(pressed)[1].state
+    assert pressed.gestures.history.undo_names == undo
+    player.choose_wall(True)
+    pressed.gestures.undo()
+    assert (player.shown, player.shows_wall) == (0, False), "undo has gone back to before the press"
+
+
+def test_wall_run_that_is_stopped_keeps_what_has_come_and_goes_on_from_there(pressed):
+    run, told = pressed.wall_run, list(pressed.told)
+    run.begin(STEPS, WALL)
+    pressed.until(lambda: run.done == 1)
+    assert run.count == STEPS
+    run.stop()
+    assert pressed.told == told
+    known = answers(pressed)
+    assert [each is None for each in known] == [False, False, True, True]
+    pressed.listen(0.2)
+    assert answers(pressed) == known, "nothing comes any more"
+    solve(pressed)
+    assert answers(pressed)[:2] == known[:2]
+    mesh = pressed.store.state.document.mesh
+    last = press(mesh.V, mesh.F, X, TO, STEPS, **WALL).steps[-1]
+    assert readings(answers(pressed))[-1].load == pytest.approx(last.load_low, 0.02)
+
+
+def test_wall_run_follows_the_plates_as_they_open_and_into_another_run(pressed):
+    solve(pressed)
+    go(pressed, plate_pair(pressed.store.state.document).first_distance(pressed.store.state.document), 2)
+    solve(pressed)
+    loads = [one.load for one in readings(answers(pressed))]
+    assert abs(loads[-1]) < 1e-6 * loads[STEPS], "it has sprung back"
+    pressed.player.show(1)
+    pressed.player.end_show()
+    go(pressed, 1.6, 1)
+    assert [step.begins_run for step in steps(pressed)[-2:]] == [True, False]
+    assert answers(pressed)[-2] is answers(pressed)[1], "the run begins with what is known"
+    before = answers(pressed)[:-1]
+    solve(pressed)
+    assert answers(pressed)[:-1] == before
+    assert answers(pressed)[-1].frame.settled
+
+
+def test_wall_run_marks_what_does_not_come_to_rest(pressed):
+    few = WALL | {"convergence": Convergence(most_iterations=1)}
+    solve(pressed, wall=few)
+    assert [each.frame.settled for each in answers(pressed)[1:]] == [False] * STEPS
+    assert all(step.state.frame.settled for step in steps(pressed))
+    timeline = pressed.player.timeline
+    assert timeline.unanswered(0, few) == []
+    assert timeline.unanswered(0, WALL) == [0, 1, 2, 3], "of another wall nothing is known"
+
+
+def test_wall_run_ends_with_its_mesh_and_with_its_steps(pressed):
+    run = pressed.wall_run
+    run.begin(STEPS, WALL)
+    pressed.until(lambda: run.done == 1)
+    pressed.show_now(Mesh(*tube(8, 8)))
+    assert not run.is_running
+    assert "Another mesh is open: the wall is solved no further." in pressed.told
+    pressed.gestures.undo()
+    run.begin(STEPS, WALL)
+    pressed.player.clear()
+    pressed.receive()
+    assert not run.is_running
+
+
+def test_wall_run_tells_why_a_wall_cannot_be_solved(pressed):
+    solve(pressed, wall=WALL | {"wall_thickness": 10.0})
+    assert pressed.failed[-1].startswith("A wall is thin")
+    assert answers(pressed)[1:] == [None] * STEPS
+
+
+def test_wall_run_waits_while_a_motion_is_played_and_takes_its_steps_up(pressed, processes):
+    run = pressed.wall_run
+    run.begin(STEPS, WALL)
+    pressed.until(lambda: run.done == 1)
+    go(pressed, 1.2, 2)
+    assert run.done <= 2, "one may have come just before"
+    run.begin(len(steps(pressed)) - 1, WALL)
+    assert len(processes) == 2, "the solver of the view, and one of the wall"
+    assert run.count == STEPS + 2
+    pressed.until(lambda: not run.is_running)
+    assert all(each.frame.settled for each in answers(pressed))
+
+
+class Stopping:
+    """A solver at rest at once, that contact stops half way so many times."""
+
+    def __init__(self, times):
+        self.times, self.asked = times, []
+
+    def __call__(self, _wake):
+        return self
+
+    def put_request(self, request):
+        self.asked.append(request)
+
+    def take_reply(self):
+        request = self.asked[-1]
+        shifts = np.array([each.shift for each in request.document.obstacles])
+        is_stopped = self.times > 0 and not np.array_equal(shifts, request.shifts)
+        if is_stopped:
+            self.times, shifts = self.times - 1, 0.5 * (shifts + request.shifts)
+        share = 0.5 if is_stopped else 1.0
+        frame = shape_frame(request.document.mesh, inspect(request.document.mesh), request.U)
+        return Reply(request, replace(frame, shifts=shifts, share_reached=share), finished=True)
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize("times", [2, 1000])
+def test_wall_run_goes_on_where_contact_stopped_it_until_it_gets_no_farther(pressed, monkeypatch, times):
+    solver = Stopping(times)
+    monkeypatch.setattr(wall_run, "SolverWorker", solver)
+    solve(pressed)
+    shares = [answer and answer.frame.share_reached for answer in answers(pressed)]
+    told = "Contact lets the wall come no farther." in pressed.told
+    if times == 2:
+        assert (shares, told) == ([1.0] * 4, False)
+        assert len(solver.asked) == STEPS + 2 * times, "to rest where it was stopped, and on from there"
+    else:
+        assert (shares, told) == ([1.0, 0.5, None, None], True)
