@@ -104,14 +104,14 @@ def largest_coordinate(X: np.ndarray) -> float:
 def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
     """Raise InputError on a missing, unsupported or empty file, before reading it.
 
-    What ends in one of ``more_suffixes`` is no mesh, but can be opened too.
+    What ends in one of ``more_suffixes`` is no mesh file, but can be opened too.
     """
     # os.path: Path raises on names that are too long.
     if not os.path.exists(path):  # noqa: PTH110
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
         raise InputError(tr("{path} is not a file; choose a mesh file.").format(path=path))
-    if path.suffix.lower() in _OF_OTHER_FILES:
+    if path.suffix.lower() in _OF_OTHER_FILES and path.suffix.lower() not in more_suffixes:
         raise InputError(
             tr(
                 "{name} refers to other files; open one of them, or save the surface as one .vtp file."
