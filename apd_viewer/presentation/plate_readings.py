@@ -34,7 +34,7 @@ def plate_reading_texts(
     return (
         _distance(state, unit),
         _load(state, newtons),
-        _volume(state, unit),
+        volume_reading(state, unit),
         ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest")),
     )
 
@@ -66,7 +66,8 @@ def _load(state: State, newtons: NewtonConversion | None) -> ReadingText:
     return ReadingText(tr("Load"), text, off or note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
 
 
-def _volume(state: State, unit: Unit) -> ReadingText:
+def volume_reading(state: State, unit: Unit) -> ReadingText:
+    """Enclosed volume of a shape, and its change from rest."""
     tip = tr("Enclosed volume, and its change from rest")
     now, rest = readings.volumes(state.frame, state.inspection)
     if not rest or now is None:

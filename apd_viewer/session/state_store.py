@@ -253,6 +253,8 @@ class Listener:
         ``failed(sentence)``: something the user asked for was not done, and why.
     view_opened : callable
         ``view_opened(view)``: a session was opened, and this is how it was looked at; after ``changed``.
+    animation_opened : callable
+        A file with several shapes was opened, and the first one is shown; after ``changed``.
     measurements_changed : callable
         More is known about the shape on screen, or less, because it is another one.
     file_written : callable
@@ -265,6 +267,7 @@ class Listener:
     message_sent: Callable[[str], object]
     failed: Callable[[str], object]
     view_opened: Callable[[View], object] = lambda _: None
+    animation_opened: Callable[[], object] = lambda: None
     measurements_changed: Callable[[], object] = lambda: None
     file_written: Callable[[Path], object] = lambda _: None
 

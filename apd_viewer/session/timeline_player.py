@@ -72,6 +72,10 @@ class TimelinePlayer:
                 self._store.pause_or_resume()
             self._listener.status_changed()
 
+    def open(self, timeline: Timeline) -> None:
+        """Take the steps of a file that is being opened, instead of those before."""
+        self._ahead, self.timeline = (), timeline
+
     def clear(self) -> None:
         """Forget all steps; the current shape stays."""
         self._ahead, self.timeline = (), Timeline()

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.state import State
+from apd_viewer.session.model.state import State, shape_frame
 
 # Limits of what is kept; beyond them the first steps go.
 MOST_STEPS = 2000
@@ -76,6 +79,18 @@ class Timeline:
         if is_kept or state.document.mesh is not current.mesh:
             return state
         return state.updated(replace(state.document, **own))
+
+
+def timeline_of_shapes(state: State, shapes: Iterable[np.ndarray]) -> Timeline:
+    """Timeline of given ``shapes`` (n, 3) of the mesh of a state that is at rest."""
+    found = Timeline()
+    for U in shapes:
+        step = state
+        if U is not state.frame.U:
+            frame = shape_frame(state.document.mesh, state.inspection, U)
+            step = state.updated(frame=replace(frame, energy=None))
+        found = found.followed_by(step, begins_run=not found.steps)
+    return found
 
 
 def _is_same_shape(a: State, b: State) -> bool:

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QDockWidget
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr
-from apd_viewer.presentation import plate_readings
+from apd_viewer.presentation import plate_readings, step_readings
 from apd_viewer.presentation.number_format import format_length, format_short
 from apd_viewer.presentation.time_left import time_left_text
 from apd_viewer.session.model.plate_pair import PlatePair, plate_pair
@@ -27,6 +27,7 @@ from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.simulate.press_charts import PressCharts
+from apd_viewer.ui.simulate.step_charts import StepCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_modes import Tool
@@ -80,6 +81,9 @@ class PressController(QObject):
         dock.setWidget(panel)
         panel.load_view.chart = self.charts.load_chart
         panel.volume_view.chart = self.charts.volume_chart
+        self.step_charts = StepCharts(lambda: self._shown_number)
+        panel.size_view.chart = self.step_charts.size_chart
+        panel.effort_view.chart = self.step_charts.effort_chart
         self._replay = QTimer(self, timeout=self._show_next)
         self._connect()
 
@@ -109,11 +113,7 @@ class PressController(QObject):
             return
         if not self._timeline.steps:
             self._session.player.begin()
-        if is_new or not self._dock.isVisible():
-            QTimer.singleShot(0, self, self._frame)  # once the view has its new size
-        self._dock.show()
-        self._dock.raise_()
-        self.refresh()
+        self._show_and_frame(is_new)
         self.panel.end.setFocus()
         self.panel.end.selectAll()
 
@@ -194,6 +194,23 @@ class PressController(QObject):
         state, timeline = self._session.store.state, self._session.player.timeline
         return timeline if state is not None and timeline.is_of(state.document) else Timeline()
 
+    def show_timeline(self) -> None:
+        """Show the panel with the steps there are."""
+        self._dock.show()
+        self._dock.raise_()
+        self.refresh()
+
+    def show_animation(self) -> None:
+        """Show the panel for the animation that was opened."""
+        self._end_replay()
+        self._show_and_frame(is_new=False)
+
+    def _show_and_frame(self, is_new: bool) -> None:
+        """Show the panel; frame what is new, or what has less room than before."""
+        if is_new or not self._dock.isVisible():
+            QTimer.singleShot(0, self, self._frame)  # once the view has its new size
+        self.show_timeline()
+
     def _play_or_stop(self) -> None:
         if self._replay.isActive():
             self._end_replay()
@@ -246,16 +263,21 @@ class PressController(QObject):
         self.panel.show_run(player.is_playing, player.is_paused, self._progress, may_open)
         last = len(steps) - 1 if player.is_playing else None
         self.panel.show_steps(len(steps), shown if shown is not None else last, self._replay.isActive())
-        texts = plate_readings.plate_reading_texts(state, unit, self.charts.newtons(state))
-        said, is_calm = plate_readings.rest_verdict(state)
+        is_press = pair is not None or not steps
+        self.panel.show_kind(is_press, player.is_playing)
+        if is_press:
+            texts = plate_readings.plate_reading_texts(state, unit, self.charts.newtons(state))
+            said, is_calm = plate_readings.rest_verdict(state)
+        else:
+            texts = step_readings.step_reading_texts(state, unit)
+            said, is_calm = step_readings.step_verdict(state)
         if self._session.store.activity is Activity.REFINING:
             said, is_calm = tr("Coming to rest…"), True
         self.panel.show_readings(texts, said, is_calm)
-        self.charts.timeline = self._timeline
+        self.charts.timeline = self.step_charts.timeline = self._timeline
         if not player.is_playing:
             self.charts.reach = 0.0
-        self.panel.load_view.update()
-        self.panel.volume_view.update()
+        self.panel.update_charts()
 
     @property
     def _shown_number(self) -> int | None:
@@ -283,7 +305,7 @@ class PressController(QObject):
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw icons and charts."""
-        self.charts.theme = theme
+        self.charts.theme = self.step_charts.theme = theme
         self.panel.set_theme(theme)
 
     def close(self) -> None:

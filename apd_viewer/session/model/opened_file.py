@@ -1,0 +1,23 @@
+"""Content of an opened file: a state, with how it was looked at and its timeline."""
+
+from typing import NamedTuple
+
+from apd_viewer.session.model.state import State
+from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.model.view import View
+
+
+class OpenedFile(NamedTuple):
+    """Content of a file.
+
+    Attributes
+    ----------
+    view : View or None
+        None where only a session knows it.
+    timeline : Timeline
+        Empty where the file has one shape.
+    """
+
+    state: State
+    view: View | None = None
+    timeline: Timeline = Timeline()
