@@ -1,12 +1,12 @@
 """Player of motions in steps, with each shape on a timeline."""
 
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.state_store import Activity, Listener, StateStore
@@ -19,7 +19,7 @@ class TimelinePlayer:
     """Player of documents one after another, each until its shape is at rest.
 
     The solver that follows a drag follows them too, and whatever else changes the document ends the motion.
-    Once there is a timeline, plates moved by hand add to it as well.
+    Once there is a timeline, handles and obstacles moved by hand add to it as well.
 
     Attributes
     ----------
@@ -33,6 +33,7 @@ class TimelinePlayer:
         self._store, self._gestures, self._listener = store, gestures, listener
         self.timeline = Timeline()
         self.done = self.count = 0
+        self._began = 0.0
         self._ahead: tuple[Document, ...] = ()
         self._detour: Document | None = None
         self._retries = _RETRIES
@@ -47,6 +48,13 @@ class TimelinePlayer:
         """True while the motion under way is paused."""
         return self.is_playing and self._store.activity is Activity.PAUSED
 
+    @property
+    def seconds_left(self) -> float | None:
+        """Expected seconds to the end of the motion; None before its first step."""
+        if not self.is_playing or not self.done:
+            return None
+        return (time.monotonic() - self._began) * (self.count - self.done) / self.done
+
     # Motions
 
     def begin(self) -> None:
@@ -60,7 +68,7 @@ class TimelinePlayer:
         self.timeline = self.timeline.begun_at(state)
         self._gestures.record(title, state)
         self._ahead, self.done, self.count = tuple(documents), 0, len(documents)
-        self._retries = _RETRIES
+        self._retries, self._began = _RETRIES, time.monotonic()
         self._store.solve(self._ahead[0])
 
     def stop(self) -> None:
@@ -104,7 +112,7 @@ class TimelinePlayer:
         is_stopped = state.frame.settled and state.frame.share_reached < 1.0
         if state.document is self._detour:
             self._go_on()
-        elif is_stopped and self._retries:
+        elif is_stopped and self._retries and state.document.obstacles:
             self._retry(state)
         else:
             self.timeline, self.done = self.timeline.followed_by(state), self.done + 1
@@ -134,11 +142,10 @@ class TimelinePlayer:
             self._listener.status_changed()
 
     def _is_moved_by_hand(self, state: State) -> bool:
-        """True if plates came to rest at a place that is not on the timeline."""
-        if not self.timeline.is_of(state.document) or plate_pair(state.document) is None:
+        """True if handles or obstacles came to rest at a place not on the timeline."""
+        if not self.timeline.is_of(state.document) or self.timeline.index_of(state) is not None:
             return False
-        moved = state.document.obstacles is not self.timeline.steps[-1].state.document.obstacles
-        return moved and self.timeline.index_of(state) is None
+        return _has_moved(self.timeline.steps[-1].state.document, state.document)
 
     # Looking at steps
 
@@ -162,3 +169,17 @@ class TimelinePlayer:
         """Number of the step on screen; None if it is another shape."""
         state = self._store.state
         return None if state is None else self.timeline.index_of(state)
+
+
+def _has_moved(before: Document, after: Document) -> bool:
+    """True if handles or obstacles have moved and are otherwise the same ones."""
+    obstacles = before.obstacles, after.obstacles
+    shifted = len(obstacles[0]) == len(obstacles[1]) and any(
+        old.shift is not new.shift for old, new in zip(*obstacles, strict=True)
+    )
+    handles = before.handles, after.handles
+    return shifted or (
+        after.is_posed
+        and len(handles[0]) == len(handles[1])
+        and any(old.pose is not new.pose for old, new in zip(*handles, strict=True))
+    )

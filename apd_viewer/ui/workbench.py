@@ -135,6 +135,7 @@ class Workbench(QObject):
             memory,
             notice,
         )
+        self.edits.show_timeline = self.press.show_timeline
         self.motion_preview = MotionPreview(canvas, self.panel.handles.motion, session, self.parts)
         self.symmetry = SymmetryController(
             self.panel.handles.symmetry, session, self.parts, self.edits.cancel_drag

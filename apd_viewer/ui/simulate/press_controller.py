@@ -1,7 +1,6 @@
 """Controller of a press in the view and of the timeline of its steps."""
 
 import itertools
-import time
 from collections.abc import Callable
 from contextlib import suppress
 
@@ -75,7 +74,7 @@ class PressController(QObject):
         self._choose_tool, self._give_up, self._wall = choose_tool, cancel_drag, wall
         self._wall_settings = wall_settings
         self._memory, self._notice, self._viewport = preferences, notice, viewport
-        self._axis, self._began = 0, 0.0
+        self._axis = 0
         self.charts = PressCharts(session, wall)
         self.panel = panel = TimelinePanel()
         dock.setWidget(panel)
@@ -171,7 +170,6 @@ class PressController(QObject):
     def _move_plates(self, title: str, distance: float) -> None:
         state, steps = self._session.store.required_state(), round(self.panel.steps.value())
         documents = self._required_pair().documents_to(state, distance, steps)
-        self._began = time.monotonic()
         self._session.player.play(title, documents)
         self.charts.reach = self._required_pair().first_distance(state.document) - distance
         self._dock.window().setFocus()
@@ -275,6 +273,7 @@ class PressController(QObject):
             said, is_calm = tr("Coming to rest…"), True
         self.panel.show_readings(texts, said, is_calm)
         self.charts.timeline = self.step_charts.timeline = self._timeline
+        self.step_charts.ahead = player.count - player.done if player.is_playing else 0
         if not player.is_playing:
             self.charts.reach = 0.0
         self.panel.update_charts()
@@ -293,10 +292,8 @@ class PressController(QObject):
         said = tr("Step {k} of {count}").format(k=player.done + 1, count=player.count)
         if player.is_paused:
             return tr("{progress}, paused").format(progress=said)
-        if not player.done:
-            return said
-        seconds = (time.monotonic() - self._began) * (player.count - player.done) / player.done
-        return f"{said}, {time_left_text(seconds)}"
+        seconds = player.seconds_left
+        return said if seconds is None else f"{said}, {time_left_text(seconds)}"
 
     def _direction_titles(self, state: State) -> list[str]:
         size, unit = state.inspection.size, self._session.store.unit

@@ -27,12 +27,14 @@ class StepCharts:
     ----------
     timeline : Timeline
         What is drawn.
+    ahead : int
+        Steps of the motion under way that are still to come.
     theme : Theme
     """
 
     def __init__(self, shown: Callable[[], int | None]) -> None:
         self._shown = shown
-        self.timeline = Timeline()
+        self.timeline, self.ahead = Timeline(), 0
         self.theme: Theme = LIGHT
         self._curves = step_curves(self.timeline)
         self._curves_of = self.timeline
@@ -93,7 +95,7 @@ class StepCharts:
         return Chart(
             "",
             tuple(said),
-            linear_axis(1.0, float(count), whole=True),
+            linear_axis(1.0, float(count + self.ahead), whole=True),
             y,
             tuple(curves),
             dots=Dots(*points.T, (self.theme.ink,) * len(points), crosses),

@@ -211,7 +211,7 @@ class TimelinePanel(QWidget):
         go_on = tr("Continue") if is_paused else tr("Pause")
         self.press.setText(go_on if is_playing else tr("Press"))
         self.press.setToolTip(
-            tr("Let the press stand still, or go on") if is_playing else tr("Close the plates in steps")
+            tr("Let the motion stand still, or go on") if is_playing else tr("Close the plates in steps")
         )
         self.stop.setVisible(is_playing)
         self.open.setVisible(not is_playing)
