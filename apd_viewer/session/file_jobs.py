@@ -33,7 +33,8 @@ from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
 from apd_viewer.session.state_store import Listener, StateStore
-from apd_viewer.session.storage.session_file import ChangedFileError, open_session, save_if_unchanged
+from apd_viewer.session.storage.session_file import ChangedFileError, open_session_file, save_if_unchanged
+from apd_viewer.session.storage.timeline_json import saved_timeline
 from apd_viewer.session.timeline_player import TimelinePlayer
 
 
@@ -64,7 +65,7 @@ class FileJobs:
         path, state = Path(path), self._store.state
         suffix = path.suffix.lower()
         if suffix == SESSION_SUFFIX:
-            self.open_result(path.name, lambda: open_session(path), path)
+            self.open_result(path.name, lambda: open_session_file(path), path)
         elif suffix in POINT_CACHES:
             self.open_result(path.name, lambda: _opened_point_cache(path, state), is_saved=False)
         else:
@@ -224,10 +225,12 @@ class FileJobs:
         """
         path, state = Path(path), self._gestures.state_before or self._store.required_state()
         known = replaceable or self._saved_work.known_file_at(path)
+        steps = saved_timeline(self._player.timeline, state)
+        left_out = len(self._player.timeline.steps) - len(steps.steps) if steps.steps else 0
 
         def write() -> tuple[bool, KnownFile] | ChangedFileError:
             try:
-                return save_if_unchanged(known, path, state, view, embed, picture)
+                return save_if_unchanged(known, path, state, view, embed, picture, steps)
             except ChangedFileError as error:
                 return error
 
@@ -235,7 +238,8 @@ class FileJobs:
             if isinstance(done, tuple):
                 embedded, file = done
                 self._saved_work.mark_saved(SavedDocument(state.document, file, embed))
-                self._listener.message_sent(status_text.saved_session_sentence(path.name, embedded))
+                said = status_text.saved_session_sentence(path.name, embedded, left_out)
+                self._listener.message_sent(said)
                 on_success()
             elif on_file_changed is None:
                 self._listener.failed(str(done))

@@ -349,6 +349,8 @@ class Workbench(QObject):
         self.actions_.view.camera.refresh()
         self.volume.restore_view(view)
         self.choose_unit(Unit(view.unit))
+        if self.session.player.timeline.is_of(self.session.store.required_state().document):
+            self.press.show_timeline()
 
     def _show_parts(self) -> None:
         self.canvas.set_active_parts(self.parts.handle, self.parts.region)

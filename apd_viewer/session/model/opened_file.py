@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.model.timeline import NO_TIMELINE, Timeline
 from apd_viewer.session.model.view import View
 
 
@@ -20,4 +20,4 @@ class OpenedFile(NamedTuple):
 
     state: State
     view: View | None = None
-    timeline: Timeline = Timeline()
+    timeline: Timeline = NO_TIMELINE

@@ -14,7 +14,7 @@ from apd_viewer.session.model.state import State, shape_frame
 MOST_STEPS = 2000
 MOST_BYTES = 512 * 2**20
 # Parts of a document that say what is seen and measured of a shape, and not what shape it is.
-_OVER_IT = "member", "regions", "measurements", "target_shape", "missing_target_shape", "base", "poses"
+OVER_IT = "member", "regions", "measurements", "target_shape", "missing_target_shape", "base", "poses"
 _OF_IT = "mesh", "labels", "grip", "handles", "settings", "staying_components", "obstacles"
 
 
@@ -74,11 +74,14 @@ class Timeline:
     def state_at(self, k: int, current: Document) -> State:
         """State of step ``k``, with regions and measurements of the current document."""
         state = self.steps[k].state
-        own = {name: getattr(current, name) for name in _OVER_IT}
+        own = {name: getattr(current, name) for name in OVER_IT}
         is_kept = all(value is getattr(state.document, name) for name, value in own.items())
         if is_kept or state.document.mesh is not current.mesh:
             return state
         return state.updated(replace(state.document, **own))
+
+
+NO_TIMELINE = Timeline()
 
 
 def timeline_of_shapes(state: State, shapes: Iterable[np.ndarray]) -> Timeline:

@@ -69,6 +69,24 @@ def test_motion_in_view_fills_the_timeline(qtbot, window, tmp_path, monkeypatch)
     assert {row["distance"] for row in rows} == {""}
 
 
+def test_motion_in_view_comes_back_with_its_session(qtbot, window, tmp_path):
+    player = window.session.player
+    panel = type_twist(window, "60", 2)
+    qtbot.waitUntil(lambda: not player.is_playing, timeout=WAIT)
+    panel.back.click()
+    window.session.files.save(tmp_path / "a.apd", window.view(), embed=True)
+    idle(qtbot, window)
+    shapes = [step.state.frame.U for step in player.timeline.steps]
+    player.clear()
+    window.docks["timeline"].hide()
+    window.shell.requests.open_path(tmp_path / "a.apd")
+    idle(qtbot, window)
+    assert panel.isVisible()
+    assert panel.position.text() == "2 of 3"
+    assert np.array_equal([step.state.frame.U for step in player.timeline.steps], shapes)
+    assert not window.shell.isWindowModified()
+
+
 def test_motion_in_view_is_paused_and_stopped(qtbot, window):
     player = window.session.player
     panel = type_twist(window, "60", 200)
