@@ -62,11 +62,15 @@ class TimelinePlayer:
         self.timeline = self.timeline.begun_at(self._gestures.state_without_gesture())
         self._listener.status_changed()
 
-    def play(self, title: str, documents: Sequence[Document]) -> None:
-        """Go through documents in one undo step, and record the shape at each."""
-        state = self._gestures.state_without_gesture()
-        self.timeline = self.timeline.begun_at(state)
-        self._gestures.record(title, state)
+    def play(self, title: str, documents: Sequence[Document], start: State | None = None) -> None:
+        """Go through documents in one undo step, and record the shape at each.
+
+        ``start`` is where they begin, if not at the shape on screen.
+        """
+        self._gestures.record(title, self._gestures.state_without_gesture())
+        if start is not None:
+            self._store.jump_to(start)
+        self.timeline = self.timeline.begun_at(self._store.required_state())
         self._ahead, self.done, self.count = tuple(documents), 0, len(documents)
         self._retries, self._began = _RETRIES, time.monotonic()
         self._store.solve(self._ahead[0])

@@ -145,6 +145,7 @@ class Workbench(QObject):
         self.notice.keep_above(self.edits.text_entries.cards)
         self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
         self.panel.measures.wall_fields.entered.connect(self.runs.show_wall)
+        self.runs.motion_played.connect(self.press.show_timeline)
         self.runs.wall_requested.connect(self.docks["readings"].show)
         self.runs.wall_requested.connect(self.panel.focus_wall_fields)
         ghost, dock = self.motion_preview.ghost, self.docks["study"]
