@@ -117,7 +117,7 @@ class FileJobs:
         opened: OpenedFile,
         file: KnownFile | None,
     ) -> None:
-        state, view, timeline = opened
+        state, view, timeline, animation = opened
         before, self._gestures.state_before = self._gestures.state_before or self._store.state, None
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
@@ -129,7 +129,7 @@ class FileJobs:
         if view is not None:
             self._listener.view_opened(view)
         elif timeline.steps:
-            self._listener.animation_opened()
+            self._listener.animation_opened(animation)
         about = (
             status_text.findings_sentences(state.inspection.findings),
             status_text.missing_target_sentence(state.document),
@@ -307,7 +307,7 @@ def _opened_animation(path: Path) -> OpenedFile:
     timeline = timeline_of_shapes(state, shapes)
     if len(timeline.steps) < 2:
         return OpenedFile(state)
-    return OpenedFile(timeline.steps[0].state, timeline=timeline)
+    return OpenedFile(timeline.steps[0].state, timeline=timeline, animation=path)
 
 
 def _opened_point_cache(path: Path, state: State | None) -> OpenedFile:

@@ -35,7 +35,7 @@ class SessionSignals(QObject):
     status_changed : Signal()
         Emitted after ``changed``, too.
     view_opened : Signal(View)
-    animation_opened : Signal()
+    animation_opened : Signal(Path or None)
     file_written : Signal(Path)
     """
 
@@ -45,7 +45,7 @@ class SessionSignals(QObject):
     message_sent = Signal(str)
     failed = Signal(str)
     view_opened = Signal(object)
-    animation_opened = Signal()
+    animation_opened = Signal(object)
     measured = Signal()
     file_written = Signal(object)
 

@@ -224,7 +224,10 @@ class Workbench(QObject):
         signals.file_written.connect(self.notice.offer_file)
         signals.failed.connect(self.notice.show_failure)
         signals.view_opened.connect(self._apply_view)
-        signals.animation_opened.connect(self.press.show_animation)
+        signals.animation_opened.connect(self.files.remember_animation)
+        fill_recent = self.actions_.file.fill_recent
+        signals.animation_opened.connect(lambda _: fill_recent(self.preferences.recent_files))
+        signals.animation_opened.connect(lambda _: self.press.show_animation())
         signals.measured.connect(self.volume.show_check)
         for change in (signals.changed, signals.measured):
             change.connect(self.measurements.refresh)

@@ -1,5 +1,6 @@
 """Content of an opened file: a state, with how it was looked at and its timeline."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 from apd_viewer.session.model.state import State
@@ -16,8 +17,11 @@ class OpenedFile(NamedTuple):
         None where only a session knows it.
     timeline : Timeline
         Empty where the file has one shape.
+    animation : Path or None
+        File to be opened for mesh and shapes together, if there are several.
     """
 
     state: State
     view: View | None = None
     timeline: Timeline = NO_TIMELINE
+    animation: Path | None = None

@@ -136,8 +136,8 @@ def open_session(path: str | Path) -> tuple[State, View]:
     InputError
         If there is no such file, it is no session, or its mesh is missing or another one.
     """
-    state, view, _ = _opened(Path(path), with_timeline=False)
-    return state, view or View()
+    found = _opened(Path(path), with_timeline=False)
+    return found.state, found.view or View()
 
 
 def open_session_file(path: Path) -> OpenedFile:

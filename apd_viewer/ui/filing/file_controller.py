@@ -150,6 +150,11 @@ class FileController:
                 self._memory.remember_file(path)
         release_freed_memory()  # memory of closed meshes, which may be too fragmented for reuse
 
+    def remember_animation(self, path: Path | None) -> None:
+        """Add the file of an animation to the recent ones, before that of its mesh."""
+        if path is not None:
+            self._memory.remember_file(path)
+
     def load_selection(self) -> None:
         """Ask for a selection file and load it."""
         if self._session.store.state is None:

@@ -44,6 +44,11 @@ def test_animation_in_view_shows_its_steps_at_once(window):
     assert "a.pvd" in window.shell.windowTitle()
 
 
+def test_animation_in_view_is_among_the_recent_files(window, tmp_path):
+    assert window.preferences.recent_files[0] == tmp_path / "a.pvd"
+    assert window.preferences.last_folder == tmp_path
+
+
 def test_animation_in_view_is_scrubbed_and_played(qtbot, window):
     panel, mouse = window.press.panel, Mouse(window.press.panel.slider)
     middle = panel.slider.height() / 2
