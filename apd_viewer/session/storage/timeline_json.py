@@ -14,7 +14,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.timeline import MOST_STEPS, OVER_IT, Timeline, TimelineStep
+from apd_viewer.session.model.timeline import MOST_STEPS, NO_TIMELINE, OVER_IT, Timeline, TimelineStep
 from apd_viewer.session.storage import session_json
 
 MOST_BYTES = 128 * 2**20  # of all arrays in a session
@@ -26,14 +26,15 @@ ArrayReader = Callable[[str, str], np.ndarray]
 def saved_timeline(timeline: Timeline, state: State) -> Timeline:
     """Timeline as far as a session of a state keeps it.
 
-    That is what is of the same rest shape; of steps that need more than ``MOST_BYTES`` the first ones go.
+    That is two steps or more of the same rest shape; where they need more than ``MOST_BYTES`` the first ones
+    go.
     """
-    if not timeline.is_of(state.document):
-        return Timeline()
     mesh = state.document.mesh
     steps = [step for step in timeline.steps if step.state.document.mesh is mesh]
-    most = max(1, MOST_BYTES // (2 * mesh.V.nbytes))
-    return replace(timeline, steps=tuple(steps[-most:]))
+    kept = steps[-max(2, MOST_BYTES // (2 * mesh.V.nbytes)) :]  # shape and grip of each
+    if len(kept) < 2:
+        return NO_TIMELINE
+    return Timeline(tuple(kept), timeline.dropped + len(timeline.steps) - len(kept))
 
 
 def timeline_to_json(timeline: Timeline, state: State) -> tuple[dict[str, Any], dict[str, np.ndarray]]:

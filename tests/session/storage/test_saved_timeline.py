@@ -116,12 +116,17 @@ def test_saved_timeline_is_bounded_and_of_one_rest_shape(session, reopened, tmp_
     monkeypatch.setattr(timeline_json, "MOST_BYTES", 2 * 3 * session.U.nbytes)
     path = saved(session, tmp_path / "a.apd")
     assert session.told[-1].endswith("It leaves out 3 steps of the timeline.")
-    steps = reopened(path).player.timeline.steps
+    timeline = reopened(path).player.timeline
+    steps = timeline.steps
+    assert timeline.dropped == 3
     assert [step.state.frame.U.tolist() for step in steps] == [each.frame.U.tolist() for each in states[3:]]
     session.shapes.bake()
     session.settle()
     again = reopened(saved(session, tmp_path / "b.apd"))
     assert not again.player.timeline.steps, "all steps are of the rest shape before"
+    session.player.begin()
+    again = reopened(saved(session, tmp_path / "c.apd"))
+    assert not again.player.timeline.steps, "nothing has come of it yet"
 
 
 def changed(path, change):
