@@ -36,6 +36,7 @@ from apd_viewer.session.model.handles_and_regions import (
 )
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.quantities.wall import WallText
@@ -205,7 +206,8 @@ def session(folder, capsys):
     eye = CameraPose((9.0, 3.0, 2.0), (0.0, 0.0, 2.0), (0.0, 0.0, 1.0), 0.5)
     wall = WallText("0.3mm", "1.3", "2GPa", "0.3", "5mm", WALL_MATERIALS[0])
     view = View(eye, "mm?", wall, "area", UpAxis.PLUS_Z)
-    save_session("whole.apd", whole_state(), view)
+    state = whole_state()
+    save_session("whole.apd", state, view, timeline=Timeline().followed_by(state))
     with zipfile.ZipFile(folder / "whole.apd") as archive:
         return keys(json.loads(archive.read("session.json")))
 
@@ -298,7 +300,7 @@ KEYS = {
         regions: name area vertices
     """,
     session: """
-        format version program mesh target arrays document frame view
+        format version program mesh target arrays document frame view timeline
         mesh: name vertices faces digest path sample relative embedded
         target: name vertices faces digest path sample relative embedded
         document: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
@@ -320,6 +322,18 @@ KEYS = {
         view: camera unit wall overlay unit_is_guess up_axis
         view.camera: position focal up angle
         view.wall: thickness density young poisson yield_radius material
+        timeline: dropped shown documents steps
+        timeline.documents: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
+            poisson area volume tolerance hold_area calm contact thickness yield_radius gas convergence
+            obstacles staying base mirror labels grip
+        timeline.documents.handles: name pose pivot locked hidden waypoints earlier line falloff
+        timeline.documents.convergence: most_iterations energy_tolerance step_tolerance imperfection seed
+        timeline.documents.obstacles: name kind place axis radius length shift
+        timeline.documents.base: locked hidden
+        timeline.steps: document shape begins_run frame
+        timeline.steps.frame: iteration settled converged handle_drift unreached energy stable saddle_escapes
+            share_reached contact loads shifts
+        timeline.steps.frame.contact: pairs least_gap exempt
     """,
 }
 

@@ -117,6 +117,15 @@ def test_package_does_what_the_example_of_the_interfaces_says(tmp_path, monkeypa
     np.testing.assert_allclose(apd_viewer.open_mesh("out.off").V, result.U, rtol=0, atol=1e-13)
 
 
+def test_mesh_or_path_takes_an_animation_for_the_window(tmp_path):
+    from apd_viewer.ui.application import mesh_or_path
+
+    (tmp_path / "a.pvd").write_text("<VTKFile/>")
+    assert mesh_or_path(tmp_path / "a.pvd") == tmp_path / "a.pvd"
+    with pytest.raises(apd_viewer.InputError, match="refers to other files"):
+        apd_viewer.open_mesh(tmp_path / "a.pvd")
+
+
 def test_mesh_or_path_takes_meshes_of_other_libraries_for_the_window():
     import pyvista
 

@@ -194,10 +194,14 @@ class Case:
         """Document with its handles at a fraction of their motion."""
         return document_at(self.document, self.paths, share)
 
+    def document_along(self, share: float) -> Document:
+        """Document at a fraction of the motion, with rotations of any size."""
+        return motion_path.document_along(self.document_at(share), self.paths, share)
+
     @property
     def end_document(self) -> Document:
         """Document at the last step, including rotations of more than half a turn."""
-        return motion_path.document_along(self.document_at(self.shares[-1]), self.paths, self.shares[-1])
+        return self.document_along(self.shares[-1])
 
 
 def case_of(

@@ -65,4 +65,6 @@ MESH_FORMATS = {
     ".vtu": MeshFormat("VTU", XML_PROLOG + rb'VTKFile\s[^>]*type="UnstructuredGrid"'),
     ".vtk": MeshFormat("VTK", rb"# vtk DataFile"),
 }
+# Files of several shapes: a list of mesh files, glTF, and points of a mesh in another file.
+SERIES, GLTF_FORMATS, POINT_CACHES = ".pvd", (".glb", ".gltf"), (".pc2", ".mdd")
 WRITABLE_FORMATS = tuple(suffix for suffix, each in MESH_FORMATS.items() if each.writing is Writing.ANY)

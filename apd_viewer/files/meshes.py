@@ -111,7 +111,7 @@ def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
         raise InputError(tr("{path} is not a file; choose a mesh file.").format(path=path))
-    if path.suffix.lower() in _OF_OTHER_FILES:
+    if path.suffix.lower() in _OF_OTHER_FILES and path.suffix.lower() not in more_suffixes:
         raise InputError(
             tr(
                 "{name} refers to other files; open one of them, or save the surface as one .vtp file."

@@ -40,7 +40,7 @@ def plate_reading_texts(
     return (
         _distance(state, unit),
         load,
-        _volume(state, unit),
+        volume_reading(state, unit),
         ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest")),
     )
 
@@ -81,7 +81,8 @@ def _joined(reading: ReadingText) -> str:
     return f"{reading.value} ({reading.note})" if reading.note else reading.value
 
 
-def _volume(state: State, unit: Unit) -> ReadingText:
+def volume_reading(state: State, unit: Unit) -> ReadingText:
+    """Enclosed volume of a shape, and its change from rest."""
     tip = tr("Enclosed volume, and its change from rest")
     now, rest = readings.volumes(state.frame, state.inspection)
     if not rest or now is None:

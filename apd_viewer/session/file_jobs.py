@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.files.fe_deck import write_deck
 from apd_viewer.files.known_file import KnownFile
+from apd_viewer.files.mesh_formats import GLTF_FORMATS, POINT_CACHES, SERIES
 from apd_viewer.files.mesh_writing import check_mesh_path, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
@@ -24,34 +26,52 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model import status_text
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import selection_of, with_selection
-from apd_viewer.session.model.state import State, initial_state
-from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.model.opened_file import OpenedFile
+from apd_viewer.session.model.state import State, initial_state, rest_frame
+from apd_viewer.session.model.timeline import Timeline, timeline_of_shapes
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
 from apd_viewer.session.state_store import Listener, StateStore
-from apd_viewer.session.storage.session_file import ChangedFileError, open_session, save_if_unchanged
+from apd_viewer.session.storage.session_file import ChangedFileError, open_session_file, save_if_unchanged
+from apd_viewer.session.storage.timeline_json import saved_timeline
+from apd_viewer.session.timeline_player import TimelinePlayer
 
 
 class FileJobs:
     """Background jobs opening or writing meshes, sessions and selections."""
 
     def __init__(
-        self, store: StateStore, gestures: Gestures, saved_work: SavedWork, jobs: Jobs, listener: Listener
+        self,
+        store: StateStore,
+        gestures: Gestures,
+        player: TimelinePlayer,
+        saved_work: SavedWork,
+        jobs: Jobs,
+        listener: Listener,
     ) -> None:
         self._store = store
         self._gestures = gestures
+        self._player = player
         self._saved_work = saved_work
         self._jobs = jobs
         self._listener = listener
 
     def open(self, path: str | Path) -> None:
-        """Open a mesh or session in the background; the current one stays until loaded."""
-        path = Path(path)
-        if path.suffix.lower() == SESSION_SUFFIX:
-            self.open_result(path.name, lambda: open_session(path), path)
+        """Open a mesh, animation or session in the background.
+
+        The current one stays until it is loaded. The shapes of a point cache are those of the open mesh.
+        """
+        path, state = Path(path), self._store.state
+        suffix = path.suffix.lower()
+        if suffix == SESSION_SUFFIX:
+            self.open_result(path.name, lambda: open_session_file(path), path)
+        elif suffix in POINT_CACHES:
+            self.open_result(path.name, lambda: _opened_point_cache(path, state), is_saved=False)
         else:
-            self.open_result(path.name, lambda: initial_state(open_mesh(path)))
+            may_move, is_series = suffix in (SERIES, *GLTF_FORMATS), suffix == SERIES
+            load = _opened_animation if may_move else _opened_mesh
+            self.open_result(path.name, lambda: load(path), is_named=is_series)
 
     def open_sample(self, name: str) -> None:
         """Open a painted sample in the background."""
@@ -64,7 +84,7 @@ class FileJobs:
     def open_result(
         self,
         name: str,
-        load: Callable[[], State | tuple[State, View]],
+        load: Callable[[], State | tuple[State, View] | OpenedFile],
         path: Path | None = None,
         is_saved: bool = True,
         is_named: bool = False,
@@ -76,14 +96,15 @@ class FileJobs:
         """
         title = tr("Opening {name}").format(name=name)
 
-        def parsed() -> tuple[State | tuple[State, View], KnownFile | None]:
+        def parsed() -> tuple[OpenedFile, KnownFile | None]:
             # Recorded before loading, so that a write in between counts as a change.
             file = None if path is None else KnownFile(path)
             found = load()
-            state = found[0] if isinstance(found, tuple) else found
+            opened = OpenedFile(*found) if isinstance(found, tuple) else OpenedFile(found)
+            mesh = opened.state.document.mesh
             # Computed on this thread, since it takes seconds for a large file; cached afterwards.
-            _ = state.document.mesh.colors, state.document.mesh.texture
-            return found, file
+            _ = mesh.colors, mesh.texture
+            return opened, file
 
         title_name = name if is_named else ""
         self._jobs.run(title, parsed, lambda done: self._show_opened(name, title_name, is_saved, *done))
@@ -93,22 +114,26 @@ class FileJobs:
         name: str,
         title: str,
         is_saved: bool,
-        found: State | tuple[State, View],
+        opened: OpenedFile,
         file: KnownFile | None,
     ) -> None:
-        state, view = found if isinstance(found, tuple) else (found, None)
+        state, view, timeline, animation = opened
         before, self._gestures.state_before = self._gestures.state_before or self._store.state, None
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
         if is_saved:
             self._saved_work.mark_saved(SavedDocument(state.document, file, title=title))
+        if timeline.steps:
+            self._player.open(timeline)
         self._store.jump_to(state)
         if view is not None:
             self._listener.view_opened(view)
+        elif timeline.steps:
+            self._listener.animation_opened(animation)
         about = (
             status_text.findings_sentences(state.inspection.findings),
             status_text.missing_target_sentence(state.document),
-            "" if found is not state else _contact_warning(state.document),
+            "" if view is not None else _contact_warning(state.document),
             state.document.mesh.texture[1],
         )
         if any(about):
@@ -207,10 +232,12 @@ class FileJobs:
         """
         path, state = Path(path), self._gestures.state_before or self._store.required_state()
         known = replaceable or self._saved_work.known_file_at(path)
+        steps = saved_timeline(self._player.timeline, state)
+        left_out = len(self._player.timeline.steps) - len(steps.steps) if steps.steps else 0
 
         def write() -> tuple[bool, KnownFile] | ChangedFileError:
             try:
-                return save_if_unchanged(known, path, state, view, embed, picture)
+                return save_if_unchanged(known, path, state, view, embed, picture, steps)
             except ChangedFileError as error:
                 return error
 
@@ -218,7 +245,8 @@ class FileJobs:
             if isinstance(done, tuple):
                 embedded, file = done
                 self._saved_work.mark_saved(SavedDocument(state.document, file, embed))
-                self._listener.message_sent(status_text.saved_session_sentence(path.name, embedded))
+                said = status_text.saved_session_sentence(path.name, embedded, left_out)
+                self._listener.message_sent(said)
                 on_success()
             elif on_file_changed is None:
                 self._listener.failed(str(done))
@@ -270,6 +298,38 @@ class FileJobs:
 
         title = tr("Writing {name}").format(name=path.name)
         self._jobs.run(title, work, written, can_be_cancelled=False)
+
+
+def _opened_mesh(path: Path) -> OpenedFile:
+    return OpenedFile(initial_state(open_mesh(path)))
+
+
+def _opened_animation(path: Path) -> OpenedFile:
+    """Mesh of a file with its shapes if it has several; raises InputError."""
+    # Imported here so that the first picture does not wait for numba.
+    from apd_viewer.files.animations.animation_reading import open_animation
+
+    mesh, shapes = open_animation(path)
+    state = initial_state(mesh)
+    timeline = timeline_of_shapes(state, shapes)
+    if len(timeline.steps) < 2:
+        return OpenedFile(state)
+    return OpenedFile(timeline.steps[0].state, timeline=timeline, animation=path)
+
+
+def _opened_point_cache(path: Path, state: State | None) -> OpenedFile:
+    """Shapes of a cache for the open mesh; raises InputError."""
+    if state is None:
+        said = tr("{name} has shapes and no mesh; open the mesh that it was written of first.")
+        raise InputError(said.format(name=path.name))
+    # Imported here so that the first picture does not wait for numba.
+    from apd_viewer.files.animations.animation_reading import read_point_cache
+
+    mesh = state.document.mesh
+    document = state.document if state.is_at_rest else state.document.at_rest()
+    rest = state.updated(document, rest_frame(mesh, state.inspection))
+    timeline = timeline_of_shapes(rest, read_point_cache(path, mesh))
+    return OpenedFile(timeline.steps[0].state, timeline=timeline)
 
 
 def _contact_warning(document: Document) -> str:

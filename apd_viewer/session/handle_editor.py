@@ -21,6 +21,7 @@ from apd_viewer.session.posing.motion import Motion, MotionReference
 from apd_viewer.session.posing.regripping import has_moved
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.state_store import Listener, StateStore
+from apd_viewer.session.timeline_player import TimelinePlayer
 
 _MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
 
@@ -81,6 +82,23 @@ class HandleEditor(DocumentEditor):
         end = step.end_document(start)
         names = motion_path.moved_handle_names(start, end)
         self.apply_poses(end, motion_path.motion_title(motion, step.amounts[0], names, self._store.unit))
+
+    def play_motion(self, step: motion_path.MotionStep, count: int, player: TimelinePlayer) -> None:
+        """Apply a motion in ``count`` equal steps on the timeline, in one undo step.
+
+        Raises
+        ------
+        InputError
+            If the motion is impossible; the message says why.
+        """
+        document = self._gestures.state_without_gesture().document
+        if document.paint_problem:
+            self._listener.failed(document.paint_problem)
+            return
+        documents = [with_rounded_poses(each) for each in step.documents(document, count)]
+        names = motion_path.moved_handle_names(document, documents[-1])
+        title = motion_path.motion_title(step.motion, step.amounts[0], names, self._store.unit)
+        player.play(title, documents)
 
     def reset_handle(self, k: int) -> None:
         """Reset one handle to its rest position, and solve."""

@@ -57,7 +57,7 @@ class Session:
         self.wall_run = WallRun(store, self.player, listener)
         self.shapes = ShapeEditor(store, gestures, self.jobs, listener)
         self.saved_work = SavedWork(store, gestures, listener)
-        self.files = FileJobs(store, gestures, self.saved_work, self.jobs, listener)
+        self.files = FileJobs(store, gestures, self.player, self.saved_work, self.jobs, listener)
         self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)
         self.shape_checks = ShapeChecks(store, gestures, listener)
         followers += [

@@ -253,6 +253,9 @@ class Listener:
         ``failed(sentence)``: something the user asked for was not done, and why.
     view_opened : callable
         ``view_opened(view)``: a session was opened, and this is how it was looked at; after ``changed``.
+    animation_opened : callable
+        ``animation_opened(path)``: several shapes were opened, and the first is shown; after ``changed``. The
+        path is None if the mesh is in another file.
     measurements_changed : callable
         More is known about the shape on screen, or less, because it is another one.
     file_written : callable
@@ -265,6 +268,7 @@ class Listener:
     message_sent: Callable[[str], object]
     failed: Callable[[str], object]
     view_opened: Callable[[View], object] = lambda _: None
+    animation_opened: Callable[[Path | None], object] = lambda _: None
     measurements_changed: Callable[[], object] = lambda: None
     file_written: Callable[[Path], object] = lambda _: None
 

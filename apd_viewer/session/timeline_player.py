@@ -1,11 +1,11 @@
 """Player of motions in steps, with each shape on a timeline."""
 
+import time
 from collections.abc import Sequence
 
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.state_store import Activity, Listener, StateStore
@@ -18,7 +18,7 @@ class TimelinePlayer:
     """Player of documents one after another, each until its shape is at rest.
 
     The solver of a drag also solves these documents; any other change of the document ends the motion.
-    Plates moved by hand are added to an existing timeline as well.
+    Handles and obstacles moved by hand are added to an existing timeline as well.
 
     Attributes
     ----------
@@ -34,6 +34,7 @@ class TimelinePlayer:
         self._store, self._gestures, self._listener = store, gestures, listener
         self.timeline = Timeline()
         self.done = self.count = 0
+        self._began = 0.0
         self._ahead: tuple[Document, ...] = ()
         self._detour: Document | None = None
         self._retries = RETRIES
@@ -49,6 +50,13 @@ class TimelinePlayer:
         """True while the motion under way is paused."""
         return self.is_playing and self._store.activity is Activity.PAUSED
 
+    @property
+    def seconds_left(self) -> float | None:
+        """Expected seconds to the end of the motion; None before its first step."""
+        if not self.is_playing or not self.done:
+            return None
+        return (time.monotonic() - self._began) * (self.count - self.done) / self.done
+
     # Motions
 
     def begin(self) -> None:
@@ -56,13 +64,17 @@ class TimelinePlayer:
         self.timeline = self.timeline.begun_at(self._gestures.state_without_gesture())
         self._listener.status_changed()
 
-    def play(self, title: str, documents: Sequence[Document]) -> None:
-        """Go through documents in one undo step, and record the shape at each."""
-        state = self._gestures.state_without_gesture()
-        self.timeline = self.timeline.begun_at(state)
-        self._gestures.record(title, state)
+    def play(self, title: str, documents: Sequence[Document], start: State | None = None) -> None:
+        """Go through documents in one undo step, and record the shape at each.
+
+        ``start`` is where they begin, if not at the shape on screen.
+        """
+        self._gestures.record(title, self._gestures.state_without_gesture())
+        if start is not None:
+            self._store.jump_to(start)
+        self.timeline = self.timeline.begun_at(self._store.required_state())
         self._ahead, self.done, self.count = tuple(documents), 0, len(documents)
-        self._retries = RETRIES
+        self._retries, self._began = RETRIES, time.monotonic()
         self._store.solve(self._ahead[0])
 
     def stop(self) -> None:
@@ -73,6 +85,10 @@ class TimelinePlayer:
             if self.is_paused:
                 self._store.pause_or_resume()
             self._listener.status_changed()
+
+    def open(self, timeline: Timeline) -> None:
+        """Take the steps of a file that is being opened, instead of those before."""
+        self._ahead, self.timeline = (), timeline
 
     def clear(self) -> None:
         """Forget all steps; the current shape stays."""
@@ -110,7 +126,7 @@ class TimelinePlayer:
         is_stopped = state.frame.settled and state.frame.share_reached < 1.0
         if state.document is self._detour:
             self._go_on()
-        elif is_stopped and self._retries:
+        elif is_stopped and self._retries and state.document.obstacles:
             self._retry(state)
         else:
             self.timeline, self.done = self.timeline.followed_by(state), self.done + 1
@@ -138,11 +154,10 @@ class TimelinePlayer:
             self._listener.status_changed()
 
     def _is_moved_by_hand(self, state: State) -> bool:
-        """True if the plates came to rest at a position not on the timeline."""
-        if not self.timeline.is_of(state.document) or plate_pair(state.document) is None:
+        """True if handles or obstacles came to rest at a position not on the timeline."""
+        if not self.timeline.is_of(state.document) or self.timeline.index_of(state) is not None:
             return False
-        moved = state.document.obstacles is not self.timeline.steps[-1].state.document.obstacles
-        return moved and self.timeline.index_of(state) is None
+        return _has_moved(self.timeline.steps[-1].state.document, state.document)
 
     def add_answer(self, k: int, answer: State) -> None:
         """Add the answer of the wall at step ``k``; what is shown stays."""
@@ -179,3 +194,17 @@ class TimelinePlayer:
         """Number of the displayed step; None for any other shape."""
         state = self._store.state
         return None if state is None else self.timeline.index_of(state)
+
+
+def _has_moved(before: Document, after: Document) -> bool:
+    """True if handles or obstacles have moved and are otherwise the same ones."""
+    obstacles = before.obstacles, after.obstacles
+    shifted = len(obstacles[0]) == len(obstacles[1]) and any(
+        old.shift is not new.shift for old, new in zip(*obstacles, strict=True)
+    )
+    handles = before.handles, after.handles
+    return shifted or (
+        after.is_posed
+        and len(handles[0]) == len(handles[1])
+        and any(old.pose is not new.pose for old, new in zip(*handles, strict=True))
+    )

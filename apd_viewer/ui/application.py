@@ -25,6 +25,7 @@ from PySide6.QtGui import QSurfaceFormat
 from PySide6.QtWidgets import QApplication
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_formats import SERIES
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -220,7 +221,7 @@ def mesh_or_path(mesh: object) -> Mesh | Path | None:
     if mesh is None or isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, str | Path):
-        check_readable(Path(mesh), more_suffixes=(SESSION_SUFFIX,))
+        check_readable(Path(mesh), more_suffixes=(SESSION_SUFFIX, SERIES))
         return Path(mesh)
     if hasattr(mesh, "regular_faces"):  # pyvista.PolyData
         surface = mesh.triangulate()  # type: ignore[attr-defined]

@@ -35,6 +35,7 @@ class SessionSignals(QObject):
     status_changed : Signal()
         Emitted after ``changed``, too.
     view_opened : Signal(View)
+    animation_opened : Signal(Path or None)
     file_written : Signal(Path)
     """
 
@@ -44,6 +45,7 @@ class SessionSignals(QObject):
     message_sent = Signal(str)
     failed = Signal(str)
     view_opened = Signal(object)
+    animation_opened = Signal(object)
     measured = Signal()
     file_written = Signal(object)
 
@@ -56,6 +58,7 @@ class SessionSignals(QObject):
             message_sent=self.message_sent.emit,
             failed=self.failed.emit,
             view_opened=self.view_opened.emit,
+            animation_opened=self.animation_opened.emit,
             measurements_changed=self.measured.emit,
             file_written=self.file_written.emit,
         )

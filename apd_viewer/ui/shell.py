@@ -71,7 +71,7 @@ class Shell(QtWidgets.QMainWindow):
         toggles = self.docks.toggles
         self.menus = WindowMenus(self, self.requests, self._take, self.canvas.frame_mesh, toggles)
         self.preferences.restore_layout(self)
-        for name in ("study", "timeline"):  # without contents until a study or a press
+        for name in ("study", "timeline"):  # without contents until a study or a motion in steps
             self.docks[name].hide()
         values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
         self.canvas.choose_mode(values[SELECTION_MODE])
@@ -94,7 +94,7 @@ class Shell(QtWidgets.QMainWindow):
         plots = self.docks.add("plots", tr("Plots"), QtWidgets.QWidget(), below, False)
         plots.toggleViewAction().setShortcut("Ctrl+P")
         self.docks.add("study", tr("Study results"), QtWidgets.QWidget(), below, False)
-        self.docks.add("timeline", tr("Press and timeline"), QtWidgets.QWidget(), below, False)
+        self.docks.add("timeline", tr("Timeline"), QtWidgets.QWidget(), below, False)
 
     def _take(self, tool: Tool) -> None:
         self.canvas.choose_tool(tool)

@@ -135,6 +135,7 @@ class Workbench(QObject):
             memory,
             notice,
         )
+        self.edits.show_timeline = self.press.show_timeline
         self.motion_preview = MotionPreview(canvas, self.panel.handles.motion, session, self.parts)
         self.symmetry = SymmetryController(
             self.panel.handles.symmetry, session, self.parts, self.edits.cancel_drag
@@ -145,6 +146,7 @@ class Workbench(QObject):
         self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
         self.panel.measures.wall_fields.entered.connect(self.runs.show_wall)
         self.panel.measures.wall_fields.entered.connect(self.press.refresh)
+        self.runs.motion_played.connect(self.press.show_timeline)
         self.runs.wall_requested.connect(self.docks["readings"].show)
         self.runs.wall_requested.connect(self.panel.focus_wall_fields)
         ghost, dock = self.motion_preview.ghost, self.docks["study"]
@@ -223,6 +225,10 @@ class Workbench(QObject):
         signals.file_written.connect(self.notice.offer_file)
         signals.failed.connect(self.notice.show_failure)
         signals.view_opened.connect(self._apply_view)
+        signals.animation_opened.connect(self.files.remember_animation)
+        fill_recent = self.actions_.file.fill_recent
+        signals.animation_opened.connect(lambda _: fill_recent(self.preferences.recent_files))
+        signals.animation_opened.connect(lambda _: self.press.show_animation())
         signals.measured.connect(self.volume.show_check)
         wall_entered = self.panel.measures.wall_fields.entered
         for change in (signals.measured, signals.status_changed, wall_entered):
@@ -352,6 +358,8 @@ class Workbench(QObject):
         self.actions_.view.camera.refresh()
         self.volume.restore_view(view)
         self.choose_unit(Unit(view.unit))
+        if self.session.player.timeline.is_of(self.session.store.required_state().document):
+            self.press.show_timeline()
 
     def _show_parts(self) -> None:
         self.canvas.set_active_parts(self.parts.handle, self.parts.region)

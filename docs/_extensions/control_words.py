@@ -181,9 +181,9 @@ GROUPS = (
     Group(
         "TimelinePanel",
         _BELOW,
-        "Press and timeline",
-        "Two plates that close on the mesh before your eyes, and every step that was solved (`Shift+K`). "
-        "See [Press between plates](../howto/press.md).",
+        "Timeline",
+        "Every step of a motion or of an opened animation, and two plates that close on the mesh (`Shift+K`). "
+        "See [Go back along the timeline](../howto/timeline.md) and [Press between plates](../howto/press.md).",
     ),
     Group(
         "ResultsPanel",

@@ -106,7 +106,7 @@ def test_timeline_player_measures_later_regions_on_earlier_steps(plates):
     before = plates.player.timeline.steps[1].state
     plates.parts.add_region()
     plates.gestures.begin()
-    plates.painting.paint_region(np.arange(40), 0)
+    plates.painting.paint_region(np.arange(40), 1)
     plates.painting.end_stroke("Paint")
     member = plates.store.state.document.member
     undo = plates.gestures.history.undo_names

@@ -16,12 +16,13 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.animations.morph_targets import write_morph_targets
+from apd_viewer.files.mesh_formats import SERIES
 from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.language import tr
 
 # Header: signature, version, point count, first frame, frames per sample, sample count.
-_PC2 = struct.Struct("<12siiffi")
+PC2_HEADER = struct.Struct("<12siiffi")
 _RATE = 24.0  # shapes per second, Blender's default frame rate
 
 
@@ -29,7 +30,7 @@ def write_pc2(animation: Animation, path: Path) -> None:
     """Write the shapes as PC2, one per frame from frame 0; raises InputError."""
     points = len(animation.imported_vertices)
     with replacing_file(path) as scratch, scratch.open("wb") as stream:
-        stream.write(_PC2.pack(b"POINTCACHE2\0", 1, points, 0.0, 1.0, len(animation)))
+        stream.write(PC2_HEADER.pack(b"POINTCACHE2\0", 1, points, 0.0, 1.0, len(animation)))
         _write_points(animation, stream, "<f4")
 
 
@@ -47,9 +48,8 @@ def _write_points(animation: Animation, stream: BinaryIO, kind: str) -> None:
         stream.write(U[animation.imported_vertices].astype(kind).tobytes())
 
 
-_SERIES = ".pvd"
 _WRITERS = {".pc2": write_pc2, ".mdd": write_mdd, ".glb": write_morph_targets}
-ANIMATION_FORMATS = (*_WRITERS, _SERIES)
+ANIMATION_FORMATS = (*_WRITERS, SERIES)
 
 
 def check_animation(path: Path) -> None:
@@ -60,7 +60,7 @@ def check_animation(path: Path) -> None:
             tr("{path} cannot be written (it is a folder); choose another name.").format(path=path)
         )
     beside = path.with_suffix("")
-    if path.suffix.lower() == _SERIES and beside.exists() and not beside.is_dir():
+    if path.suffix.lower() == SERIES and beside.exists() and not beside.is_dir():
         raise InputError(
             tr("{name} needs a folder {folder} beside it, which is a file; choose another name.").format(
                 name=path.name, folder=beside.name
@@ -77,7 +77,7 @@ def write_animation(animation: Animation, path: Path) -> None:
         If the file cannot be written.
     """
     kind = path.suffix.lower()
-    if kind == _SERIES:
+    if kind == SERIES:
         # Imported here: VTK is slow to import, and no other format needs it.
         from apd_viewer.files.animations.paraview_series import write_series
 

@@ -17,6 +17,7 @@ from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 from apd_viewer.files.gltf import accessors, scene
 from apd_viewer.files.gltf.gltf_file import GltfFile, VertexBlock, with_offset
 from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles
+from apd_viewer.files.gltf.weight_keys import keyed_documents
 from apd_viewer.files.storage.regular_files import LARGEST_FILE, too_large_error
 from apd_viewer.language import tr
 
@@ -31,19 +32,43 @@ def read_gltf(content: bytes, path: Path) -> ParsedMesh:
     ValueError
         If the file cannot be understood or ends too early.
     """
-    is_binary = path.suffix.lower() == ".glb"
-    said, blob = scene.glb_chunks(content) if is_binary else (content, None)
-    text, document = scene.parse_document(said)
-    check_supported(document)
-    buffers, world = scene.read_buffers(document, blob, path), scene.world_matrices(document)
-    drawn = _Scene(document, buffers)
-    for place in mesh_instances(document, buffers, world):
-        drawn.add(place)
+    text, document, buffers = _parsed(content, path)
+    drawn, world = _drawn(document, buffers), scene.world_matrices(document)
     file = GltfFile(content, path.suffix.lower(), text, document, buffers, drawn.blocks, drawn.pieces)
     remarks = [*_instance_remarks(drawn.blocks)]
     if scene.has_other_scenes(document, world):
         remarks.append(tr("The file has several scenes; only the default scene is read."))
     return ParsedMesh(np.vstack(drawn.V), np.vstack(drawn.F), file, tuple(remarks), "m")
+
+
+def keyed_positions(content: bytes, path: Path) -> Iterator[np.ndarray]:
+    """Positions (n, 3) at each key of the animation of morph weights, if there is one.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be understood.
+    """
+    _, document, buffers = _parsed(content, path)
+    for each in keyed_documents(document, buffers):
+        yield np.vstack(_drawn(each, buffers).V)
+
+
+def _parsed(content: bytes, path: Path) -> tuple[str, dict[str, Any], list[bytes]]:
+    """Text, document and buffers of a file."""
+    is_binary = path.suffix.lower() == ".glb"
+    said, blob = scene.glb_chunks(content) if is_binary else (content, None)
+    text, document = scene.parse_document(said)
+    check_supported(document)
+    return text, document, scene.read_buffers(document, blob, path)
+
+
+def _drawn(document: dict[str, Any], buffers: list[bytes]) -> _Scene:
+    """Scene with all its mesh instances."""
+    drawn = _Scene(document, buffers)
+    for place in mesh_instances(document, buffers, scene.world_matrices(document)):
+        drawn.add(place)
+    return drawn
 
 
 def _instance_remarks(blocks: list[VertexBlock]) -> Iterator[str]:

@@ -68,9 +68,16 @@ def baking_sentence(area: float, before: float, unit: Unit) -> str:
     )
 
 
-def saved_session_sentence(name: str, embedded: bool) -> str:
-    """Sentence about a saved session."""
+def saved_session_sentence(name: str, embedded: bool, left_out: int = 0) -> str:
+    """Sentences about a saved session and the steps that it leaves out."""
     sentence = tr("Saved {name}, including a copy of the mesh.") if embedded else tr("Saved {name}.")
+    if left_out:
+        some = trn(
+            "It leaves out the first step of the timeline.",
+            "It leaves out {n:,} steps of the timeline.",
+            left_out,
+        )
+        sentence = f"{sentence} {some.format(n=left_out)}"
     return sentence.format(name=name)
 
 

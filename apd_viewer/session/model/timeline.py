@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.state import State
+from apd_viewer.session.model.state import State, shape_frame
 
 # Limits of what is kept; beyond them the first steps go.
 MOST_STEPS = 2000
 MOST_BYTES = 512 * 2**20
 # Parts of a document that say what is seen and measured of a shape, and not what shape it is.
-_OVER_IT = "member", "regions", "measurements", "target_shape", "missing_target_shape", "base", "poses"
+OVER_IT = "member", "regions", "measurements", "target_shape", "missing_target_shape", "base", "poses"
 _OF_IT = "mesh", "labels", "grip", "handles", "settings", "staying_components", "obstacles"
 
 
@@ -106,9 +108,9 @@ class Timeline:
         answer = None if known is None else kept.steps[known].answer
         return kept._with_step(TimelineStep(state, True, answer))
 
-    def followed_by(self, state: State) -> Timeline:
+    def followed_by(self, state: State, begins_run: bool = False) -> Timeline:
         """Timeline with one more step; the oldest are dropped beyond the limit."""
-        return self._with_step(TimelineStep(state))
+        return self._with_step(TimelineStep(state, begins_run))
 
     def _with_step(self, step: TimelineStep) -> Timeline:
         return replace(self, steps=(*self.steps, step))._bounded()
@@ -126,11 +128,26 @@ class Timeline:
         ``of_wall`` is that of the method Wall, where it is known.
         """
         state = (self.steps[k].wall if of_wall else None) or self.steps[k].state
-        own = {name: getattr(current, name) for name in _OVER_IT}
+        own = {name: getattr(current, name) for name in OVER_IT}
         is_kept = all(value is getattr(state.document, name) for name, value in own.items())
         if is_kept or state.document.mesh is not current.mesh:
             return state
         return state.updated(replace(state.document, **own))
+
+
+NO_TIMELINE = Timeline()
+
+
+def timeline_of_shapes(state: State, shapes: Iterable[np.ndarray]) -> Timeline:
+    """Timeline of given ``shapes`` (n, 3) of the mesh of a state that is at rest."""
+    found = Timeline()
+    for U in shapes:
+        step = state
+        if U is not state.frame.U:
+            frame = shape_frame(state.document.mesh, state.inspection, U)
+            step = state.updated(frame=replace(frame, energy=None))
+        found = found.followed_by(step, begins_run=not found.steps)
+    return found
 
 
 def _is_same_shape(a: State, b: State) -> bool:

@@ -70,6 +70,15 @@ class MotionStep:
     def _pose(self, document: Document, amounts: Sequence[float]) -> np.ndarray:
         return self.motion.pose_after(MotionReference(document, self.handle, self.line), amounts)
 
+    def documents(self, document: Document, count: int) -> list[Document]:
+        """Documents at ``count`` equal steps of the motion; raises InputError."""
+        amount = self.motion.kind.amount
+        parts = [
+            replace(self, amounts=tuple(amount.amount_at(each, n / count) for each in self.amounts))
+            for n in range(1, count)
+        ]
+        return [part.end_document(document) for part in (*parts, self)]
+
     def intermediate_documents(self, document: Document) -> list[Document]:
         """Documents along the last turn of the motion, including its end.
 

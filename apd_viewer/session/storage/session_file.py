@@ -27,10 +27,13 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.opened_file import OpenedFile
 from apd_viewer.session.model.state import State, initial_state
+from apd_viewer.session.model.timeline import NO_TIMELINE, Timeline
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.storage import session_json
 from apd_viewer.session.storage.session_picture import PICTURE_MEMBER, explaining_errors
+from apd_viewer.session.storage.timeline_json import ArrayReader, timeline_from_json, timeline_to_json
 
 SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
@@ -47,6 +50,7 @@ def save_session(
     is_urgent: bool = False,
     picture: bytes = b"",
     finish: Callable[[Path], object] = lambda _: None,
+    timeline: Timeline = NO_TIMELINE,
 ) -> bool:
     """Write a session to a file atomically.
 
@@ -64,6 +68,8 @@ def save_session(
         A PNG file that shows the session in a file manager; empty for none.
     finish : callable
         Called last, see :func:`apd_viewer.files.storage.atomic_file.replacing_file`.
+    timeline : Timeline
+        What is kept of it, see :func:`apd_viewer.session.storage.timeline_json.saved_timeline`.
 
     Returns
     -------
@@ -91,6 +97,7 @@ def save_session(
     positions = {"grip": document.grip, "shape": state.frame.U}
     # Rest positions are left out: they are restored from the mesh.
     arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
+    steps, arrays_of_steps = timeline_to_json(timeline, state) if timeline.steps else (None, {})
     said = {
         "format": SESSION_FORMAT,
         "version": SESSION_VERSION,
@@ -101,9 +108,10 @@ def save_session(
         "document": session_json.document_to_json(document),
         "frame": session_json.frame_to_json(state.frame),
         "view": session_json.view_to_json(view),
+        **({"timeline": steps} if steps else {}),
     }
     text = json.dumps(said, indent=1, allow_nan=False).encode()
-    members = {f"{name}.npy": npy_content(array) for name, array in arrays.items()}
+    members = {f"{name}.npy": npy_content(array) for name, array in (arrays | arrays_of_steps).items()}
     members |= {**copy, **copy_of_target, **({PICTURE_MEMBER: picture} if picture else {})}
     write_archive(path, {JSON_MEMBER: text, **members}, is_urgent, finish)
     return bool(copy)
@@ -128,7 +136,16 @@ def open_session(path: str | Path) -> tuple[State, View]:
     InputError
         If there is no such file, it is no session, or its mesh is missing or another one.
     """
-    path = Path(path)
+    found = _opened(Path(path), with_timeline=False)
+    return found.state, found.view or View()
+
+
+def open_session_file(path: Path) -> OpenedFile:
+    """Open a session as :func:`open_session` does, with its timeline."""
+    return _opened(path, with_timeline=True)
+
+
+def _opened(path: Path, with_timeline: bool) -> OpenedFile:
     with explaining_errors(path):
         archive = Archive(_content(path))
         said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER)
@@ -142,7 +159,11 @@ def open_session(path: str | Path) -> tuple[State, View]:
             raise ValueError(tr("its “volume” is damaged"))
         state = replace(state, document=document)
         frame = session_json.frame_from_json(said.nested_fields("frame"), state, arrays["shape"])
-        return replace(state, frame=frame), session_json.view_from_json(said.nested_fields("view"))
+        state, timeline = replace(state, frame=frame), NO_TIMELINE
+        if with_timeline and said.has_value("timeline"):
+            read = _array_reader(archive, state)
+            timeline, state = timeline_from_json(said.nested_fields("timeline"), state, read)
+        return OpenedFile(state, session_json.view_from_json(said.nested_fields("view")), timeline)
 
 
 def _content(path: Path) -> bytes:
@@ -182,14 +203,35 @@ def _weld(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
 def _arrays(fields: JsonFields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
     """Labels, regions and positions of all vertices, by array name."""
     there, n = fields.texts("arrays", most=100), len(mesh.V)
-    farthest = _FARTHEST * diagonal(mesh.V)
     arrays = {name: archive.array(name, "|u1", (n,)) for name in _CODES}
     for name in _POSITIONS:
         arrays[name] = archive.array(name, "<f8", (n, 3)) if name in there else mesh.V
-        X = arrays[name]
-        if not np.isfinite(X).all() or (np.abs(X - mesh.V) > farthest).any():
-            raise ValueError(tr("“{name}” in it is not a shape of the mesh").format(name=name))
+        _check_shape(arrays[name], mesh, name)
     return arrays
+
+
+def _check_shape(X: np.ndarray, mesh: Mesh, name: str) -> None:
+    farthest = _FARTHEST * diagonal(mesh.V)
+    if not np.isfinite(X).all() or (np.abs(X - mesh.V) > farthest).any():
+        raise ValueError(tr("“{name}” in it is not a shape of the mesh").format(name=name))
+
+
+def _array_reader(archive: Archive, state: State) -> ArrayReader:
+    """Reader of the arrays of a timeline; each is read once."""
+    mesh, document = state.document.mesh, state.document
+    own = {"labels": document.labels, "grip": document.grip, "shape": state.frame.U, "rest": mesh.V}
+    known = {(name, "|u1" if name == "labels" else "<f8"): array for name, array in own.items()}
+
+    def read(name: str, kind: str) -> np.ndarray:
+        if (name, kind) not in known:
+            n = len(mesh.V)
+            found = archive.array(name, kind, (n,) if kind == "|u1" else (n, 3))
+            if kind != "|u1":
+                _check_shape(found, mesh, name)
+            known[name, kind] = found
+        return known[name, kind]
+
+    return read
 
 
 class ChangedFileError(InputError):
@@ -212,7 +254,13 @@ class ChangedFileError(InputError):
 
 
 def save_if_unchanged(
-    known: KnownFile | None, path: Path, state: State, view: View, embed: bool = False, picture: bytes = b""
+    known: KnownFile | None,
+    path: Path,
+    state: State,
+    view: View,
+    embed: bool = False,
+    picture: bytes = b"",
+    timeline: Timeline = NO_TIMELINE,
 ) -> tuple[bool, KnownFile]:
     """Save a session unless its file has been changed elsewhere.
 
@@ -244,7 +292,7 @@ def save_if_unchanged(
         check()
 
     check()
-    embedded = save_session(path, state, view, embed, picture=picture, finish=finish)
+    embedded = save_session(path, state, view, embed, picture=picture, finish=finish, timeline=timeline)
     return embedded, written[0]
 
 

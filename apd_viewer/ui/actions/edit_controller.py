@@ -31,6 +31,7 @@ class EditController:
     ----------
     nudge_obstacle : callable, returns False if no obstacle is in the hand
     stop_placing : callable, gives up waiting for the place of an obstacle
+    show_timeline : callable, shows the steps of a motion
     """
 
     def __init__(
@@ -45,6 +46,7 @@ class EditController:
         self._session, self._parts, self._take = session, parts, choose_tool
         self.nudge_obstacle: Callable[[tuple[int, int, int]], bool] = lambda _: False
         self.stop_placing: Callable[[], object] = lambda: None
+        self.show_timeline: Callable[[], object] = lambda: None
         self.text_entries = TextEntries(canvas, session, parts, self.cancel_drag)
         handles = panel.handles
         handles.add_requested.connect(self.add_handle)
@@ -154,9 +156,15 @@ class EditController:
         """Move the active handle by a typed motion, or show an error in the field."""
         if not self._is_open:
             return
-        field = self._panel.handles.motion
+        field, handles = self._panel.handles.motion, self._session.handles
+        asked = motion, text, self._parts.handle, self._canvas.bend_line, is_total
         try:
-            self._session.handles.move_by(motion, text, self._parts.handle, self._canvas.bend_line, is_total)
+            if (count := round(field.steps.value())) > 1:
+                self._session.gestures.cancel()
+                handles.play_motion(handles.plan_motion(*asked), count, self._session.player)
+                self.show_timeline()
+            else:
+                handles.move_by(*asked)
         except InputError as error:
             field.show_error(str(error))
         else:

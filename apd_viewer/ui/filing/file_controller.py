@@ -10,6 +10,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.files.known_file import FileState, KnownFile
+from apd_viewer.files.mesh_formats import POINT_CACHES
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
@@ -64,8 +65,11 @@ class FileController:
         self.run_after_save_prompt(lambda: self._session.autosave.restore(recovery_file))
 
     def open_path(self, path: str | Path) -> None:
-        """Open a file in the background."""
-        self.run_after_save_prompt(lambda: self._session.files.open(path))
+        """Open a file in the background; a point cache goes onto the open mesh."""
+        if Path(path).suffix.lower() in POINT_CACHES:
+            self._session.files.open(path)
+        else:
+            self.run_after_save_prompt(lambda: self._session.files.open(path))
 
     def open_sample(self, name: str) -> None:
         """Open a sample in the background."""
@@ -145,6 +149,11 @@ class FileController:
             if path is not None and path.is_file():  # a mesh embedded in a session may have no file
                 self._memory.remember_file(path)
         release_freed_memory()  # memory of closed meshes, which may be too fragmented for reuse
+
+    def remember_animation(self, path: Path | None) -> None:
+        """Add the file of an animation to the recent ones, before that of its mesh."""
+        if path is not None:
+            self._memory.remember_file(path)
 
     def load_selection(self) -> None:
         """Ask for a selection file and load it."""

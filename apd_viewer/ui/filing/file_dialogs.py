@@ -7,7 +7,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
-from apd_viewer.files.mesh_formats import MESH_FORMATS, WRITABLE_FORMATS
+from apd_viewer.files.mesh_formats import MESH_FORMATS, POINT_CACHES, SERIES, WRITABLE_FORMATS
 from apd_viewer.files.mesh_writing import dropped_contents
 from apd_viewer.files.scalar_files import ScalarRows
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -15,7 +15,10 @@ from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
 
 _MESHES = " ".join("*" + suffix for suffix in MESH_FORMATS)
-_OPEN_FILTER = tr("Meshes and sessions ({endings})").format(endings=f"{_MESHES} *.apd")
+_ANIMATIONS = " ".join("*" + suffix for suffix in (SERIES, *POINT_CACHES))
+_OPEN_FILTER = tr("Meshes, animations and sessions ({endings})").format(
+    endings=f"{_MESHES} {_ANIMATIONS} *.apd"
+)
 _MESH_FILTER = tr("Meshes ({endings})").format(endings=_MESHES)
 _WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
 _ICON = 64  # px; icon in the About box

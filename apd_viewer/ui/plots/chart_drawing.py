@@ -182,7 +182,7 @@ class ChartArea:
         pen = QPen(theme_color(self._theme, curve.color), 1.75)
         pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
         self._painter.setPen(pen)
-        known = np.isfinite(curve.y)
+        known = np.isfinite(curve.x) & np.isfinite(curve.y)
         x, y = self._pixel_columns(curve.x), self._pixel_rows(np.where(known, curve.y, self._y.low))
         ends = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]))).reshape(-1, 2)
         for first, last in ends.tolist():
@@ -308,7 +308,7 @@ def draw_color_bar(
 class Curve:
     """Polyline in chart coordinates, in a theme colour or #rrggbb.
 
-    It is broken where ``y`` is not finite. With ``has_dots`` each point is a dot, too.
+    It is broken where ``x`` or ``y`` is not finite. With ``has_dots`` each point is a dot, too.
     """
 
     x: np.ndarray

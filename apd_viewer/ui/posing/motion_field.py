@@ -1,16 +1,17 @@
 """Motion of the active handle: a typed amount, and symmetric posing."""
 
 from PySide6.QtCore import QTimer, Signal
-from PySide6.QtWidgets import QPushButton, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QWidget
 
-from apd_viewer.language import tr, trc
+from apd_viewer.language import tr, trc, trn
 from apd_viewer.notation import editable_number
 from apd_viewer.session.posing.motion import LINE, MOTIONS, Motion
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
-from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField, return_focus
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import quiet_label
 
 _LINE_TIP = tr("Click two points of the mesh: the bend is about the line through them")
+_MOST_STEPS = 1000
 _PAUSE = 600  # ms without typing before an error is shown
 _RELATION = tr("“by” adds to the current pose, “to” sets the total from rest")
 
@@ -28,6 +29,8 @@ class MotionField(QWidget):
         Emitted when typing has ended.
     line_requested : Signal()
         The line to bend about is to be picked on the mesh.
+    steps : NumberField
+        In how many steps the handle gets there, each at rest on the timeline; 1 moves it at once.
     problem : QLabel
         Error in the amount.
     """
@@ -48,6 +51,15 @@ class MotionField(QWidget):
         self.pick = QPushButton(tr("Pick line"), toolTip=_LINE_TIP)
         self.pick.clicked.connect(self.line_requested)
         self.amount = TextField(accessibleName=tr("Amount"))
+        self.steps = NumberField(
+            accessibleName=tr("Number of steps"),
+            toolTip=tr("In so many steps, each at rest and kept on the timeline; 1 moves it at once"),
+            minimum=1,
+            maximum=_MOST_STEPS,
+            value=1,
+            decimals=0,
+        )
+        self.steps.setFixedWidth(44)
         self.amount.returnPressed.connect(self._type)
         self.amount.textEdited.connect(self.request_preview)
         self.amount.focus_gained.connect(self.request_preview)
@@ -57,7 +69,11 @@ class MotionField(QWidget):
         self.problem.hide()
         self._later = QTimer(self, singleShot=True, interval=_PAUSE, timeout=self._show_problem)
         self._kind = self.motion.kind.amount
-        line = row_layout(self.relation, (self.amount, 1))
+        word = QLabel(trn("step", "steps", 1))
+        word.setMinimumWidth(word.fontMetrics().horizontalAdvance(trn("step", "steps", 2)))
+        self.steps.valueChanged.connect(lambda count: word.setText(trn("step", "steps", round(count))))
+        inside = QLabel(trc("motion", "in"))
+        line = row_layout(self.relation, (self.amount, 1), inside, self.steps, word, spacing=6)
         column_layout(self.choice, line, self.pick, self.problem, margins=(0, 4, 0, 4), parent=self)
         self._choose()
 
@@ -76,6 +92,7 @@ class MotionField(QWidget):
         self.choice.setCurrentIndex(0)
         self.relation.setCurrentIndex(0)
         self.amount.clear()
+        self.steps.setValue(1)
         self.problem.hide()
 
     def show_error_later(self, sentence: str) -> None:

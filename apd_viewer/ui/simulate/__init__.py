@@ -1,1 +1,1 @@
-"""Simulations in the view: presses, and the timeline of their steps."""
+"""Motions in steps in the view: presses, and the timeline of all of them."""

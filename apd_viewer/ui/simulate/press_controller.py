@@ -1,8 +1,7 @@
 """Controller of a press in the view and of the timeline of its steps."""
 
 import itertools
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -12,9 +11,9 @@ from PySide6.QtWidgets import QDockWidget
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr
-from apd_viewer.presentation import plate_readings
+from apd_viewer.presentation import plate_readings, step_readings
 from apd_viewer.presentation.number_format import format_length, format_short
-from apd_viewer.presentation.time_left import progress_text
+from apd_viewer.presentation.time_left import time_left_text
 from apd_viewer.session.model.plate_pair import PlatePair, plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
@@ -28,6 +27,7 @@ from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.simulate.known_wall import KnownWall
 from apd_viewer.ui.simulate.press_charts import PressCharts
+from apd_viewer.ui.simulate.step_charts import StepCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
 from apd_viewer.ui.simulate.wall_follower import WallFollower
 from apd_viewer.ui.tools.active_parts import ActiveParts
@@ -76,7 +76,7 @@ class PressController(QObject):
         self._choose_tool, self._give_up, self._wall = choose_tool, cancel_drag, wall
         self._wall_settings = wall_settings
         self._memory, self._notice, self._viewport = preferences, notice, viewport
-        self._axis, self._began = 0, 0.0
+        self._axis = 0
         self.known_wall = KnownWall(session, wall)
         self._wall_follower = WallFollower(session, self.known_wall, lambda: self._timeline)
         self.charts = PressCharts(session, self.known_wall)
@@ -84,6 +84,9 @@ class PressController(QObject):
         dock.setWidget(panel)
         panel.load_view.chart = self.charts.load_chart
         panel.volume_view.chart = self.charts.volume_chart
+        self.step_charts = StepCharts(lambda: self._shown_number)
+        panel.size_view.chart = self.step_charts.size_chart
+        panel.effort_view.chart = self.step_charts.effort_chart
         self._replay = QTimer(self, timeout=self._show_next)
         self._connect()
 
@@ -115,11 +118,7 @@ class PressController(QObject):
             return
         if not self._timeline.steps:
             self._session.player.begin()
-        if is_new or not self._dock.isVisible():
-            QTimer.singleShot(0, self, self._frame)  # once the view has its new size
-        self._dock.show()
-        self._dock.raise_()
-        self.refresh()
+        self._show_and_frame(is_new)
         self.panel.end.setFocus()
         self.panel.end.selectAll()
 
@@ -178,7 +177,6 @@ class PressController(QObject):
         self._session.player.choose_wall(False)  # the wall follows what is pressed
         state, steps = self._session.store.required_state(), round(self.panel.steps.value())
         documents = self._required_pair().documents_to(state, distance, steps)
-        self._began = time.monotonic()
         self._session.player.play(title, documents)
         self._wall_follower.is_due = True
         self.charts.reach = self._required_pair().first_distance(state.document) - distance
@@ -201,6 +199,23 @@ class PressController(QObject):
         """Steps of the open mesh; empty if the timeline belongs to another mesh."""
         state, timeline = self._session.store.state, self._session.player.timeline
         return timeline if state is not None and timeline.is_of(state.document) else Timeline()
+
+    def show_timeline(self) -> None:
+        """Show the panel with the steps there are."""
+        self._dock.show()
+        self._dock.raise_()
+        self.refresh()
+
+    def show_animation(self) -> None:
+        """Show the panel for the animation that was opened."""
+        self._end_replay()
+        self._show_and_frame(is_new=False)
+
+    def _show_and_frame(self, is_new: bool) -> None:
+        """Show the panel; frame what is new, or what has less room than before."""
+        if is_new or not self._dock.isVisible():
+            QTimer.singleShot(0, self, self._frame)  # once the view has its new size
+        self.show_timeline()
 
     def _play_or_stop(self) -> None:
         if self._replay.isActive():
@@ -258,17 +273,28 @@ class PressController(QObject):
         self.panel.show_run(player.is_playing, player.is_paused, self._progress, may_open)
         last = len(steps) - 1 if player.is_playing else None
         self.panel.show_steps(len(steps), shown if shown is not None else last, self._replay.isActive())
-        self.charts.timeline = self._timeline
-        self._show_readings(state)
+        is_press = pair is not None or not steps
+        self.panel.show_kind(is_press, player.is_playing)
+        if is_press:
+            self._show_press_readings(state)
+        else:
+            texts = step_readings.step_reading_texts(state, self._session.store.unit)
+            self._show_texts(texts, *step_readings.step_verdict(state))
+        self.charts.timeline = self.step_charts.timeline = self._timeline
+        self.step_charts.ahead = player.count - player.done if player.is_playing else 0
         is_running, may_begin = self._session.wall_run.is_running, self._wall_follower.may_begin
         names = self.charts.names if any(step.answer is not None for step in steps) else ()
         self.panel.show_wall(is_running, may_begin, names, player.shows_wall)
         if not player.is_playing:
             self.charts.reach = 0.0
-        self.panel.load_view.update()
-        self.panel.volume_view.update()
+        self.panel.update_charts()
 
-    def _show_readings(self, state: State) -> None:
+    def _show_texts(self, texts: Sequence[plate_readings.ReadingText], said: str, is_calm: bool) -> None:
+        if self._session.store.activity is Activity.REFINING:
+            said, is_calm = tr("Coming to rest…"), True
+        self.panel.show_readings(texts, said, is_calm)
+
+    def _show_press_readings(self, state: State) -> None:
         """Show the readings of a state, with the load of the wall where that is known."""
         k, store, method = self._shown_number, self._session.store, state.document.settings.traits
         answer = None if k is None else self._timeline.steps[k].answer
@@ -279,12 +305,10 @@ class PressController(QObject):
         elif k is not None and answer is None and self._session.player.shows_wall and not method.is_wall:
             said, is_calm = tr("The wall is not solved here: this is {method}."), False
             said = said.format(method=method.short_title)
-        if store.activity is Activity.REFINING:
-            said, is_calm = tr("Coming to rest…"), True
         newtons = (self.known_wall.newtons_as_pressed if is_of_wall else self.known_wall.newtons)(state)
         force = None if is_of_wall else self._wall_follower.force(answer)
         texts = plate_readings.plate_reading_texts(state, store.unit, newtons, force)
-        self.panel.show_readings(texts, said, is_calm)
+        self._show_texts(texts, said, is_calm)
 
     @property
     def _shown_number(self) -> int | None:
@@ -302,7 +326,8 @@ class PressController(QObject):
         said = tr("Step {k} of {count}").format(k=player.done + 1, count=player.count)
         if player.is_paused:
             return tr("{progress}, paused").format(progress=said)
-        return progress_text(said, time.monotonic() - self._began, player.done, player.count)
+        seconds = player.seconds_left
+        return said if seconds is None else f"{said}, {time_left_text(seconds)}"
 
     def _direction_titles(self, state: State) -> list[str]:
         size, unit = state.inspection.size, self._session.store.unit
@@ -311,7 +336,7 @@ class PressController(QObject):
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw icons and charts."""
-        self.charts.theme = theme
+        self.charts.theme = self.step_charts.theme = theme
         self.panel.set_theme(theme)
 
     def close(self) -> None:

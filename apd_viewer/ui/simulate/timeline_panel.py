@@ -1,4 +1,4 @@
-"""Panel of a press in the view: plates, timeline, readings and curves."""
+"""Panel of the timeline: controls of a press, steps, readings and curves."""
 
 from __future__ import annotations
 
@@ -25,6 +25,10 @@ _WIDE = 860  # px: width with room for both charts
 _ONE_STEP = SliderScale(1, float, float, 0)
 _LOAD = ChartTexts(tr("Load"), tr("Load over the way of the plates; not at rest is a cross"))
 _VOLUME = ChartTexts(tr("Volume"), tr("Volume over the way of the plates, percent of that at rest"))
+_SIZE_CHANGE = ChartTexts(tr("Area and volume"), tr("Their changes from rest, step by step"))
+_EFFORT = ChartTexts(
+    tr("Energy or strain"), tr("Energy of each step, or the mean edge strain; not at rest is a cross")
+)
 
 
 class TimelinePanel(QWidget):
@@ -67,7 +71,16 @@ class TimelinePanel(QWidget):
         self._theme: Theme | None = None
         self.load_view = ChartView(_LOAD, lambda: Chart(""))
         self.volume_view = ChartView(_VOLUME, lambda: Chart(""))
-        controls, transport = self._make_controls(), self._make_transport()
+        self.size_view = ChartView(_SIZE_CHANGE, lambda: Chart(""))
+        self.effort_view = ChartView(_EFFORT, lambda: Chart(""))
+        self._charts_of_press, self._charts_of_steps = (
+            (self.load_view, self.volume_view),
+            (self.size_view, self.effort_view),
+        )
+        self._is_press = True
+        self.controls, self.fields = QWidget(), QWidget()
+        self._make_controls()
+        transport = self._make_transport()
         name = tr("Whether the shape is at rest")
         self.calm, self.warning = quiet_label(name), quiet_label(name, style="unreached")
         self._grid = QGridLayout(horizontalSpacing=12, verticalSpacing=2)
@@ -75,15 +88,16 @@ class TimelinePanel(QWidget):
         left = QWidget()
         left.setFixedWidth(286)
         column_layout(self.calm, self.warning, 4, self._grid, STRETCH, parent=left)
-        lower = row_layout(left, (self.load_view, 1), (self.volume_view, 1), spacing=12)
+        views = [(view, 1) for view in self._chart_views]
+        lower = row_layout(left, *views, spacing=12)
         column = column_layout(
-            controls, transport, (lower, 1), spacing=6, margins=(12, 6, 12, 8), parent=self
+            self.controls, transport, (lower, 1), spacing=6, margins=(12, 6, 12, 8), parent=self
         )
         column.setSizeConstraint(QBoxLayout.SizeConstraint.SetNoConstraint)
 
     # Construction
 
-    def _make_controls(self) -> QHBoxLayout:
+    def _make_controls(self) -> None:
         tip = tr("Axis along which the plates close; they are put anew")
         self.direction = ComboBox(accessibleName=tr("Direction to press in"), toolTip=tip)
         self.direction.activated.connect(self.direction_chosen)
@@ -123,11 +137,13 @@ class TimelinePanel(QWidget):
                 trc("press", "steps"),
             )
         ]
-        return row_layout(
+        row_layout(
             *(words[0], self.direction, words[1], self.end, words[2], self.steps, words[3], 4),
-            *(self.press, self.stop, self.open, (self.progress, 1), self.wall),
             spacing=6,
+            parent=self.fields,
         )
+        buttons = self.press, self.stop, self.open, (self.progress, 1), self.wall
+        row_layout(self.fields, *buttons, spacing=6, parent=self.controls)
 
     def _make_transport(self) -> QHBoxLayout:
         self.back = small_button(tr("Previous step"), tr("Show the step before"))
@@ -171,9 +187,28 @@ class TimelinePanel(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Show the second chart if there is room for it."""
         super().resizeEvent(event)
-        self.volume_view.setVisible(self.width() >= _WIDE)
+        self._show_charts()
+
+    @property
+    def _chart_views(self) -> tuple[ChartView, ...]:
+        return *self._charts_of_press, *self._charts_of_steps
+
+    def _show_charts(self) -> None:
+        shown = self._charts_of_press if self._is_press else self._charts_of_steps
+        for view in self._chart_views:
+            view.setVisible(view in shown and (view is shown[0] or self.width() >= _WIDE))
 
     # Display
+
+    def show_kind(self, is_press: bool, is_playing: bool) -> None:
+        """Show controls and charts of a press, or those of any other motion."""
+        self.controls.setVisible(is_press or is_playing)
+        self.fields.setVisible(is_press)
+        if not is_press:
+            self.open.hide()
+        if is_press is not self._is_press:
+            self._is_press = is_press
+            self._show_charts()
 
     def show_directions(self, titles: Sequence[str], axis: int) -> None:
         """Show the axes with their extents, and the current one."""
@@ -187,7 +222,7 @@ class TimelinePanel(QWidget):
         go_on = tr("Continue") if is_paused else tr("Pause")
         self.press.setText(go_on if is_playing else tr("Press"))
         self.press.setToolTip(
-            tr("Let the press stand still, or go on") if is_playing else tr("Close the plates in steps")
+            tr("Let the motion stand still, or go on") if is_playing else tr("Close the plates in steps")
         )
         self.stop.setVisible(is_playing)
         self.open.setVisible(not is_playing)
@@ -268,8 +303,13 @@ class TimelinePanel(QWidget):
             (self.loop, "loop"),
         ):
             button.setIcon(icon(image, theme))
-        for view in (self.load_view, self.volume_view):
+        for view in self._chart_views:
             view.theme = theme
+        self.update_charts()
+
+    def update_charts(self) -> None:
+        """Draw the charts again."""
+        for view in self._chart_views:
             view.update()
 
     def _choose_step(self, k: int) -> None:

@@ -7,9 +7,10 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QDialog, QWidget
 
+from apd_viewer.cases.case import Case
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.state import State
+from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.regripping import gesture_motion
 from apd_viewer.session.quantities.units import Unit
@@ -41,9 +42,12 @@ class RunController(QObject):
     ----------
     wall_requested : Signal()
         The fields of the wall are to be shown.
+    motion_played : Signal()
+        A motion has begun whose steps come onto the timeline.
     """
 
     wall_requested = Signal()
+    motion_played = Signal()
 
     def __init__(
         self,
@@ -69,7 +73,23 @@ class RunController(QObject):
         if state.document.paint_problem:
             self._failed(state.document.paint_problem)
             return
-        self._show("sweep", lambda: SweepDialog(self._window, state, handle, view, self._memory))
+        self._show("sweep", lambda: self._sweep_dialog(state, handle, view))
+
+    def _sweep_dialog(self, state: State, handle: int, view: View) -> SweepDialog:
+        dialog = SweepDialog(self._window, state, handle, view, self._memory)
+        dialog.play_requested.connect(self._play)
+        return dialog
+
+    def _play(self, case: Case) -> None:
+        """Go along the motion of a case from rest, with each step on the timeline."""
+        state = self._session.store.required_state()
+        if state.document.mesh is not case.document.mesh:
+            self._failed(tr("Another mesh has been opened; open the dialog again."))
+            return
+        start, *documents = (case.document_along(share) for share in case.shares)
+        at_rest = state.updated(start, rest_frame(start.mesh, state.inspection))
+        self._session.player.play(tr("Motion in steps"), documents, at_rest)
+        self.motion_played.emit()
 
     def open_animation(self) -> None:
         """Open the dialog to export the current motion or the last gesture."""

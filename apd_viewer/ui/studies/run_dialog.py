@@ -182,8 +182,13 @@ class RunBar(QWidget):
         self.start.setDefault(True)
         self.help = HelpButton()
         buttons = self.open_mesh, self.open, self.save, self.cancel, self.start
-        row = row_layout(self.help, (self.message, 1), *buttons)
-        column_layout(self.bar, row, spacing=8, parent=self)
+        self._row = row_layout(self.help, (self.message, 1), *buttons)
+        column_layout(self.bar, self._row, spacing=8, parent=self)
+
+    def add_button(self, button: QPushButton) -> None:
+        """Add a button beside the one that starts; it is there while nothing runs."""
+        self._row.insertWidget(self._row.indexOf(self.start), button)
+        self.busy_changed.connect(lambda on: button.setVisible(not on))
 
     @property
     def running(self) -> bool:

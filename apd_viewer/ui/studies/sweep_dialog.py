@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QPushButton, QWidget
 
-from apd_viewer.cases.case import DEFAULT_ITERATIONS, MOST_STEPS, case_of, cases_by_method
+from apd_viewer.cases.case import DEFAULT_ITERATIONS, MOST_STEPS, Case, case_of, cases_by_method
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import check_animation
 from apd_viewer.geometry.pose.constraints import HANDLE
@@ -45,7 +46,14 @@ class SweepDialog(RunDialog):
         Index of the handle turned by a twist.
     view : View
         View of the mesh in an animation.
+
+    Attributes
+    ----------
+    play_requested : Signal(Case)
+        Emitted to solve the motion in the window, with the shape of each step on the timeline.
     """
+
+    play_requested = Signal(object)
 
     def __init__(
         self, window: QWidget, state: State, handle: int, view: View, preferences: Preferences
@@ -55,6 +63,10 @@ class SweepDialog(RunDialog):
         title = tr("Sweep – {name}").format(name=window_title_text(mesh.name))
         super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
         run.start_requested.connect(self.begin)
+        tip = tr("Solve the motion in the window by the method of the panel, each step on the timeline")
+        self.in_view = QPushButton(tr("In the view"), toolTip=tip)
+        self.in_view.clicked.connect(self.play)
+        run.add_button(self.in_view)
         self._state, self._handle, self._view = state, handle, view
         about = tr("Runs the motion in steps, and plots area, volume and energy.")
         rows = (
@@ -118,22 +130,37 @@ class SweepDialog(RunDialog):
         self.animation.toggled.connect(self.format.setEnabled)
         return row_layout(self.meshes, self.animation, self.format, STRETCH, spacing=16)
 
-    def begin(self) -> None:
-        """Start the sweep with the options chosen."""
+    def _case(self) -> Case:
+        """Case of the motion and steps chosen; raises InputError."""
         document = self._state.document
-        methods = [name for name, check in self.methods.items() if check.isChecked()]
         motion: tuple[MotionStep, ...] = ()
-        words: list[str] = []
+        if self.motion.currentData() == _TWIST:
+            typed = f"handle {self._handle + 1}: twist {self.twist.text()}"
+            motion = motion_steps(document, typed, Unit.NONE)
+        return case_of(document, round(self.steps.value()), self.to.value() / 100.0, motion=motion)
+
+    def play(self) -> None:
+        """Request the motion in the window, and close."""
         try:
-            if self.motion.currentData() == _TWIST:
-                typed = f"handle {self._handle + 1}: twist {self.twist.text()}"
-                motion = motion_steps(self._state.document, typed, Unit.NONE)
-                words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
-            steps, last_share = round(self.steps.value()), self.to.value() / 100.0
-            cases_by_method(case_of(document, steps, last_share, motion=motion), methods)
+            case = self._case()
         except InputError as error:
             self.run.show_failure(str(error))
             return
+        self.close()
+        self.play_requested.emit(case)
+
+    def begin(self) -> None:
+        """Start the sweep with the options chosen."""
+        methods = [name for name, check in self.methods.items() if check.isChecked()]
+        try:
+            cases_by_method(self._case(), methods)
+        except InputError as error:
+            self.run.show_failure(str(error))
+            return
+        words: list[str] = []
+        if self.motion.currentData() == _TWIST:
+            words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
+        steps, last_share = round(self.steps.value()), self.to.value() / 100.0
         words += ["--steps", str(steps), "--to", repr(last_share)]
         words += ["--methods", ",".join(methods), "--iterations", str(round(self.iterations.value()))]
         words += ["--meshes"] if self.meshes.isChecked() else []

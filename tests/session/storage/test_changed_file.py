@@ -7,7 +7,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.session import file_jobs
 from apd_viewer.session.storage import session_file
-from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.storage.session_file import open_session, open_session_file, save_session
 
 
 def wait(session):
@@ -73,11 +73,11 @@ def test_save_over_does_not_replace_what_comes_while_it_is_opened(session, path,
     path.write_bytes(now)
 
     def slow(path):
-        found = open_session(path)
+        found = open_session_file(path)
         path.write_bytes(newer)
         return found
 
-    monkeypatch.setattr(file_jobs, "open_session", slow)
+    monkeypatch.setattr(file_jobs, "open_session_file", slow)
     other.files.open(path)
     wait(other)
     other.drag(pose(0.3))

@@ -114,6 +114,45 @@ def test_sweep_dialog_sweeps_the_motion_of_the_handle_if_it_has_one(qtbot, bar, 
     assert view.camera == bar.canvas.view.saved_view("").camera
 
 
+def test_sweep_dialog_solves_the_motion_in_the_view_from_rest(qtbot, bar):
+    bar.session.handles.move_by(MOTIONS["MOVE_X"], "0.5", 0)
+    idle(qtbot, bar)
+    before = bar.session.store.state
+    bar.actions_.simulate.sweep.trigger()
+    dialog = bar.runs.dialogs["sweep"]
+    dialog.steps.setValue(3)
+    click(dialog.in_view)
+    assert not dialog.isVisible()
+    player = bar.session.player
+    qtbot.waitUntil(lambda: not player.is_playing, timeout=60_000)
+    idle(qtbot, bar)
+    assert bar.press.panel.isVisible()
+    states = [step.state for step in player.timeline.steps]
+    assert [state.document.handles[0].pose[0, 3] for state in states] == pytest.approx(
+        [0, 0.5 / 3, 1 / 3, 0.5]
+    )
+    assert states[0].frame.U is before.document.mesh.V
+    np.testing.assert_allclose(states[-1].frame.U, before.frame.U, atol=1e-3)
+    assert bar.session.gestures.history.undo_names[-1] == "Motion in steps"
+    bar.session.gestures.undo()
+    assert bar.session.store.state is before
+    player.clear()
+    bar.docks["timeline"].hide()
+
+
+def test_sweep_dialog_shows_in_the_view_nothing_of_another_mesh(bar, dialog):
+    dialog.twist.setText("much")
+    click(dialog.in_view)
+    assert dialog.isVisible()
+    assert dialog.run.message.text()
+    dialog.twist.setText("90deg")
+    bar.session.shapes.weld()
+    bar.session.wait_idle(20.0)
+    click(dialog.in_view)
+    assert bar.notice.text == "Another mesh has been opened; open the dialog again."
+    assert not bar.session.player.is_playing
+
+
 def test_sweep_dialog_sweeps_the_motion_of_obstacles_where_nothing_is_painted(qtbot, here, bar):
     bar.session.painting.clear_all()
     bar.session.obstacles.add_plates(np.eye(3)[0])

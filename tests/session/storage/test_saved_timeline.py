@@ -1,0 +1,165 @@
+"""Timelines in session files: every step comes back bit for bit, and what is damaged is refused."""
+
+import json
+import zipfile
+
+import numpy as np
+import pytest
+from driven_session import VIEW, Driven, check_equal
+from meshes import box
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.posing.motion import MOTIONS
+from apd_viewer.session.storage import timeline_json
+from apd_viewer.session.storage.session_file import open_session, open_session_file, save_session
+
+pytestmark = pytest.mark.usefixtures("processes")
+
+
+def played(session, count=3):
+    """A bar that was twisted in steps; the states of its timeline."""
+    step = session.handles.plan_motion(MOTIONS["TWIST"], "60deg", 0)
+    session.handles.play_motion(step, count, session.player)
+    session.until(lambda: not session.player.is_playing)
+    return [step.state for step in session.player.timeline.steps]
+
+
+def saved(session, path):
+    """The session in a file."""
+    session.files.save(path, VIEW, embed=True)
+    session.settle()
+    return path
+
+
+@pytest.fixture
+def reopened(tmp_path):
+    """Factory of other sessions with a file open."""
+    sessions = []
+
+    def reopen(path):
+        sessions.append(Driven())
+        sessions[-1].files.open(path)
+        sessions[-1].settle()
+        return sessions[-1]
+
+    yield reopen
+    for session in sessions:
+        session.close()
+
+
+def test_saved_timeline_comes_back_to_the_bit(session, reopened, tmp_path):
+    states = played(session)
+    session.player.show(1)
+    session.player.end_show()
+    path = saved(session, tmp_path / "a.apd")
+    again = reopened(path)
+    steps = again.player.timeline.steps
+    assert [step.begins_run for step in steps] == [True, False, False, False]
+    for step, state in zip(steps, states, strict=True):
+        check_equal(step.state, state)
+    assert again.player.shown == 1
+    assert again.store.state is steps[1].state
+    assert not again.saved_work.is_unsaved
+    again.player.show(3)
+    again.player.end_show()
+    assert np.array_equal(again.U, states[3].frame.U)
+    assert again.gestures.history.undo_names == [], "the other step is on the timeline"
+
+
+def test_saved_timeline_of_a_press_keeps_its_loads_and_goes_on(empty, reopened, tmp_path):
+    empty.show_now(Mesh(*box(2, 2, 2)))
+    empty.obstacles.put_press(np.eye(3)[0])
+    empty.player.begin()
+    state = empty.store.state
+    empty.player.play("Press", plate_pair(state.document).documents_to(state, 1.9, 2))
+    empty.until(lambda: not empty.player.is_playing)
+    readings = [plate_pair(step.state.document).reading(step.state) for step in empty.player.timeline.steps]
+    again = reopened(saved(empty, tmp_path / "a.apd"))
+    steps = again.player.timeline.steps
+    assert [plate_pair(step.state.document).reading(step.state) for step in steps] == readings
+    again.settings.change(stiffness=0.02)
+    again.settle()
+    assert again.player.timeline.steps is steps, "no plate was moved"
+    again.obstacles.move(1, -0.05 * np.eye(3)[0])
+    again.until(lambda: len(again.player.timeline.steps) > len(steps))
+
+
+def test_saved_timeline_has_the_regions_of_the_session_on_every_step(session, reopened, tmp_path):
+    played(session, 2)
+    session.parts.add_region()
+    session.gestures.begin()
+    session.painting.paint_region(np.arange(30), 1)
+    session.painting.end_stroke("Paint")
+    again = reopened(saved(session, tmp_path / "a.apd"))
+    member = again.store.state.document.member
+    assert member.any()
+    assert again.player.shown == 2
+    again.player.show(0)
+    assert again.store.state.document.member is member
+    assert again.store.state.frame.regions == again.store.state.document.region_areas(again.U)
+
+
+def test_saved_timeline_is_left_out_by_those_that_ask_for_the_shape_alone(session, tmp_path):
+    """As programs without a timeline do, which ignore it."""
+    states = played(session, 2)
+    path = saved(session, tmp_path / "a.apd")
+    state, _ = open_session(path)
+    assert np.array_equal(state.frame.U, states[-1].frame.U)
+    save_session(tmp_path / "b.apd", session.store.state, VIEW, embed=True)
+    assert not open_session_file(tmp_path / "b.apd").timeline.steps
+
+
+def test_saved_timeline_is_bounded_and_of_one_rest_shape(session, reopened, tmp_path, monkeypatch):
+    states = played(session, 5)
+    monkeypatch.setattr(timeline_json, "MOST_BYTES", 2 * 3 * session.U.nbytes)
+    path = saved(session, tmp_path / "a.apd")
+    assert session.told[-1].endswith("It leaves out 3 steps of the timeline.")
+    timeline = reopened(path).player.timeline
+    steps = timeline.steps
+    assert timeline.dropped == 3
+    assert [step.state.frame.U.tolist() for step in steps] == [each.frame.U.tolist() for each in states[3:]]
+    session.shapes.bake()
+    session.settle()
+    again = reopened(saved(session, tmp_path / "b.apd"))
+    assert not again.player.timeline.steps, "all steps are of the rest shape before"
+    session.player.begin()
+    again = reopened(saved(session, tmp_path / "c.apd"))
+    assert not again.player.timeline.steps, "nothing has come of it yet"
+
+
+def changed(path, change):
+    """A session with another timeline in its file."""
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    said = json.loads(members["session.json"])
+    change(said["timeline"], members)
+    members["session.json"] = json.dumps(said).encode()
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda said, _: said.update(shown=99),
+        lambda said, _: said.update(dropped=-1),
+        lambda said, _: said["steps"][1].update(document=9),
+        lambda said, _: said["steps"][1].update(shape="labels"),
+        lambda said, _: said["steps"][1].update(shape="../a"),
+        lambda said, _: said["steps"][1].pop("frame"),
+        lambda said, _: said["documents"][1].update(labels="shape"),
+        lambda said, _: said["documents"][1].pop("handles"),
+        lambda said, members: members.pop(f"{said['steps'][1]['shape']}.npy"),
+        lambda said, members: members.update({f"{said['steps'][1]['shape']}.npy": b"x"}),
+    ],
+)
+def test_saved_timeline_that_is_damaged_is_refused(session, tmp_path, change):
+    played(session, 2)
+    path = saved(session, tmp_path / "a.apd")
+    changed(path, change)
+    with pytest.raises(InputError, match="is not a valid session"):
+        open_session_file(path)
+    assert open_session(path)[0].document.is_posed, "the shape alone is there"
