@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 import numpy as np
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtWidgets import QDockWidget
 
 from apd_viewer.errors import InputError
@@ -25,11 +25,9 @@ from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.simulate.known_wall import KnownWall
-from apd_viewer.ui.simulate.press_charts import PressCharts
-from apd_viewer.ui.simulate.step_charts import StepCharts
+from apd_viewer.ui.simulate.known_wall import KnownWall, WallFollower
+from apd_viewer.ui.simulate.timeline_charts import PressCharts, StepCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
-from apd_viewer.ui.simulate.wall_follower import WallFollower
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.theme import Theme
@@ -37,6 +35,50 @@ from apd_viewer.ui.widgets.theme import Theme
 _REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: of all steps, and limits of one
 
 _CORNERS = tuple(itertools.product((0, 1), repeat=3))
+
+
+class TimelineReplay(QTimer):
+    """Replay of the steps of a timeline, one after the other.
+
+    Parameters
+    ----------
+    is_repeated : callable
+        True if it begins again at the end.
+    """
+
+    step_shown = Signal()
+
+    def __init__(self, parent: QObject, session: Session, is_repeated: Callable[[], bool]) -> None:
+        super().__init__(parent, timeout=self._show_next)
+        self._session, self._is_repeated = session, is_repeated
+
+    def begin_or_end(self) -> None:
+        """Begin at the step on screen, or at the first one if that is the last; or end."""
+        if self.isActive():
+            self.end()
+            return
+        player = self._session.player
+        count, shown = len(player.timeline.steps), player.shown
+        player.show(0 if shown in (None, count - 1) else shown)
+        self.start(min(max(_REPLAY // max(1, count), _FASTEST), _SLOWEST))
+
+    def end(self) -> None:
+        """Stay at the step on screen."""
+        if self.isActive():
+            self.stop()
+            self._session.player.end_show()
+
+    def _show_next(self) -> None:
+        player = self._session.player
+        count = len(player.timeline.steps)
+        after = (player.shown if player.shown is not None else count) + 1
+        if self._session.gestures.state_before is None or player.is_playing:
+            self.stop()  # something else was begun
+        elif after < count or self._is_repeated():
+            player.show(after % count)
+        else:
+            self.end()
+        self.step_shown.emit()
 
 
 class PressController(QObject):
@@ -87,7 +129,8 @@ class PressController(QObject):
         self.step_charts = StepCharts(lambda: self._shown_number)
         panel.size_view.chart = self.step_charts.size_chart
         panel.effort_view.chart = self.step_charts.effort_chart
-        self._replay = QTimer(self, timeout=self._show_next)
+        self._replay = TimelineReplay(self, session, panel.loop.isChecked)
+        self._replay.step_shown.connect(self.refresh)
         self._connect()
 
     def _connect(self) -> None:
@@ -152,7 +195,7 @@ class PressController(QObject):
         if self._session.player.is_playing:
             self._session.store.pause_or_resume()
             return
-        self._end_replay()
+        self._replay.end()
         state = self._session.store.state
         if state is None or self._give_up():
             return
@@ -168,7 +211,7 @@ class PressController(QObject):
             self.panel.show_problem(str(error))
 
     def _open(self) -> None:
-        self._end_replay()
+        self._replay.end()
         state = self._session.store.required_state()
         with suppress(InputError):  # they are open
             self._move_plates(tr("Open plates"), self._required_pair().first_distance(state.document))
@@ -208,7 +251,7 @@ class PressController(QObject):
 
     def show_animation(self) -> None:
         """Show the panel for the animation that was opened."""
-        self._end_replay()
+        self._replay.end()
         self._show_and_frame(is_new=False)
 
     def _show_and_frame(self, is_new: bool) -> None:
@@ -218,34 +261,12 @@ class PressController(QObject):
         self.show_timeline()
 
     def _play_or_stop(self) -> None:
-        if self._replay.isActive():
-            self._end_replay()
-            self.refresh()
-            return
-        count, shown = len(self._timeline.steps), self._session.player.shown
-        self._session.player.show(0 if shown in (None, count - 1) else shown)
-        self._replay.start(min(max(_REPLAY // max(1, count), _FASTEST), _SLOWEST))
+        self._replay.begin_or_end()
         self.refresh()
 
     def _choose_wall(self, shows_wall: bool) -> None:
-        self._end_replay()
+        self._replay.end()
         self._session.player.choose_wall(shows_wall)
-
-    def _show_next(self) -> None:
-        player, count = self._session.player, len(self._timeline.steps)
-        after = (player.shown if player.shown is not None else count) + 1
-        if self._session.gestures.state_before is None or player.is_playing:
-            self._replay.stop()  # something else was begun
-        elif after < count or self.panel.loop.isChecked():
-            player.show(after % count)
-        else:
-            self._end_replay()
-        self.refresh()
-
-    def _end_replay(self) -> None:
-        if self._replay.isActive():
-            self._replay.stop()
-            self._session.player.end_show()
 
     def _export(self) -> None:
         mesh = self._session.store.required_state().document.mesh
