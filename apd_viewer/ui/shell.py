@@ -87,7 +87,7 @@ class Shell(QtWidgets.QMainWindow):
         resize_on_screen(self, QSize(1280, 800))
 
     def _add_docks(self) -> None:
-        self.docks.add("readings", tr("Measurements"), self.panel)
+        self.docks.add("readings", tr("Panel"), self.panel)
         self.docks.add("history", tr("History"), self.history, shown=False)
         below = Qt.DockWidgetArea.BottomDockWidgetArea
         # The workbench replaces these empty widgets with those that need the session.

@@ -31,6 +31,7 @@ from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_ghost import MotionPreview
 from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
+from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.scene.scene_picture import small_picture
 from apd_viewer.ui.settings_page import settings_dialog
@@ -163,7 +164,8 @@ class Workbench(QObject):
         menus.maker.set_theme(self.shell.theme)
         actions.file.fill_recent(self.preferences.recent_files)
         add_handle, _, add_region = actions.pose.part_actions
-        self.panel.show_keys_in_tips(add_handle, actions.pose.reset_handle, add_region)
+        self.panel.parts.offer((add_handle, add_region), actions.simulate.obstacles.mesh_actions)
+        show_shortcut_in_tooltip(self.panel.handles.reset_handle, actions.pose.reset_handle)
         self.mode_bar = ModeBar(self.canvas.viewport, tr("Selection tools"), actions.select.groups)
         self.kind_bar = ModeBar(
             self.canvas.viewport, tr("Measurements"), [list(actions.measurements.kinds.values())]
@@ -350,6 +352,7 @@ class Workbench(QObject):
 
     def _show_parts(self) -> None:
         self.canvas.set_active_parts(self.parts.handle, self.parts.region)
+        self.panel.show_in_hand(self.canvas.tool, self.parts.obstacle)
         if self.session.store.state is not None:
             self.panel.show_parts(self.session.store.state, self.parts.handle, self.parts.region)
         self._show_next_step()
@@ -376,6 +379,7 @@ class Workbench(QObject):
         self.mode_bar.show_for(tool.traits.is_brush)
         self.kind_bar.show_for(measures)
         self.obstacles.follow_tool(tool)
+        self.panel.show_in_hand(tool, self.parts.obstacle)
         self._show_next_step()
 
     def _show_next_step(self) -> None:

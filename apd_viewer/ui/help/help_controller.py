@@ -75,7 +75,6 @@ class HelpController(QObject):
             connect_action(actions.help[name], command)
         for card in (self.sheet, self.search):
             card.dismissed.connect(self.close)
-        self.tour.area_requested.connect(lambda: panel.ensureWidgetVisible(panel.area.percent))
         self.tour.ring_requested.connect(partial(_show_gizmo, canvas, actions))
         self._session = session
         self._wished = False

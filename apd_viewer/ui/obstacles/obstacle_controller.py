@@ -1,7 +1,6 @@
 """Controller of the obstacles in scene, gizmo and panel."""
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
@@ -102,10 +101,6 @@ class ObstacleController(QObject):
         section.fields.obstacle_entered.connect(self._replace)
         section.fields.distance_entered.connect(self._move_by)
         section.fields.reset_requested.connect(self.reset)
-        for kind, button in section.kinds.items():
-            button.clicked.connect(partial(self.begin_placing, kind))
-        section.floor.clicked.connect(self.add_floor)
-        section.sides_requested.connect(self.add_plates)
         section.contact_requested.connect(lambda: self._session.settings.set_contact(True, self._thickness()))
         self._parts.changed.connect(self.refresh)
 

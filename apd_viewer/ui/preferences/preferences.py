@@ -68,7 +68,7 @@ class Preferences:
     @property
     def folded_sections(self) -> list[str]:
         """Names of the folded panel sections."""
-        return self._lines("folded", ["Size and mass"])
+        return self._lines("folded")
 
     @folded_sections.setter
     def folded_sections(self, names: list[str]) -> None:

@@ -120,7 +120,7 @@ def test_widget_place_a_heading_is_that_of_its_section(window):
 
 def test_widget_place_a_caption_or_a_gap_is_that_of_its_section(window):
     handles = window.panel.handles
-    caption = next(label for label in handles.findChildren(QLabel) if label.text() == "Drift")
+    caption = next(label for label in handles.findChildren(QLabel) if label.text() == "Falloff")
     assert widget_place(caption) == section_place("HandleSection")
     assert widget_place(caption.parentWidget()) == section_place("HandleSection")
     assert widget_place(window.panel) is None
@@ -135,11 +135,11 @@ def test_context_help_explains_by_f1_what_is_under_the_mouse_in_use_or_in_the_ha
     assert opened.pop() == action_place("take:ERASE")
     point(qtbot, panel.area.target.slider)
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == section_place("AreaSection")
-    panel.area.hold.setFocus() if panel.area.hold.isVisible() else panel.handles.add.setFocus()
+    assert opened.pop() == section_place("MethodSection")
+    panel.area.hold.setFocus() if panel.area.hold.isVisible() else panel.parts.add.setFocus()
     focused = widget_place(active.shell.focusWidget())
     qtbot.keyClick(active.shell.focusWidget(), Qt.Key.Key_F1)
-    assert opened.pop() == focused != section_place("AreaSection")
+    assert opened.pop() == focused != section_place("MethodSection")
     button = active.actions_.bar.widgetForAction(active.actions_.undo)
     point(qtbot, button)
     qtbot.keyClick(view, Qt.Key.Key_F1)
@@ -161,13 +161,13 @@ def test_context_help_explains_the_marked_entry_of_a_menu_by_f1_and_does_not_cho
 def test_context_help_explains_what_is_clicked_with_the_question_mark_and_does_nothing(qtbot, active, opened):
     count = len(active.session.store.state.document.handles)
     for widget, place in (
-        (active.panel.handles.add, section_place("HandleSection")),
+        (active.panel.parts.add, section_place("PartsSection")),
         (active.canvas.viewport, action_place("take:MOVE")),
     ):
         active.actions_.help["help"].trigger()
         qtbot.mouseClick(widget, LEFT)
         assert opened.pop() == place
-    qtbot.mouseClick(active.panel.handles.add, LEFT)
+    qtbot.mouseClick(active.panel.parts.add, LEFT)
     idle(qtbot, active)
     assert opened == []
     assert len(active.session.store.state.document.handles) == count + 1
