@@ -28,6 +28,7 @@ from apd_viewer.ui.tools.brush_tool import BrushTool
 from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool, PointPicker
 from apd_viewer.ui.tools.gizmo import Gizmo, HandlePivot, InactiveHandles, movable_pivots
 from apd_viewer.ui.tools.gizmo_drag import GIZMO_RADIUS, nice_step, translated
+from apd_viewer.ui.tools.orientation_axes import OrientationAxes
 from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool, SlabTool
 from apd_viewer.ui.tools.selection_tool import SelectionStrokes, SelectionTool, StrokeEffect
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
@@ -84,7 +85,9 @@ class Canvas(QObject):
         self.marks = VertexMarks(self.viewport, self.surface)
         self.coloring = Coloring(self.surface, self.marks)
         self.picker = PointPicker(self.viewport, self.surface)
+        self.orientation = OrientationAxes(self.viewport)
         self.viewport.tools[:] = [
+            self.orientation,
             self.picker,
             self.gizmo,
             self.inactive_handles,
