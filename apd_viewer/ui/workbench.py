@@ -384,7 +384,8 @@ class Workbench(QObject):
 
     def _show_next_step(self) -> None:
         state, tool, obstacle = self.session.store.state, self.canvas.tool, self.parts.obstacle
-        hint = tool.hint(self.canvas.selection_mode, obstacle is not None)
+        camera = self.canvas.viewport.navigation.preset.sentence
+        hint = tool.hint(self.canvas.selection_mode, camera, obstacle is not None)
         self.status.show_hint(self.measurements.hint if tool is Tool.MEASURE else hint)
         if self.help.tour.is_active:
             self.next_step.hide_hint()  # the tour's card gives the instructions

@@ -179,10 +179,8 @@ class HelpController(QObject):
             if entry is not None:
                 rows.setdefault(found.menu, []).append(ActionRow(entry, found.full_title(entry.title)))
         groups = [ShortcutGroup(title, own, parent) for title, own in rows.items()]
-        groups.append(
-            ShortcutGroup(tr("Mouse"), [GestureRow(gesture) for gesture in mouse_gestures()], parent)
-        )
-        return groups
+        gestures = mouse_gestures(self._canvas.viewport.navigation.preset)
+        return [*groups, ShortcutGroup(tr("Mouse"), list(map(GestureRow, gestures)), parent)]
 
 
 def _show_gizmo(canvas: Canvas, actions: Actions) -> None:
