@@ -79,7 +79,8 @@ class ObstacleController(QObject):
         self.picker = ObstaclePicker(viewport, surface, self.gizmo)
         self.placer = ObstaclePlacer(viewport, surface, self._propose)
         # Mouse events reach the picker only after the gizmo and the handle dots, drawn on top of obstacles.
-        viewport.tools[1:2] = [self.placer, canvas.picker, self.gizmo]  # below the axes in the corner
+        at = viewport.tools.index(canvas.picker)
+        viewport.tools[at : at + 1] = [self.placer, canvas.picker, self.gizmo]
         viewport.tools.insert(viewport.tools.index(canvas.inactive_handles) + 1, self.picker)
         canvas.is_covered = self._covers
         self._connect()

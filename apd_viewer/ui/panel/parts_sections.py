@@ -47,7 +47,11 @@ class PartsSection(Section):
 
     def __init__(self, rows: Sequence[QWidget]) -> None:
         super().__init__(tr("Parts"))
+        self._make_add()
         self.column.addLayout(self._make_base_row())
+        add_parts(self.column, *rows)
+
+    def _make_add(self) -> None:
         self.add = QToolButton(text=tr("Add"), accessibleName=tr("Add part"), objectName="small")
         self.add.setIconSize(QSize(16, 16))
         self.add.setToolTip(tr("Add another handle, region or obstacle"))
@@ -56,7 +60,6 @@ class PartsSection(Section):
         self.add.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.add.setMenu(QMenu(self.add, toolTipsVisible=True))
         row_layout(STRETCH, self.add, CHEVRON + 8, parent=self.heading)
-        add_parts(self.column, *rows)
 
     def _make_base_row(self) -> QHBoxLayout:
         tip = tr("Vertices of the base")

@@ -78,7 +78,7 @@ class OrientationAxes(MouseTool):
             for sign, name in ((1.0, view), (-1.0, f"-{view}")):
                 direction = sign * eye.up_axis.frame[row]
                 right, up, depth = (eye.axes @ direction).tolist()
-                place = self._centre + self._scale * _REACH * QPointF(right, -up)
+                place = self._centre + QPointF(right, -up) * (self._scale * _REACH)
                 ends.append(AxisEnd(name, direction, place, depth))
         return sorted(ends, key=lambda end: -end.depth)
 
