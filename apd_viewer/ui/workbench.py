@@ -89,9 +89,10 @@ class Workbench(QObject):
         self.invitation = CanvasHint(view)
         self.recovery = RecoveryBar(view)
         self.notice = Notice(view, (self.invitation, self.recovery))
+        self.proposal = Notice(view, (self.invitation, self.recovery, self.notice))
         self.findings = FindingsController(self.canvas, self.shell.badge, self.session)
         self.empty_state = EmptyState(view, self.shell.requests)
-        below = self.invitation, self.recovery, self.notice, self.findings.list
+        below = self.invitation, self.recovery, self.notice, self.proposal, self.findings.list
         self.display_options = DisplayOptions(self.canvas, self.preferences, below)
 
     def _make_controllers(self, recovery: Path | None) -> None:
@@ -142,7 +143,8 @@ class Workbench(QObject):
         )
         self.poses = PoseController(self.panel.poses, session, self.edits.cancel_drag)
         self.display_options.cards.keep_above(self.edits.text_entries.cards)
-        self.notice.keep_above(self.edits.text_entries.cards)
+        for notice in (self.notice, self.proposal):
+            notice.keep_above(self.edits.text_entries.cards)
         self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
         self.panel.measures.wall_fields.entered.connect(self.runs.show_wall)
         self.runs.wall_requested.connect(self.docks["readings"].show)
@@ -335,6 +337,7 @@ class Workbench(QObject):
     def _show_opened(self, state: State) -> None:
         mesh = state.document.mesh
         self.notice.hide()
+        self.proposal.hide()
         self.actions_.view.refresh()
         self.tools.choose_tool(Tool.BASE if state.document.paint_problem else Tool.MOVE)
         self.session.store.unit = self.panel.unit = self.units.unit_of(mesh)
@@ -343,9 +346,15 @@ class Workbench(QObject):
         self.display_options.set_unit(self.session.store.unit)
         self.files.remember_opened(state)
         self.actions_.file.fill_recent(self.preferences.recent_files)
+        if (axis := self.canvas.likely_up_axis) is not None:
+            sentence = tr("This mesh seems to lie on its side: it would stand with {axis} up.")
+            stand = self.actions_.view.camera.up_axes[axis].trigger
+            self.proposal.offer(sentence.format(axis=axis.value), tr("Stand upright"), stand)
 
     def _apply_view(self, view: View) -> None:
         self.canvas.view.restore(view)
+        if view.up_axis is not None:  # a session says what is up
+            self.proposal.hide()
         self.actions_.view.camera.refresh()
         self.volume.restore_view(view)
         self.choose_unit(Unit(view.unit))
@@ -393,7 +402,7 @@ class Workbench(QObject):
             self.next_step.show_hint(state.document, tool, self.parts.handle, obstacle)
 
     def _set_theme(self, theme: Theme) -> None:
-        over = self.notice, self.recovery, self.findings.list, self.help, self.display_options
+        over = self.notice, self.proposal, self.recovery, self.findings.list, self.help, self.display_options
         bars = self.mode_bar, self.kind_bar
         for part in (self.plots, self.press, self.comparison, self.case_studies, *over, *bars):
             part.set_theme(theme)

@@ -188,6 +188,7 @@ class KeptWindow:
             page.verticalScrollBar().setValue(0)
         window.status.clearMessage()
         window.notice.hide()
+        window.proposal.hide()
         QGuiApplication.clipboard().clear()
 
     def close(self):
