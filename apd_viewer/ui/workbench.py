@@ -143,8 +143,8 @@ class Workbench(QObject):
         )
         self.poses = PoseController(self.panel.poses, session, self.edits.cancel_drag)
         self.display_options.cards.keep_above(self.edits.text_entries.cards)
-        for notice in (self.notice, self.proposal):
-            notice.keep_above(self.edits.text_entries.cards)
+        for card in (self.notice, self.proposal):
+            card.keep_above(self.edits.text_entries.cards)
         self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
         self.panel.measures.wall_fields.entered.connect(self.runs.show_wall)
         self.runs.wall_requested.connect(self.docks["readings"].show)

@@ -223,7 +223,7 @@ class UpAxes:
         return self.known_axis(mesh) or self._usual()
 
     def known_axis(self, mesh: Mesh) -> UpAxis | None:
-        """Up axis that was chosen for a mesh or its file, or that its format prescribes; else None."""
+        """Up axis chosen for a mesh or file, or prescribed by its format; else None."""
         path = user_file(mesh)
         if mesh in self._chosen:
             return self._chosen[mesh]

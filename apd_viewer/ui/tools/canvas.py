@@ -244,7 +244,7 @@ class Canvas(QObject):
 
     @property
     def likely_up_axis(self) -> UpAxis | None:
-        """Up axis on which the mesh of a file seems to stand, if nobody has chosen one and another is up."""
+        """Up axis for which the mesh of a file would stand; None if chosen or in use."""
         document, eye = self._document, self.viewport.camera_controller.camera
         if document is None or user_file(document.mesh) is None:
             return None
