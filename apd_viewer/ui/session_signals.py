@@ -113,9 +113,9 @@ def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
     panel.regions.list.renamed.connect(session.parts.rename_region)
     panel.regions.list.removed.connect(parts.remove_region)
     panel.regions.target_changed.connect(session.settings.set_region_area)
-    panel.handles.base.hide_requested.connect(partial(session.parts.hide, PaintedPart(BASE)))
-    panel.handles.base.lock_requested.connect(partial(session.parts.lock, PaintedPart(BASE)))
-    panel.handles.base.clear_requested.connect(
+    panel.parts.base.hide_requested.connect(partial(session.parts.hide, PaintedPart(BASE)))
+    panel.parts.base.lock_requested.connect(partial(session.parts.lock, PaintedPart(BASE)))
+    panel.parts.base.clear_requested.connect(
         partial(session.painting.apply_operation, PaintedPart(BASE), PartOperation.CLEAR)
     )
     panel.paint.clear_all.clicked.connect(lambda: session.painting.clear_all())

@@ -1,5 +1,6 @@
 """The main window as it is first shown: frame, canvas, panels and menus."""
 
+from functools import partial
 from typing import cast
 
 from PySide6 import QtWidgets
@@ -13,7 +14,7 @@ from apd_viewer.ui.overlays.findings_badge import Badge
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.status_bar import StatusBar
 from apd_viewer.ui.preferences.preferences import Preferences, UpAxes
-from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, SELECTION_MODE, UP_AXIS
+from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, NAVIGATION, SELECTION_MODE, UP_AXIS
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.tool_modes import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
@@ -74,6 +75,7 @@ class Shell(QtWidgets.QMainWindow):
         for name in ("study", "timeline"):  # without contents until a study or a motion in steps
             self.docks[name].hide()
         values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
+        values.follow(NAVIGATION, partial(setattr, self.canvas.viewport.navigation, "preset"))
         self.canvas.choose_mode(values[SELECTION_MODE])
         self._take(FIRST_TOOL)
         self.panel.setEnabled(False)
@@ -87,7 +89,7 @@ class Shell(QtWidgets.QMainWindow):
         resize_on_screen(self, QSize(1280, 800))
 
     def _add_docks(self) -> None:
-        self.docks.add("readings", tr("Measurements"), self.panel)
+        self.docks.add("readings", tr("Panel"), self.panel)
         self.docks.add("history", tr("History"), self.history, shown=False)
         below = Qt.DockWidgetArea.BottomDockWidgetArea
         # The workbench replaces these empty widgets with those that need the session.
@@ -98,7 +100,8 @@ class Shell(QtWidgets.QMainWindow):
 
     def _take(self, tool: Tool) -> None:
         self.canvas.choose_tool(tool)
-        self.status.show_hint(tool.hint(self.canvas.selection_mode))
+        camera = self.canvas.viewport.navigation.preset.sentence
+        self.status.show_hint(tool.hint(self.canvas.selection_mode, camera))
 
     # Colour theme
 

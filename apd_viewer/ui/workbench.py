@@ -31,6 +31,7 @@ from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_ghost import MotionPreview
 from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
+from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.scene.scene_picture import small_picture
 from apd_viewer.ui.settings_page import settings_dialog
@@ -88,9 +89,10 @@ class Workbench(QObject):
         self.invitation = CanvasHint(view)
         self.recovery = RecoveryBar(view)
         self.notice = Notice(view, (self.invitation, self.recovery))
+        self.proposal = Notice(view, (self.invitation, self.recovery, self.notice))
         self.findings = FindingsController(self.canvas, self.shell.badge, self.session)
         self.empty_state = EmptyState(view, self.shell.requests)
-        below = self.invitation, self.recovery, self.notice, self.findings.list
+        below = self.invitation, self.recovery, self.notice, self.proposal, self.findings.list
         self.display_options = DisplayOptions(self.canvas, self.preferences, below)
 
     def _make_controllers(self, recovery: Path | None) -> None:
@@ -142,7 +144,8 @@ class Workbench(QObject):
         )
         self.poses = PoseController(self.panel.poses, session, self.edits.cancel_drag)
         self.display_options.cards.keep_above(self.edits.text_entries.cards)
-        self.notice.keep_above(self.edits.text_entries.cards)
+        for card in (self.notice, self.proposal):
+            card.keep_above(self.edits.text_entries.cards)
         self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
         self.panel.measures.wall_fields.entered.connect(self.runs.show_wall)
         self.panel.measures.wall_fields.entered.connect(self.press.refresh)
@@ -166,7 +169,8 @@ class Workbench(QObject):
         menus.maker.set_theme(self.shell.theme)
         actions.file.fill_recent(self.preferences.recent_files)
         add_handle, _, add_region = actions.pose.part_actions
-        self.panel.show_keys_in_tips(add_handle, actions.pose.reset_handle, add_region)
+        self.panel.parts.offer((add_handle, add_region), actions.simulate.obstacles.mesh_actions)
+        show_shortcut_in_tooltip(self.panel.handles.reset_handle, actions.pose.reset_handle)
         self.mode_bar = ModeBar(self.canvas.viewport, tr("Selection tools"), actions.select.groups)
         self.kind_bar = ModeBar(
             self.canvas.viewport, tr("Measurements"), [list(actions.measurements.kinds.values())]
@@ -344,6 +348,7 @@ class Workbench(QObject):
     def _show_opened(self, state: State) -> None:
         mesh = state.document.mesh
         self.notice.hide()
+        self.proposal.hide()
         self.actions_.view.refresh()
         self.tools.choose_tool(Tool.BASE if state.document.paint_problem else Tool.MOVE)
         self.session.store.unit = self.panel.unit = self.units.unit_of(mesh)
@@ -352,9 +357,15 @@ class Workbench(QObject):
         self.display_options.set_unit(self.session.store.unit)
         self.files.remember_opened(state)
         self.actions_.file.fill_recent(self.preferences.recent_files)
+        if (axis := self.canvas.likely_up_axis) is not None:
+            sentence = tr("This mesh seems to lie on its side: it would stand with {axis} up.")
+            stand = self.actions_.view.camera.up_axes[axis].trigger
+            self.proposal.offer(sentence.format(axis=axis.value), tr("Stand upright"), stand)
 
     def _apply_view(self, view: View) -> None:
         self.canvas.view.restore(view)
+        if view.up_axis is not None:  # a session says what is up
+            self.proposal.hide()
         self.actions_.view.camera.refresh()
         self.volume.restore_view(view)
         self.choose_unit(Unit(view.unit))
@@ -363,6 +374,7 @@ class Workbench(QObject):
 
     def _show_parts(self) -> None:
         self.canvas.set_active_parts(self.parts.handle, self.parts.region)
+        self.panel.show_in_hand(self.canvas.tool, self.parts.obstacle)
         if self.session.store.state is not None:
             self.panel.show_parts(self.session.store.state, self.parts.handle, self.parts.region)
         self._show_next_step()
@@ -389,11 +401,13 @@ class Workbench(QObject):
         self.mode_bar.show_for(tool.traits.is_brush)
         self.kind_bar.show_for(measures)
         self.obstacles.follow_tool(tool)
+        self.panel.show_in_hand(tool, self.parts.obstacle)
         self._show_next_step()
 
     def _show_next_step(self) -> None:
         state, tool, obstacle = self.session.store.state, self.canvas.tool, self.parts.obstacle
-        hint = tool.hint(self.canvas.selection_mode, obstacle is not None)
+        camera = self.canvas.viewport.navigation.preset.sentence
+        hint = tool.hint(self.canvas.selection_mode, camera, obstacle is not None)
         self.status.show_hint(self.measurements.hint if tool is Tool.MEASURE else hint)
         if self.help.tour.is_active:
             self.next_step.hide_hint()  # the tour's card gives the instructions
@@ -401,7 +415,7 @@ class Workbench(QObject):
             self.next_step.show_hint(state.document, tool, self.parts.handle, obstacle)
 
     def _set_theme(self, theme: Theme) -> None:
-        over = self.notice, self.recovery, self.findings.list, self.help, self.display_options
+        over = self.notice, self.proposal, self.recovery, self.findings.list, self.help, self.display_options
         bars = self.mode_bar, self.kind_bar
         for part in (self.plots, self.press, self.comparison, self.case_studies, *over, *bars):
             part.set_theme(theme)

@@ -21,14 +21,28 @@ GROUPS = (
         "AreaSection",
         _PANEL,
         "Area",
-        "The total area, its change from rest, and its target. "
-        "See [Choose method, targets and stiffness](../howto/targets.md).",
+        "The total area and its change from rest, above both pages. "
+        "See [Read the panel and measure](../howto/measure.md).",
+    ),
+    Group(
+        "PartsSection",
+        _PANEL,
+        "Parts",
+        "Base, handles, regions and obstacles, one row for each. "
+        "See [Choose base, handles and regions](../howto/choose.md).",
     ),
     Group(
         "VolumeSection",
         _PANEL,
         "Volume",
-        "The enclosed volume and its target, and whether the surface crosses or touches itself. "
+        "The enclosed volume, and whether the surface crosses or touches itself. "
+        "See [Read the panel and measure](../howto/measure.md).",
+    ),
+    Group(
+        "StrainSection",
+        _PANEL,
+        "Strain and drift",
+        "How far triangles and edges are stretched, and handles are off. "
         "See [Read the panel and measure](../howto/measure.md).",
     ),
     Group(
@@ -41,14 +55,14 @@ GROUPS = (
     Group(
         "HandleSection",
         _PANEL,
-        "Handles",
-        "The parts that you move, one row for each. See [Move handles](../howto/move.md).",
+        "Motion",
+        "The motion of the active handle, by hand or by a typed amount. See [Move handles](../howto/move.md).",
     ),
     Group(
         "ObstacleSection",
         _PANEL,
         "Obstacles",
-        "Plates, spheres and cylinders that push the surface. "
+        "Place and motion of the active plate, sphere or cylinder. "
         "See [Push with plates, spheres and cylinders](../howto/obstacles.md).",
     ),
     Group(
@@ -61,15 +75,8 @@ GROUPS = (
         "MethodSection",
         _PANEL,
         "Method",
-        "What is kept and what gives way. See [Choose method, targets and stiffness](../howto/targets.md) "
+        "What is kept and what gives way, with the targets of area and volume. See [Choose method, targets and stiffness](../howto/targets.md) "
         "and [Methods](../methods.md).",
-    ),
-    Group(
-        "RegionSection",
-        _PANEL,
-        "Regions",
-        "Painted parts whose area is measured or kept. "
-        "See [Choose base, handles and regions](../howto/choose.md).",
     ),
     Group(
         "MeasureSection",
@@ -261,7 +268,7 @@ GROUPS = (
 TITLES = {
     "AreaSection/Unit of length.*": "AreaSection/Unit of length",
     "VolumeSection/self-intersections.*": "VolumeSection/Self-intersections",
-    "HandleSection/Distance between a handle.*": "HandleSection/Drift",
+    "StrainSection/Distance between a handle.*": "StrainSection/Drift",
     "(\\w+)Section/.*, active": "Row",
     "PaintSection/Vertices: .*": "PaintSection/Number of vertices",
     "TargetSection/.*, Closest point": "TargetSection/Closest point: largest, RMS and mean",
@@ -280,8 +287,8 @@ TITLES = {
 SENTENCES = {
     "Name": "Double-click it, or press F2, to rename; Enter accepts and Esc restores",
     "VolumeSection/Self-intersections": "Number of triangles that cross others, checked when the shape stops moving; a click shows where they are",
-    "HandleSection/Measurement of the handle": "Number of vertices of the handle",
-    "RegionSection/Measurement of the region": "Area of the region, in percent of its rest area",
+    "PartsSection/Measurement of the handle": "Number of vertices of the handle",
+    "PartsSection/Measurement of the region": "Area of the region, in percent of its rest area",
     "MethodSection/Method": "Deformation method; the two sentences below say what it keeps and what it gives up",
     "VerificationDialog/Cases with exact answers": "A row for each quantity; a click shows the figure of its case",
     "VerificationDialog/Copy table": "Copies the rows for a spreadsheet",

@@ -18,7 +18,7 @@ from formats_page import formats_page
 from gallery_page import gallery_page
 from keys_page import keys_page
 from python_page import python_page
-from settings_page import settings_page
+from settings_page import navigation_page, settings_page
 from translations_page import translations_page
 from verification_page import verification_page
 from window_page import window_page
@@ -28,6 +28,7 @@ WRITERS: dict[str, Callable[[], str]] = {
     "formats": formats_page,
     "gallery": gallery_page,
     "keys": keys_page,
+    "navigation": navigation_page,
     "python": python_page,
     "settings": settings_page,
     "translations": translations_page,

@@ -8,6 +8,7 @@ from plain_markdown import escaped, marked, table
 
 from apd_viewer.ui.help.manual import setting_place
 from apd_viewer.ui.preferences.preference_values import NumberRange, Option, Preference
+from apd_viewer.ui.scene.navigation_preset import NAVIGATION_PRESETS
 from apd_viewer.ui.settings_page.preference_table import GROUPS
 
 
@@ -17,6 +18,12 @@ def settings_page() -> str:
     return "\n".join(
         f"## {group.title}\n\n" + table(titles, [_row(row) for row in group.rows]) for group in GROUPS
     )
+
+
+def navigation_page() -> str:
+    """Markdown of a table with a row for each preset of navigation."""
+    rows = [(preset.title, escaped(preset.sentence)) for preset in NAVIGATION_PRESETS.values()]
+    return table(("preset", "what the mouse does with any tool"), rows)
 
 
 def _row(preference: Preference[Any]) -> tuple[str, ...]:

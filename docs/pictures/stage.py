@@ -16,6 +16,7 @@ from PySide6.QtWidgets import QLabel, QWidget
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.ui.scene.scene_picture import scene_picture
+from apd_viewer.ui.widgets.folding_section import reveal_widget
 
 _TIME = re.compile(r", [\d.,]+ \S+ per iteration")
 
@@ -102,10 +103,10 @@ class Stage(DrivenWindow):
         return self.box(self.view, margin=0.0)
 
     def panel_box(self, *sections: QWidget, margin: float = 10.0) -> QRectF:
-        """Sections of the panel, in the window; the panel scrolls to the first one."""
+        """Sections of the panel, in the window; their page is shown, and scrolls to the first one."""
         panel = self.window.panel
-        bar = panel.verticalScrollBar()
-        bar.setValue(max(0, sections[0].mapTo(panel.widget(), QPoint(0, 0)).y() - round(margin)))
+        for section in reversed(sections):
+            reveal_widget(section)
         self.pause(50)
         box = self.box(*sections, margin=margin)
         whole = self.box(panel, margin=0.0)

@@ -185,9 +185,12 @@ class KeptWindow:
         shell.resize(self._size)
         shell.restoreState(self._layout)
         window.panel.folded_sections = window.preferences.folded_sections
-        window.panel.verticalScrollBar().setValue(0)
+        window.panel.pages.setCurrentIndex(0)
+        for page in (window.panel.deform, window.panel.measurements):
+            page.verticalScrollBar().setValue(0)
         window.status.clearMessage()
         window.notice.hide()
+        window.proposal.hide()
         QGuiApplication.clipboard().clear()
 
     def close(self):

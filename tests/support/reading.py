@@ -361,7 +361,7 @@ def parts(driver):
     session.settings.set_region_area(0, 100.0)
     driver.idle()
     driver.scene("a region that is kept")
-    bar = window.panel.verticalScrollBar()
+    bar = window.panel.deform.verticalScrollBar()
     bar.setValue(bar.maximum())
     driver.scene("the end of the panel")
     for operation in list(PartOperation)[:5]:

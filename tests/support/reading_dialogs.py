@@ -57,10 +57,12 @@ def panel(driver):
     driver.idle()
     window.panel.folded_sections = []
     driver.shell.activateWindow()
-    bar = window.panel.verticalScrollBar()
-    for step in range(6):
-        bar.setValue(step * window.panel.viewport().height())
-        driver.scene(f"panel {step}")
+    for name, page in (("deform", window.panel.deform), ("measurements", window.panel.measurements)):
+        window.panel.pages.setCurrentWidget(page)
+        for step in range(4):
+            page.verticalScrollBar().setValue(step * page.viewport().height())
+            driver.scene(f"{name} {step}")
+    window.panel.pages.setCurrentWidget(window.panel.deform)
     for tool in (Tool.MOVE, Tool.MEASURE, Tool.BASE):
         window.tools.choose_tool(tool)
         driver.scene(f"tool {tool.name.lower()}")

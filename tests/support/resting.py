@@ -224,7 +224,7 @@ def _docks(window, folder):
     for name in ("study", "history", "plots"):
         window.docks[name].hide()
     yield "docks closed again"
-    panel_of = window.panel.verticalScrollBar()
+    panel_of = window.panel.deform.verticalScrollBar()
     panel_of.setValue(panel_of.maximum())
     yield "end of the panel"
     panel_of.setValue(0)

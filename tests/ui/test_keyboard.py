@@ -113,7 +113,7 @@ def test_workbench_has_tab_go_as_one_reads(qtbot, active):
     way = walked(qtbot, active)
     legend = active.display_options.legend
     for part in (
-        active.panel.widget(),
+        active.panel.deform.widget(),
         legend,
         active.display_options.cutting_plane,
         active.display_options.before_after,

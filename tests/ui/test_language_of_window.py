@@ -20,11 +20,13 @@ EXCEPTIONS = {
     r"^tcp://host:8786$": "an address, as it is typed",
     r"^[\w/.-]*-study$": "a folder",
     r"^(English|Deutsch)$": "the name of a language in itself",
+    r"^(Blender|Rhino|Fusion|Maya|MeshLab)$": "the name of a program",
     r"\bqqq\b": "what was searched for",
     r"^APD Viewer$": "the name of the program",
     r"\b(Esc|Strg|Umschalt|Alt)\b(\+\w)?": "keys, as Qt calls them in this language",
     r"\bVerbindung verweigert\b": "why a socket failed, as Qt says it",
     r"^(Schließen|Lösen|Schließt das Dock-Widget|Löst das Dock-Widget .*)$": "Qt's own words",
+    r"^Nach (links|rechts) scrollen$": "buttons of tabs, as Qt calls them",
 }
 
 

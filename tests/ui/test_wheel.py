@@ -18,6 +18,7 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
 from apd_viewer.ui.tools.tool_modes import Tool
+from apd_viewer.ui.widgets.folding_section import reveal_widget
 
 CONTROLS = QAbstractSpinBox, QComboBox, QAbstractSlider, QTabBar, QLineEdit
 NOTCH = QPoint(0, -120)
@@ -99,7 +100,7 @@ def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, meth
 
     def reveal(widget):
         if full.panel.isAncestorOf(widget):
-            full.panel.ensureWidgetVisible(widget)
+            reveal_widget(widget)
 
     for used in (False, True):
         found = check(qtbot, full.shell, lambda: document(full), reveal, used)
@@ -110,10 +111,10 @@ def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, meth
 
 def test_wheel_scrolls_the_panel_over_a_field(qtbot, full):
     full.shell.resize(1280, 700)
-    bar = full.panel.verticalScrollBar()
-    for widget in controls(full.panel):
+    bar = full.panel.deform.verticalScrollBar()
+    for widget in controls(full.panel.deform):
         bar.setValue(0)
-        full.panel.ensureWidgetVisible(widget)
+        full.panel.deform.ensureWidgetVisible(widget)
         bar.setValue(min(bar.value(), bar.maximum() - 1))
         before = bar.value()
         turn(qtbot, widget, 1)
@@ -122,9 +123,9 @@ def test_wheel_scrolls_the_panel_over_a_field(qtbot, full):
 
 def test_wheel_scrolls_the_panel_over_a_field_that_was_clicked_into(qtbot, full):
     full.shell.resize(1280, 700)
-    field, bar = full.panel.area.target.field, full.panel.verticalScrollBar()
+    field, bar = full.panel.area.target.field, full.panel.deform.verticalScrollBar()
     bar.setValue(0)
-    full.panel.ensureWidgetVisible(field)
+    full.panel.deform.ensureWidgetVisible(field)
     QTest.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
     before, shown = bar.value(), field.value()
     turn(qtbot, field, 1)

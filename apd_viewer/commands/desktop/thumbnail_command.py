@@ -85,7 +85,7 @@ def _check_size(path: Path) -> None:
 
 
 def _up_axis(path: Path | None) -> UpAxis:
-    return UpAxis.from_suffix("" if path is None else path.suffix, UpAxis.PLUS_Y)
+    return UpAxis.from_suffix("" if path is None else path.suffix) or UpAxis.PLUS_Y
 
 
 def _colored_picture(

@@ -33,9 +33,10 @@ class UpAxis(Enum):
     MINUS_X = "-X"
 
     @classmethod
-    def from_suffix(cls, suffix: str, default: UpAxis) -> UpAxis:
-        """Up axis prescribed by a file format, or a default."""
-        return cls(_PRESCRIBED.get(suffix.lower(), default))
+    def from_suffix(cls, suffix: str) -> UpAxis | None:
+        """Up axis prescribed by a file format; None if it prescribes none."""
+        prescribed = _PRESCRIBED.get(suffix.lower())
+        return None if prescribed is None else cls(prescribed)
 
     @classmethod
     def nearest(cls, direction: np.ndarray) -> UpAxis:

@@ -49,11 +49,9 @@ class EditController:
         self.show_timeline: Callable[[], object] = lambda: None
         self.text_entries = TextEntries(canvas, session, parts, self.cancel_drag)
         handles = panel.handles
-        handles.add_requested.connect(self.add_handle)
         handles.reset_all_requested.connect(self.reset_all)
         handles.reset_handle_requested.connect(self.reset_handle)
         handles.motion.motion_entered.connect(self.move_by)
-        panel.regions.add_requested.connect(self.add_region)
         handles.motion.line_requested.connect(self.pick_line)
         handles.motion.choice.currentIndexChanged.connect(self._show_line)
 

@@ -146,6 +146,7 @@ class CameraActions:
         for title, image, tip, key, axis in _VIEWS:
             command = partial(canvas.look_along, axis)
             self.directions[axis] = maker.make(f"look:{axis}", title, image, tip, key, command)
+        canvas.orientation.views = self.directions
         tip = tr("View the mesh without perspective")
         project = canvas.viewport.camera_controller.set_orthographic
         self.orthographic = maker.make_checkable(
@@ -239,7 +240,8 @@ class DisplayActions:
         ghost = tr("Show the rest shape as a transparent ghost")
         compare = tr("Drag a slider to see the path from the rest shape")
         cut = tr("Cut the mesh with a plane to see inside")
-        ground = tr("Show the axes and a ground grid in the unit of length")
+        ground = tr("Show a ground grid in the unit of length")
+        axes = tr("Show the axes in a corner of the view; a click on one looks along it")
         turntable = tr("Rotate the camera around the mesh until you use the mouse")
         target, colors, textures = looks.target_ghost.visible, looks.shows_file_colors, looks.shows_textures
         self.switches = {
@@ -249,7 +251,8 @@ class DisplayActions:
                 ("target_ghost", tr("Target s&hape"), _TARGET, None, looks.show_target, target),
                 ("compare", tr("&Before and after"), compare, "Shift+A", looks.before_after.show_card, False),
                 ("cut", tr("Se&ction"), cut, "S", looks.cutting_plane.show_card, False),
-                ("ground", tr("&Axes and grid"), ground, "I", looks.show_ground, looks.ground.visible),
+                ("ground", tr("Groun&d grid"), ground, "I", looks.show_ground, looks.ground.visible),
+                ("orientation", tr("&Axes"), axes, None, looks.show_orientation, looks.orientation.visible),
                 ("file_colors", tr("Co&lours of the file"), _COLORS, None, looks.show_file_colors, colors),
                 ("textures", tr("Te&xtures"), _TEXTURES, None, looks.show_textures, textures),
                 ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.set_turntable_running, False),

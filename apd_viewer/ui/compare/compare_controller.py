@@ -78,6 +78,8 @@ class CompareController:
         scale = self._looks.overlay.scales.get(Measure.AREA) or default_scale(Measure.AREA, 1.0)
         window = ComparisonWindow(self._memory, scale, self._canvas.viewport.camera_controller.camera)
         window.set_theme(self._theme)
+        for view in window.linked.views.values():
+            view.viewport.navigation.preset = self._canvas.viewport.navigation.preset
         window.repeat_requested.connect(self._repeat)
         window.closed.connect(self._forget)
         for axis, action in self._views.items():

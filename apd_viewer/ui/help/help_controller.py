@@ -75,7 +75,6 @@ class HelpController(QObject):
             connect_action(actions.help[name], command)
         for card in (self.sheet, self.search):
             card.dismissed.connect(self.close)
-        self.tour.area_requested.connect(lambda: panel.ensureWidgetVisible(panel.area.percent))
         self.tour.ring_requested.connect(partial(_show_gizmo, canvas, actions))
         self._session = session
         self._wished = False
@@ -180,10 +179,8 @@ class HelpController(QObject):
             if entry is not None:
                 rows.setdefault(found.menu, []).append(ActionRow(entry, found.full_title(entry.title)))
         groups = [ShortcutGroup(title, own, parent) for title, own in rows.items()]
-        groups.append(
-            ShortcutGroup(tr("Mouse"), [GestureRow(gesture) for gesture in mouse_gestures()], parent)
-        )
-        return groups
+        gestures = mouse_gestures(self._canvas.viewport.navigation.preset)
+        return [*groups, ShortcutGroup(tr("Mouse"), list(map(GestureRow, gestures)), parent)]
 
 
 def _show_gizmo(canvas: Canvas, actions: Actions) -> None:

@@ -11,7 +11,7 @@ from functools import partial
 from typing import NamedTuple
 
 from PySide6 import QtWidgets
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction
 
 from apd_viewer.language import tr
@@ -23,7 +23,7 @@ from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.preferences.action_maker import without_mnemonic
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, keys_of, native_keys
 from apd_viewer.ui.settings_page.preference_table import GROUPS
-from apd_viewer.ui.widgets.folding_section import Heading, Section
+from apd_viewer.ui.widgets.folding_section import Heading, Section, reveal_widget
 from apd_viewer.ui.widgets.named_rows import NamedRow
 from apd_viewer.ui.widgets.part_row import PartButtons
 from apd_viewer.ui.widgets.slider_field import SliderField
@@ -162,7 +162,7 @@ def _is_offered(widget: QtWidgets.QWidget, panel: Panel) -> bool:
         owner = node.parentWidget()
         heading = getattr(owner, "heading", None)
         folded = isinstance(heading, Heading) and not heading.isChecked()
-        if node.isHidden() and not folded:
+        if node.isHidden() and not folded and not isinstance(owner, QtWidgets.QStackedWidget):
             return False
         node = owner
     return widget.isEnabled()
@@ -170,15 +170,12 @@ def _is_offered(widget: QtWidgets.QWidget, panel: Panel) -> bool:
 
 def reveal_control(widget: QtWidgets.QWidget) -> None:
     """Show a control of the panel and give it the keyboard focus."""
+    reveal_widget(widget)
     node = widget.parentWidget()
     while node is not None:
-        if isinstance(heading := getattr(node, "heading", None), Heading):
-            heading.setChecked(True)
-        elif isinstance(node, QtWidgets.QDockWidget):
+        if isinstance(node, QtWidgets.QDockWidget):
             node.show()
             node.raise_()
-        elif isinstance(node, QtWidgets.QScrollArea):
-            QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # after the layout
         node = node.parentWidget()
     widget.setFocus(Qt.FocusReason.TabFocusReason)
 

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QAbstractButton, QFrame, QGridLayout, QLabel, QSiz
 
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native_keys, split_keys
+from apd_viewer.ui.scene.navigation_preset import NavigationPreset
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.fields import small_button
@@ -144,15 +145,11 @@ class ShortcutGroup(QWidget):
         return found
 
 
-# Camera gestures of apd_viewer.ui.scene.navigation, available with every tool.
-_ALWAYS = tr("right drag orbits, middle button or Shift+drag pans, Ctrl+right drag zooms")
-
-
-def mouse_gestures() -> list[MouseGesture]:
+def mouse_gestures(preset: NavigationPreset) -> list[MouseGesture]:
     """Mouse gestures of all tools, the camera and the selection modes."""
     plain = [tool for tool in Tool if not tool.traits.is_brush]
     found = [
-        MouseGesture(tr("With any tool"), "view", _ALWAYS),
+        MouseGesture(tr("With any tool"), "view", preset.sentence),
         *(MouseGesture(tool.traits.title, tool.traits.icon, tool.traits.hint) for tool in plain),
         MouseGesture(tr("While painting"), Tool.HANDLE.traits.icon, Tool.HANDLE.modifiers),
         *(MouseGesture(way.traits.title, way.traits.icon, way.traits.hint) for way in SelectionMode),

@@ -62,7 +62,7 @@ def tour_steps(targets: TourTargets) -> tuple[TourStep, ...]:
         TourStep(
             tr("This is the total area. Drag the ring again: the shape changes, the area does not."),
             targets.area,
-            tr("The area is out of view: open Measurements in the View menu and scroll up."),
+            tr("The area is out of view: open Panel in the View menu."),
         ),
         TourStep(
             tr(
@@ -85,14 +85,11 @@ class Tour(QObject):
     ----------
     ring_requested : Signal()
         The ring should be there to be dragged.
-    area_requested : Signal()
-        The area should be there to be read.
     """
 
     began = Signal()
     ended = Signal()
     ring_requested = Signal()
-    area_requested = Signal()
 
     def __init__(self, window: QMainWindow, canvas: Canvas, targets: TourTargets) -> None:
         super().__init__(window)
@@ -170,8 +167,6 @@ class Tour(QObject):
         self._reading.stop()
         if number == _RING:
             self.ring_requested.emit()
-        elif number == _AREA:
-            self.area_requested.emit()
         self.card.show_step(number, len(self._steps), self._sentence)
         self.update_target()
 

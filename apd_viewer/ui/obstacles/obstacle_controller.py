@@ -1,7 +1,6 @@
 """Controller of the obstacles in scene, gizmo and panel."""
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
@@ -80,7 +79,8 @@ class ObstacleController(QObject):
         self.picker = ObstaclePicker(viewport, surface, self.gizmo)
         self.placer = ObstaclePlacer(viewport, surface, self._propose)
         # Mouse events reach the picker only after the gizmo and the handle dots, drawn on top of obstacles.
-        viewport.tools[:1] = [self.placer, viewport.tools[0], self.gizmo]
+        at = viewport.tools.index(canvas.picker)
+        viewport.tools[at : at + 1] = [self.placer, canvas.picker, self.gizmo]
         viewport.tools.insert(viewport.tools.index(canvas.inactive_handles) + 1, self.picker)
         canvas.is_covered = self._covers
         self._connect()
@@ -102,10 +102,6 @@ class ObstacleController(QObject):
         section.fields.obstacle_entered.connect(self._replace)
         section.fields.distance_entered.connect(self._move_by)
         section.fields.reset_requested.connect(self.reset)
-        for kind, button in section.kinds.items():
-            button.clicked.connect(partial(self.begin_placing, kind))
-        section.floor.clicked.connect(self.add_floor)
-        section.sides_requested.connect(self.add_plates)
         section.contact_requested.connect(lambda: self._session.settings.set_contact(True, self._thickness()))
         self._parts.changed.connect(self.refresh)
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import checked_direction, frozen
@@ -40,60 +39,34 @@ SIDES_TIP = tr("Add two plates that touch the shape on both sides, to press it b
 
 
 class ObstacleSection(Section):
-    """List of the obstacles, fields of the active one, and buttons to add more.
+    """Fields of the active obstacle, and why obstacles push nothing.
+
+    It is hidden without an obstacle.
 
     Attributes
     ----------
+    list : PartList
+        Of all obstacles; laid out among the parts.
     contact : QPushButton
         Turns contact on where obstacles push nothing without it.
     note : QLabel
         Reason for obstacles without effect.
-    sides_requested : Signal(int)
-        Plates on both sides along axis 0, 1 or 2.
     """
 
-    sides_requested = Signal(int)
     contact_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__(tr("Obstacles"))
-        about = tr(
-            "Plates, spheres and cylinders push the surface by contact, without friction; "
-            "nothing has to be held."
-        )
-        self.empty = quiet_label(tr("About obstacles"), about)
         self.list = PartList([OBSTACLE_COLOR], self._row)
         self.fields = ObstacleFields()
         self.excess = quiet_label(tr("Expected excess of the loads"))
         self.note = quiet_label(tr("Why obstacles push nothing"), style="unreached")
         self.contact = QPushButton(tr("Turn contact on"), toolTip=tr("Let the obstacles push the surface"))
         self.contact.clicked.connect(self.contact_requested)
-        parts = self.list, self.excess, self.fields, self.note, self.contact
-        add_parts(self.column, self.empty, *parts, 4, self._make_buttons())
-        for part in parts:
+        parts = self.excess, self.fields, self.note, self.contact
+        add_parts(self.column, *parts)
+        for part in (self, self.list, *parts):
             part.hide()
-        self.heading.show_reading(trc("obstacles", "none"), only_folded=True)
-
-    def _make_buttons(self) -> QGridLayout:
-        grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
-        self.kinds = {}
-        for column, kind in enumerate(ObstacleKind):
-            button = QPushButton(kind.title, toolTip=TIPS[kind])
-            button.setAccessibleName(tr("Add {kind}").format(kind=kind.word))
-            self.kinds[kind] = button
-            grid.addWidget(button, 0, 2 * column, 1, 2)
-        self.floor = QPushButton(tr("Floor"), toolTip=FLOOR_TIP, accessibleName=tr("Add floor"))
-        self.sides = QPushButton(tr("Both sides"), toolTip=SIDES_TIP, objectName="choice")
-        self.sides.setLayoutDirection(Qt.LayoutDirection.RightToLeft)  # places the chevron after the text
-        self.sides.setAccessibleName(tr("Plates on both sides"))
-        menu = QMenu(self.sides)
-        for axis, letter in enumerate("XYZ"):
-            asked = menu.addAction(tr("Along {axis}").format(axis=letter))
-            asked.triggered.connect(partial(self.sides_requested.emit, axis))
-        self.sides.setMenu(menu)
-        grid.addWidget(self.floor, 1, 0, 1, 3)
-        grid.addWidget(self.sides, 1, 3, 1, 3)
-        return grid
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         details = quiet_label(tr("Motion of {name}").format(name=name), indent=22)
@@ -109,16 +82,14 @@ class ObstacleSection(Section):
             row.reading.setText(obstacle_readings.load_text(state, k))
             if k == active and isinstance(row.details, QLabel):
                 row.details.setText(obstacle_readings.motion_text(state, k, unit))
-        self.empty.setVisible(not obstacles)
+        self.setVisible(bool(obstacles))
         self.excess.setText(obstacle_readings.load_excess_text(state))
         self.excess.setVisible(bool(self.excess.text()))
         self.fields.setVisible(active is not None)
         if active is not None:
             self.fields.show_obstacle(state, active, values)
         self._explain(state)
-        self.heading.show_reading(
-            f"{len(obstacles)}" if obstacles else trc("obstacles", "none"), only_folded=True
-        )
+        self.heading.show_reading(f"{len(obstacles)}", only_folded=True)
 
     def _explain(self, state: State) -> None:
         """Show why the obstacles have no effect on the shape, if so."""
@@ -132,9 +103,6 @@ class ObstacleSection(Section):
         super().set_theme(theme)
         self.list.set_theme(theme)
         self.fields.set_theme(theme)
-        for button in (*self.kinds.values(), self.floor):
-            button.setIcon(icon("add", theme))
-        self.sides.setIcon(icon("unfolded", theme))
 
 
 _AXIS = {
@@ -189,9 +157,10 @@ class ObstacleFields(QWidget):
         for row, (label, field) in enumerate(zip(self._labels, self._fields, strict=True)):
             grid.addWidget(label, row, 0)
             grid.addWidget(field, row, 1)
-        line = row_layout((self.distance, 1), self.along, self.reset)
-        grid.addWidget(QLabel(trc("amount", "Move by"), objectName="quiet"), len(self._fields), 0)
-        grid.addLayout(line, len(self._fields), 1)
+        row = len(self._fields)
+        grid.addWidget(QLabel(trc("amount", "Move by"), objectName="quiet"), row, 0)
+        grid.addLayout(row_layout((self.distance, 1), self.reset), row, 1)
+        grid.addWidget(self.along, row + 1, 1)
         grid.setColumnStretch(1, 1)
         grid.setContentsMargins(0, 4, 0, 4)
         self.setLayout(grid)

@@ -41,6 +41,8 @@ class DisplayOptions:
     ----------
     ghost, target_ghost : Ghost
         The rest shape and the target shape.
+    orientation : OrientationAxes
+        In the corner of the view.
     shows_file_colors : bool
         Whether the vertex colours of the file are shown.
     shows_textures : bool
@@ -61,6 +63,7 @@ class DisplayOptions:
         self.cards.add(self.legend, self.legend.fit_into)
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
         self.target_ghost = Ghost(canvas.viewport, AMBER_GLASS_SHADER)
+        self.orientation = canvas.orientation
         self.overlay = DeviationOverlay(
             canvas, self.legend, self.cards.geometry, _recalled_scales(preferences.display_options)
         )
@@ -82,6 +85,11 @@ class DisplayOptions:
     def show_ground(self, on: bool) -> None:
         """Show axes and grid, or hide them."""
         self.ground.visible = on
+        self._keep()
+
+    def show_orientation(self, on: bool) -> None:
+        """Show the axes in the corner, or hide them."""
+        self.orientation.visible = on
         self._keep()
 
     def show_file_colors(self, on: bool) -> None:
@@ -148,6 +156,7 @@ class DisplayOptions:
         self.ghost.visible = looks.get("ghost") == "on"
         self.target_ghost.visible = looks.get("target_ghost", "on") == "on"
         self.ground.visible = looks.get("ground") == "on"
+        self.orientation.visible = looks.get("orientation", "on") == "on"
         self.shows_file_colors = looks.get("file_colors") == "on"
         self.shows_textures = looks.get("textures") == "on"
         if looks.get("finish") in {finish.value for finish in Finish}:
@@ -163,6 +172,7 @@ class DisplayOptions:
             "ghost": "on" if self.ghost.visible else "",
             "target_ghost": "on" if self.target_ghost.visible else "",
             "ground": "on" if self.ground.visible else "",
+            "orientation": "on" if self.orientation.visible else "",
             "file_colors": "on" if self.shows_file_colors else "",
             "textures": "on" if self.shows_textures else "",
             "finish": self.finish.value,

@@ -2,7 +2,7 @@
 
 import logging
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -67,8 +67,9 @@ class Notice(QFrame):
         )
         self.close_button.setProperty(SECTION_PROPERTY, type(self).__name__)
         self.close_button.clicked.connect(self.hide)
-        self._file, self._offers_file = Path(), False
-        self._file_buttons = self._make_file_buttons(canvas)
+        self._file, self._has_offer = Path(), False
+        self._buttons = self._make_buttons(canvas)
+        self._accept: Callable[[], object] = lambda: None
         self._row = row_layout(self._symbol, (self._text, 1), margins=(12, 8, 8 + _CLOSE, 8), parent=self)
         self.timer = QTimer(self, singleShot=True, interval=_READING_TIME, timeout=self.hide)
         self._kind = "message"
@@ -77,15 +78,18 @@ class Notice(QFrame):
         self.keep_above(below)
         canvas.resized.connect(self._place)
 
-    def _make_file_buttons(self, canvas: Viewport) -> QWidget:
+    def _make_buttons(self, canvas: Viewport) -> QWidget:
         buttons = QWidget(canvas)
         self.open_file = QPushButton(tr("Open"), toolTip=tr("Open the file with the program for it"))
         self.show_folder = QPushButton(tr("Show in folder"), toolTip=tr("Open the folder of the file"))
         self.open_file.clicked.connect(lambda: _open_with_system(self._file))
         self.show_folder.clicked.connect(lambda: _open_with_system(self._file.parent))
-        for button in (self.open_file, self.show_folder):
+        self.accept = QPushButton("")
+        self.accept.clicked.connect(self.hide)
+        self.accept.clicked.connect(lambda: self._accept())
+        for button in (self.open_file, self.show_folder, self.accept):
             button.setProperty(SECTION_PROPERTY, type(self).__name__)
-        row_layout(self.open_file, self.show_folder, parent=buttons)
+        row_layout(self.open_file, self.show_folder, self.accept, parent=buttons)
         buttons.hide()
         return buttons
 
@@ -105,7 +109,7 @@ class Notice(QFrame):
         """Hide the buttons too."""
         super().hideEvent(event)
         self.close_button.hide()
-        self._file_buttons.hide()
+        self._buttons.hide()
 
     @property
     def text(self) -> str:
@@ -121,9 +125,23 @@ class Notice(QFrame):
 
     def offer_file(self, path: Path) -> None:
         """Offer to open the file of the current message, or its folder."""
-        self._file, self._offers_file = path, True
+        self._file = path
+        self._offer_buttons(self.open_file, self.show_folder)
+
+    def offer(self, sentence: str, title: str, accept: Callable[[], object]) -> None:
+        """Show a proposal until it is dismissed or accepted by a button with a ``title``."""
+        self._show(sentence, "message")
+        self.timer.stop()
+        self._accept = accept
+        self.accept.setText(title)
+        self._offer_buttons(self.accept)
+
+    def _offer_buttons(self, *offered: QPushButton) -> None:
+        for button in (self.open_file, self.show_folder, self.accept):
+            button.setVisible(button in offered)
+        self._has_offer = True
         self._place()
-        self._file_buttons.raise_()
+        self._buttons.raise_()
 
     def show_failure(self, sentence: str) -> None:
         """Show and log a failure until dismissed or replaced."""
@@ -159,7 +177,7 @@ class Notice(QFrame):
         self._text.setText(sentence)
         set_style_property(self, "kind", kind)
         self._draw_symbol()
-        self._offers_file = False
+        self._has_offer = False
         self.show()
         self.close_button.show()
         self.raise_()
@@ -173,10 +191,10 @@ class Notice(QFrame):
     def _place(self) -> None:
         if self.isHidden():
             return
-        canvas, buttons = self._canvas, self._file_buttons
+        canvas, buttons = self._canvas, self._buttons
         start, span = free_span(canvas)
         room = span - 2 * _MARGIN - 80
-        buttons.setVisible(self._offers_file and room - buttons.sizeHint().width() >= _NARROWEST)
+        buttons.setVisible(self._has_offer and room - buttons.sizeHint().width() >= _NARROWEST)
         buttons.adjustSize()
         aside = 0 if buttons.isHidden() else buttons.width() + 8
         self._row.setContentsMargins(12, 8, 8 + _CLOSE + aside, 8)

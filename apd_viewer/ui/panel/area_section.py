@@ -17,7 +17,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.unit_button import UnitButton
-from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, row_layout
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
 from apd_viewer.ui.widgets.slider_field import PERCENT, SliderField
@@ -75,12 +75,12 @@ class StatusDot(QWidget):
 
 
 class AreaSection(QWidget):
-    """Area in large digits, with its change, its target and a warning.
+    """Area in large digits, with its change and a warning.
 
     Attributes
     ----------
     target : SliderField
-        In percent.
+        In percent; laid out with the method.
     keep_toggled : Signal(bool)
         "local" should keep the total area too, or not.
     """
@@ -90,17 +90,13 @@ class AreaSection(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._theme = LIGHT
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(0, 0, 0, 8)
+        column = column_layout(margins=(16, 12, 16, 8), parent=self)
         self._add_reading(column)
-        self._add_target(column)
+        self._make_target()
         self.unreached = QLabel("", objectName="unreached", wordWrap=True)
         self.unreached.setAccessibleName(tr("Targets out of reach"))
         self.unreached.hide()
-        column.addSpacing(4)
         column.addWidget(self.unreached)
-        column.addSpacing(4)
-        column.addLayout(self._local_readings())
 
     def _add_reading(self, column: QVBoxLayout) -> None:
         self.activity = QLabel("", objectName="quiet", accessibleName=tr("Solver status"))
@@ -125,23 +121,10 @@ class AreaSection(QWidget):
         row = row_layout((self.area, 1), self.unit, spacing=4)
         column.addLayout(row)
 
-    def _local_readings(self) -> QGridLayout:
-        rows = (
-            (
-                tr("Largest local area change"),
-                tr("Largest area change of any triangle, up or down, relative to its rest area"),
-            ),
-            (tr("Largest edge strain"), tr("Strain of the most stretched (+) or shortened (−) edge")),
-            (tr("Mean edge strain"), tr("Mean absolute strain of the edges, weighted by rest area")),
-        )
-        grid, values = reading_grid(rows)
-        self.local_change, self.largest_strain, self.mean_strain = values
-        return grid
-
-    def _add_target(self, column: QVBoxLayout) -> None:
+    def _make_target(self) -> None:
         self.hold = CheckBox(tr("Keep total area"), toolTip=tr("Keep the total area exactly"))
         self.hold.toggled.connect(self.keep_toggled)
-        label = QLabel(tr("Target"), toolTip=_AREA_TIP)
+        label = QLabel(tr("Area target"), toolTip=_AREA_TIP)
         title = QWidget()
         self._title = QStackedLayout(title)
         self._title.setSizeConstraint(QStackedLayout.SizeConstraint.SetMinimumSize)
@@ -149,8 +132,6 @@ class AreaSection(QWidget):
             self._title.addWidget(part)
         self.target = SliderField(title, PERCENT, percent_field("", _AREA_TIP), tr("Area target"))
         label.setBuddy(self.target.field)
-        column.addSpacing(8)
-        column.addWidget(self.target)
 
     def show_settings(self, state: State) -> None:
         """Show the area target of the document."""
@@ -171,9 +152,6 @@ class AreaSection(QWidget):
         self.percent.setText(readings.area_percent(state))
         self.verdict.setText(readings.area_verdict(state))
         self.area.setText(readings.area(state, unit))
-        self.local_change.setText(readings.local_change(state))
-        self.largest_strain.setText(readings.largest_edge_strain(state))
-        self.mean_strain.setText(readings.mean_edge_strain(state))
         self._dot.set_color(self._theme.warm if missed else self._theme.good)
         self._dot.setToolTip(tr("Some targets not met") if missed else tr("All targets met"))
         if frame.unreached is not None and (frame.settled or frame.share_reached < 1.0):
@@ -185,8 +163,7 @@ class AreaSection(QWidget):
 
     def show_preview(self, compiled: float) -> None:
         """Show that there is no solved shape yet, and the compiled fraction."""
-        for reading in (self.percent, self.local_change, self.largest_strain, self.mean_strain):
-            reading.setText(readings.NO_VALUE)
+        self.percent.setText(readings.NO_VALUE)
         self.verdict.setText(tr("A preview: no area is kept yet."))
         self.area.setText(tr("Compiled so far: {percent} %").format(percent=math.floor(100.0 * compiled)))
 
@@ -211,6 +188,42 @@ class AreaSection(QWidget):
         self.unit.set_theme(theme)
 
 
+class StrainSection(Section):
+    """Largest local area change, largest and mean edge strain, and drift of handles."""
+
+    def __init__(self) -> None:
+        super().__init__(tr("Strain and drift"))
+        rows = (
+            (
+                tr("Largest local area change"),
+                tr("Largest area change of any triangle, up or down, relative to its rest area"),
+            ),
+            (tr("Largest edge strain"), tr("Strain of the most stretched (+) or shortened (−) edge")),
+            (tr("Mean edge strain"), tr("Mean absolute strain of the edges, weighted by rest area")),
+            (
+                tr("Drift"),
+                tr("Distance between a handle and the position you gave it; the largest of several"),
+            ),
+        )
+        grid, values = reading_grid(rows)
+        self.local_change, self.largest_strain, self.mean_strain, self.drift = values
+        self.column.addLayout(grid)
+
+    def show_readings(self, state: State, unit: Unit) -> None:
+        """Show strains and drift of a state's shape."""
+        self.drift.setText(readings.drift(state, unit))
+        self.local_change.setText(readings.local_change(state))
+        self.largest_strain.setText(readings.largest_edge_strain(state))
+        self.mean_strain.setText(readings.mean_edge_strain(state))
+        self.heading.show_reading(self.largest_strain.text(), only_folded=True)
+
+    def show_preview(self) -> None:
+        """Show no strain while the shape is only a preview."""
+        for reading in (self.local_change, self.largest_strain, self.mean_strain, self.drift):
+            reading.setText(readings.NO_VALUE)
+        self.heading.show_reading("")
+
+
 _VOLUME_TIP = tr("Target of the enclosed volume, in percent of the rest volume")
 
 
@@ -220,7 +233,7 @@ class VolumeSection(Section):
     Attributes
     ----------
     target : SliderField
-        In percent.
+        In percent; laid out with the method, as is the note below it.
     target_changed : Signal(object)
         The volume to keep in percent, or None to leave it free.
     """
@@ -238,7 +251,6 @@ class VolumeSection(Section):
         for part in (self.volume, self.litres, self.crossings):
             self.column.addWidget(part)
         self._add_contact()
-        add_parts(self.column, self.target, self.disabled_note)
         for later in (self.target.field, self.target.slider, self.disabled_note):
             later.hide()  # shown once the volume can be kept
         self.keep.toggled.connect(lambda on: self.target_changed.emit(self.target.value if on else None))

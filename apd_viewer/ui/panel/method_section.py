@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -33,7 +34,12 @@ _ELSEWHERE = ("stiffness", "thickness")
 
 
 class MethodSection(Section):
-    """Choice of the method, and its settings.
+    """Choice of the method, targets of area and volume, and settings.
+
+    Parameters
+    ----------
+    targets : sequence of QWidget
+        Fields of what is kept.
 
     Attributes
     ----------
@@ -46,7 +52,7 @@ class MethodSection(Section):
     changed = Signal(str, object)
     contact_chosen = Signal(bool)
 
-    def __init__(self) -> None:
+    def __init__(self, targets: Sequence[QWidget]) -> None:
         super().__init__(tr("Method"))
         self.method = ComboBox(accessibleName=tr("Method"), toolTip=tr("Deformation method"))
         for name, method in METHODS.items():
@@ -57,7 +63,7 @@ class MethodSection(Section):
         self._gives_up = quiet_label(tr("What the method gives up"))
         add_parts(self.column, self._keeps, self._gives_up)
         self._describe(METHODS[DEFAULT_METHOD])
-        self.column.addSpacing(4)
+        add_parts(self.column, 4, *targets, 4)
         self._add_settings()
 
     def _add_settings(self) -> None:

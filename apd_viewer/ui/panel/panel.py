@@ -1,12 +1,11 @@
-"""Side panel: area, volume, handles, method, measurements and paint."""
+"""Side panel: area, and pages of parts and method, and of measurements."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QEvent, QSize, Qt, QTimer
-from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSizePolicy, QWidget
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSizePolicy, QTabWidget, QWidget
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr, translations
@@ -15,18 +14,19 @@ from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLOR
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.measuring.measure_section import MeasureSection
 from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
-from apd_viewer.ui.panel.area_section import AreaSection, VolumeSection
+from apd_viewer.ui.panel.area_section import AreaSection, StrainSection, VolumeSection
 from apd_viewer.ui.panel.method_section import MethodSection
-from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
+from apd_viewer.ui.panel.parts_sections import HandleSection, PartsSection, RegionRows
 from apd_viewer.ui.panel.size_section import SizeSection
 from apd_viewer.ui.posing.pose_section import PoseSection
-from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
 from apd_viewer.ui.target.target_section import TargetSection
-from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout
-from apd_viewer.ui.widgets.folding_section import Section
+from apd_viewer.ui.tools.tool_modes import Tool
+from apd_viewer.ui.widgets.box_layouts import add_parts, column_layout
+from apd_viewer.ui.widgets.folding_section import PanelPage, Section, reveal_widget
 from apd_viewer.ui.widgets.part_row import Swatch
 from apd_viewer.ui.widgets.slider_field import SliderField
 from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -74,50 +74,72 @@ class PaintSection(Section):
         self.clear_all.setEnabled(bool(counts[FREE] < counts.sum() or document.member.any()))
 
 
-class Panel(QScrollArea):
-    """Side panel of readings and settings, in sections.
+class Panel(QWidget):
+    """Side panel: the area, above a page of what is done and one of what is measured.
 
     Attributes
     ----------
-    area, volume, measures, handles, obstacles, poses, method, regions, measure, target, paint
-        The sections.
+    area : AreaSection
+        In sight on both pages.
+    parts, handles, obstacles, method, poses
+        Sections of the first page.
+    volume, strain, measures, measure, target, paint
+        Sections of the second page.
+    regions : RegionRows
+        Among the parts.
+    deform, measurements : PanelPage
+    pages : QTabWidget
     """
 
     def __init__(self) -> None:
-        super().__init__(focusPolicy=Qt.FocusPolicy.NoFocus)  # the scroll area follows the focused widget
-        self.setWidgetResizable(True)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        super().__init__(objectName="sidebar")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setMinimumWidth(_WIDTH)
         self.setSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Expanding)
         self.area = AreaSection()
         self.volume = VolumeSection()
+        self.strain = StrainSection()
         self.measures = SizeSection()
         self.handles = HandleSection()
         self.obstacles = ObstacleSection()
         self.poses = PoseSection()
-        self.method = MethodSection()
-        self.regions = RegionSection()
+        self.method = MethodSection((self.area.target, self.volume.target, self.volume.disabled_note))
+        self.regions = RegionRows()
+        self.parts = PartsSection((self.handles.list, self.regions, self.obstacles.list))
         self.measure = MeasureSection()
         self.target = TargetSection()
         self.paint = PaintSection()
-        # Most used sections first: the handles are visible without scrolling in a small window.
         # The keys identify the sections in the settings, independent of language and titles.
-        self._named: dict[str, Section] = {
-            "Volume": self.volume,
-            "Size and mass": self.measures,
+        done: dict[str, Section] = {
+            "Parts": self.parts,
             "Handles": self.handles,
             "Obstacles": self.obstacles,
-            "Poses": self.poses,
             "Method": self.method,
-            "Regions": self.regions,
+            "Poses": self.poses,
+        }
+        read: dict[str, Section] = {
+            "Volume": self.volume,
+            "Strain": self.strain,
+            "Size and mass": self.measures,
             "Measure": self.measure,
             "Target shape": self.target,
             "Vertices": self.paint,
         }
-        body = QWidget(objectName="panel")
-        column_layout(self.area, *self.sections, STRETCH, margins=(16, 12, 16, 12), parent=body)
-        self.setWidget(body)
+        self._named = done | read
+        self.deform, self.measurements = PanelPage(*done.values()), PanelPage(*read.values())
+        self._lay_out()
         self.unit = Unit.NONE
         self._previews = False
+
+    def _lay_out(self) -> None:
+        self.pages = QTabWidget(documentMode=True)
+        self.pages.addTab(self.deform, tr("Deform"))
+        self.pages.addTab(self.measurements, tr("Measurements"))
+        self.pages.tabBar().setDrawBase(False)
+        ignore_wheel(self.pages.tabBar())
+        head = QWidget(objectName="panel")
+        column_layout(self.area, parent=head)
+        column_layout(head, self.pages, spacing=0, margins=(1, 0, 0, 0), parent=self)
 
     @property
     def sections(self) -> tuple[Section, ...]:
@@ -128,23 +150,6 @@ class Panel(QScrollArea):
     def slider_fields(self) -> tuple[SliderField, ...]:
         """All fields with a slider."""
         return self.area.target, self.volume.target, self.method.stiffness, self.handles.falloff
-
-    def minimumSizeHint(self) -> QSize:
-        """Width of the widest line, so that nothing is cut off."""
-        body, edge = self.widget(), self.contentsMargins()
-        bar = self.verticalScrollBar().sizeHint().width() + edge.left() + edge.right()
-        lines = body.minimumSizeHint().width() + bar if body else 0
-        return QSize(max(_WIDTH, lines), super().minimumSizeHint().height())
-
-    def sizeHint(self) -> QSize:
-        """Preferred size, as narrow as the minimum."""
-        return QSize(self.minimumSizeHint().width(), super().sizeHint().height())
-
-    def changeEvent(self, event: QEvent) -> None:
-        """Update the size hint after a change of font or style."""
-        super().changeEvent(event)
-        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
-            QTimer.singleShot(0, self, self.updateGeometry)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
         """Update the readings changed between two states, and the active parts."""
@@ -157,6 +162,7 @@ class Panel(QScrollArea):
             self.show_parts(new, handle, region)
         if old is None or old.document is not new.document:
             self.paint.show_settings(new.document)
+            self.parts.show_settings(new.document)
         if asked_anew or old is None or old.frame is not new.frame:
             targets = old is None or old.document.target_percentages != new.document.target_percentages
             anew = targets or old is None or old.document.settings.method != new.document.settings.method
@@ -165,11 +171,15 @@ class Panel(QScrollArea):
     def _show_readings(self, state: State, handle: int, asked_anew: bool) -> None:
         if not self._previews:
             self.area.show_readings(state, self.unit, asked_anew)
-            self.volume.show_readings(state, self.unit)
+            self._show_shape(state)
         self.measures.show_readings(state, self.unit)
         self.target.show_readings(state, self.unit)
         self.handles.show_readings(state, self.unit, handle)
         self.regions.show_readings(state, self.unit)
+
+    def _show_shape(self, state: State) -> None:
+        self.volume.show_readings(state, self.unit)
+        self.strain.show_readings(state, self.unit)
 
     @property
     def unit(self) -> Unit:
@@ -192,15 +202,16 @@ class Panel(QScrollArea):
         self.handles.show_settings(state, self.unit, handle)
         self.regions.show_settings(state, region)
 
+    def show_in_hand(self, tool: Tool, obstacle: int | None) -> None:
+        """Tint the active row of the parts that a tool is for; one of several lists."""
+        moves_obstacle = tool is Tool.MOVE and obstacle is not None
+        self.obstacles.list.set_in_hand(moves_obstacle)
+        self.regions.list.set_in_hand(tool is Tool.REGION)
+        self.handles.list.set_in_hand(not moves_obstacle and tool is not Tool.REGION)
+
     def cancel_slider_drag(self) -> bool:
         """Cancel a slider drag in progress; True if there was one."""
         return any(dial.slider.cancel_drag() for dial in self.slider_fields)
-
-    def show_keys_in_tips(self, add_handle: QAction, reset_handle: QAction, add_region: QAction) -> None:
-        """Add the shortcuts of equivalent actions to the buttons' tooltips."""
-        show_shortcut_in_tooltip(self.handles.add, add_handle)
-        show_shortcut_in_tooltip(self.handles.reset_handle, reset_handle)
-        show_shortcut_in_tooltip(self.regions.add, add_region)
 
     def show_status(self, session: Session) -> None:
         """Show the solver's activity and enable the applicable controls."""
@@ -218,16 +229,16 @@ class Panel(QScrollArea):
         if store.is_previewing:
             self.area.show_preview(store.compiled_share or 0.0)
             self.volume.show_preview()
+            self.strain.show_preview()
         elif self._previews:
             self.area.show_readings(state, self.unit, targets_changed=False)
-            self.volume.show_readings(state, self.unit)
+            self._show_shape(state)
         self._previews = store.is_previewing
 
     def focus_motion_field(self) -> None:
         """Unfold the handle section and focus the motion field."""
-        self.handles.is_folded = False
         field = self.handles.motion.amount
-        self.ensureWidgetVisible(field)
+        reveal_widget(field)
         field.setFocus(Qt.FocusReason.ShortcutFocusReason)
         field.selectAll()
 
@@ -251,5 +262,6 @@ class Panel(QScrollArea):
     def set_theme(self, theme: Theme) -> None:
         """Apply the theme to the parts not covered by the style sheet."""
         self.area.set_theme(theme)
+        self.regions.set_theme(theme)
         for section in self.sections:
             section.set_theme(theme)

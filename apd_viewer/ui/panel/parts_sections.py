@@ -1,55 +1,111 @@
-"""Handle and region sections: lists, readings and targets."""
+"""Sections of the parts: one list of all, readings and targets."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QToolButton, QWidget
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.language import tr, trc, trn
+from apd_viewer.language import tr, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_COLORS
 from apd_viewer.session.model.status_text import self_intersection_warnings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
-from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, row_layout
+from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
-from apd_viewer.ui.widgets.folding_section import Section, quiet_label
+from apd_viewer.ui.widgets.folding_section import CHEVRON, Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartButtons, PartList, PartRow, Swatch
 from apd_viewer.ui.widgets.slider_field import SHARE, SliderField
 from apd_viewer.ui.widgets.theme import Theme, icon
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
+    from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
 
-_DRIFT = tr("Distance between a handle and the position you gave it; the largest of several")
 
+class PartsSection(Section):
+    """One list of all parts, with a button to add more.
 
-class HandleSection(Section):
-    """Handles with their displacement and rotation, and their drift.
+    Parameters
+    ----------
+    rows : sequence of QWidget
+        Lists of the handles, regions and obstacles.
 
     Attributes
     ----------
     base : PartButtons
         In the row of the base, above those of the handles.
+    add : QToolButton
+        In the heading; opens a menu of what can be added.
+    """
+
+    def __init__(self, rows: Sequence[QWidget]) -> None:
+        super().__init__(tr("Parts"))
+        self._make_add()
+        self.column.addLayout(self._make_base_row())
+        add_parts(self.column, *rows)
+
+    def _make_add(self) -> None:
+        self.add = QToolButton(text=tr("Add"), accessibleName=tr("Add part"), objectName="small")
+        self.add.setIconSize(QSize(16, 16))
+        self.add.setToolTip(tr("Add another handle, region or obstacle"))
+        self.add.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.add.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.add.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.add.setMenu(QMenu(self.add, toolTipsVisible=True))
+        row_layout(STRETCH, self.add, CHEVRON + 8, parent=self.heading)
+
+    def _make_base_row(self) -> QHBoxLayout:
+        tip = tr("Vertices of the base")
+        self._base_count = QLabel(objectName="quiet", accessibleName=tip, toolTip=tip)
+        self.base = PartButtons()
+        name = QLabel(tr("Base")), 1
+        return row_layout(Swatch(BASE_COLOR), name, self._base_count, self.base, margins=(9, 4, 5, 0))
+
+    def offer(self, *groups: Sequence[QAction]) -> None:
+        """Fill the menu of what can be added, with a line between the groups."""
+        for actions in groups:
+            self.add.menu().addSeparator()
+            self.add.menu().addActions(list(actions))
+
+    def show_settings(self, document: Document) -> None:
+        """Show the base."""
+        held = document.label_counts[BASE]
+        self._base_count.setText(vertex_count_text(held))
+        self.base.show_flags(document.base, bool(held))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.base.set_theme(theme)
+        self.add.setIcon(icon("add", theme))
+
+
+class HandleSection(Section):
+    """Motion of the active handle.
+
+    Attributes
+    ----------
+    list : PartList
+        Of all handles; laid out among the parts.
     falloff : SliderField
         In percent of the longest side.
     crossing_signs : QLabel
         Warnings that the surface has passed through itself; hidden without any.
     """
 
-    add_requested = Signal()
     reset_all_requested = Signal()
     reset_handle_requested = Signal()
 
     def __init__(self) -> None:
-        super().__init__(tr("Handles"))
+        super().__init__(tr("Motion"))
         self.list = PartList(HANDLE_COLORS, self._row)
-        self.column.addLayout(self._make_base_row())
-        self.column.addWidget(self.list)
         self.crossing_signs = QLabel(
             objectName="lost", wordWrap=True, accessibleName=tr("Signs of self-penetration")
         )
@@ -68,12 +124,6 @@ class HandleSection(Section):
             QLabel(tr("Falloff"), toolTip=tip), SHARE, field, tr("Falloff of the handle")
         )
         self.column.addWidget(self.falloff)
-        self.drift = QLabel("–", accessibleName=_DRIFT, toolTip=_DRIFT)
-        grid = QGridLayout()
-        grid.addWidget(QLabel(tr("Drift"), objectName="quiet", toolTip=_DRIFT), 0, 0)
-        grid.addWidget(self.drift, 0, 1, Qt.AlignmentFlag.AlignRight)
-        self.column.addLayout(grid)
-        self.add = QPushButton(tr("Add"), accessibleName=tr("Add handle"), toolTip=tr("Add another handle"))
         self.reset_handle = QPushButton(
             tr("Reset"), toolTip=tr("Return the active handle to its rest position")
         )
@@ -82,18 +132,10 @@ class HandleSection(Section):
             tr("Reset all"), toolTip=tr("Reset all handles and return the mesh to its rest shape")
         )
         self.reset_all.setAccessibleName(tr("Reset all handles"))
-        self.add.clicked.connect(self.add_requested)
         self.reset_handle.clicked.connect(self.reset_handle_requested)
         self.reset_all.clicked.connect(self.reset_all_requested)
-        buttons = row_layout(self.add, self.reset_handle, self.reset_all)
+        buttons = row_layout(self.reset_handle, self.reset_all)
         add_parts(self.column, 4, buttons)
-
-    def _make_base_row(self) -> QHBoxLayout:
-        tip = tr("Vertices of the base")
-        self._base_count = QLabel(objectName="quiet", accessibleName=tip, toolTip=tip)
-        self.base = PartButtons()
-        name = QLabel(tr("Base")), 1
-        return row_layout(Swatch(BASE_COLOR), name, self._base_count, self.base, margins=(9, 4, 5, 0))
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         details = quiet_label(tr("Displacement and rotation of {name}").format(name=name), indent=22)
@@ -103,12 +145,9 @@ class HandleSection(Section):
         """Show the handles, and the motion of the active one."""
         document = state.document
         self.list.show_names([handle.name for handle in document.handles], active)
-        held = document.label_counts[BASE]
-        self._base_count.setText(_vertices(held))
-        self.base.show_flags(document.base, bool(held))
         for k, row in enumerate(self.list.rows):
             count = document.label_counts[HANDLE + k]
-            row.reading.setText(_vertices(count))
+            row.reading.setText(vertex_count_text(count))
             row.reading.setToolTip(tr("Vertices of the handle"))
             row.remove.setVisible(len(document.handles) > 1)
             row.show_flags(document.handles[k].flags, bool(count))
@@ -120,7 +159,6 @@ class HandleSection(Section):
             document.paint_problem is None and bool(document.label_counts[HANDLE + active])
         )
         self._show_motion(state, unit, active)
-        self.heading.show_reading(f"{len(document.handles)}", only_folded=True)
 
     def show_check(self, state: State, check: ShapeCheck | None) -> None:
         """Show self-intersection warnings once known."""
@@ -129,50 +167,45 @@ class HandleSection(Section):
         self.crossing_signs.setVisible(bool(lost))
 
     def show_readings(self, state: State, unit: Unit, active: int) -> None:
-        """Show the largest drift from the targets, and the active handle's motion."""
-        self.drift.setText(readings.drift(state, unit))
+        """Show the active handle's motion."""
         self._show_motion(state, unit, active)
 
     def _show_motion(self, state: State, unit: Unit, active: int) -> None:
         details = self.list.rows[active].details
         if isinstance(details, QLabel):
             details.setText(readings.motion(state, active, unit))
+        self.heading.show_reading(readings.motion(state, active, unit), only_folded=True)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
         super().set_theme(theme)
-        self.base.set_theme(theme)
         self.list.set_theme(theme)
         self.falloff.set_theme(theme)
-        self.add.setIcon(icon("add", theme))
 
 
-def _vertices(count: int) -> str:
+def vertex_count_text(count: int) -> str:
+    """Number of vertices of a part, or that it is empty."""
     return trn("{n:,} vertex", "{n:,} vertices", int(count)).format(n=count) if count else tr("empty")
 
 
-class RegionSection(Section):
-    """Named regions with their areas and area targets.
+class RegionRows(QWidget):
+    """Rows of the named regions, with their areas and area targets.
 
     Attributes
     ----------
+    list : PartList
     target_changed : Signal(int, object)
         A region and the area to keep in percent, or None to leave it free.
     """
 
-    add_requested = Signal()
     target_changed = Signal(int, object)
 
     def __init__(self) -> None:
-        super().__init__(tr("Regions"))
-        about = tr("A region is a painted part whose area you can measure and keep.")
-        self.empty = quiet_label(tr("About regions"), about)
+        super().__init__()
         self.list = PartList(REGION_COLORS, self._row)
         self.note = quiet_label(tr("Why regions are not kept"), tr("The method Paper only measures regions."))
         self.note.hide()
-        self.add = QPushButton(tr("Add region"), toolTip=tr("Add another region to measure or keep its area"))
-        self.add.clicked.connect(self.add_requested)
-        add_parts(self.column, self.empty, self.list, self.note, 4, self.add)
+        column_layout(self.list, self.note, spacing=2, parent=self)
 
     def _row(self, k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         row = PartRow("region", name, color, RegionTargetField())
@@ -190,9 +223,8 @@ class RegionSection(Section):
             row.show_flags(region.flags, bool(state.region_counts[k]))
             if isinstance(row.details, RegionTargetField):
                 row.details.show_target(region.area, not only_measured)
-        self.empty.setVisible(not regions)
         self.note.setVisible(bool(regions) and only_measured)
-        self.heading.show_reading(f"{len(regions)}" if regions else trc("regions", "none"), only_folded=True)
+        self.setVisible(bool(regions))
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the area of each region."""
@@ -202,9 +234,7 @@ class RegionSection(Section):
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
-        super().set_theme(theme)
         self.list.set_theme(theme)
-        self.add.setIcon(icon("add", theme))
 
 
 class RegionTargetField(QWidget):

@@ -68,7 +68,7 @@ class Preferences:
     @property
     def folded_sections(self) -> list[str]:
         """Names of the folded panel sections."""
-        return self._lines("folded", ["Size and mass"])
+        return self._lines("folded")
 
     @folded_sections.setter
     def folded_sections(self, names: list[str]) -> None:
@@ -220,14 +220,18 @@ class UpAxes:
 
     def up_axis_of(self, mesh: Mesh) -> UpAxis:
         """Chosen up axis of a mesh, or the default of its file format."""
+        return self.known_axis(mesh) or self._usual()
+
+    def known_axis(self, mesh: Mesh) -> UpAxis | None:
+        """Up axis chosen for a mesh or file, or prescribed by its format; else None."""
         path = user_file(mesh)
-        known = {} if path is None else self._memory.up_axes
-        is_sample = mesh.path is not None and path is None
-        suffix = "" if mesh.path is None else mesh.path.suffix
-        default = UpAxis.from_suffix(suffix, UpAxis.PLUS_Y if is_sample else self._usual())
-        return self._chosen.get(mesh) or (
-            default if path is None else known.get(resolved_path(path), default)
-        )
+        if mesh in self._chosen:
+            return self._chosen[mesh]
+        if path is not None and (kept := self._memory.up_axes.get(resolved_path(path))) is not None:
+            return kept
+        if mesh.path is None:
+            return None
+        return UpAxis.from_suffix(mesh.path.suffix) or (UpAxis.PLUS_Y if path is None else None)
 
     def choose(self, mesh: Mesh, axis: UpAxis) -> None:
         """Set the up axis of a mesh, and store it for its file."""

@@ -1,9 +1,9 @@
-"""Ground grid under the rest shape, and the axes in a corner."""
+"""Ground grid under the rest shape."""
 
 import numpy as np
 import pyvista as pv
-from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QFont, QPainter, QPen
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QPainter
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -18,14 +18,12 @@ _LINES = 12  # approximate number of grid cells across the mesh
 _AROUND = 0.3  # margin of the grid, as a fraction of the mesh size
 _APART = 34.0  # px: minimum spacing of two labels
 _BETWEEN = 6  # px: minimum gap between two labels
-_CORNER, _REACH = 58.0, 30.0  # px: distance of the axes from the upper right corner, and their length
+_BELOW = 108.0  # px: place of the length of the grid from the upper edge, below the axes
 _ON_LIGHT, _ON_DARK = (0.74, 0.77, 0.81), (0.33, 0.36, 0.42)
-_COLORS = ((204, 36, 82), (107, 155, 0), (66, 66, 210))
-_LIGHTER = ((255, 107, 139), (190, 230, 70), (150, 150, 255))
 
 
 class Ground(MouseTool, RestActor):
-    """Grid below the mesh, labelled at two sides, and axes in a corner.
+    """Grid below the mesh, labelled at two sides.
 
     It is a tool of the viewport that handles no events.
 
@@ -87,7 +85,7 @@ class Ground(MouseTool, RestActor):
             self._mapper.SetInputData(self._prepared_data(self._shown_mesh))
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the grid labels and the axes."""
+        """Draw the grid labels."""
         if self._shown_mesh is None:
             return
         ink = QColor(166, 173, 186) if self._viewport.is_dark else QColor(90, 98, 112)
@@ -96,11 +94,9 @@ class Ground(MouseTool, RestActor):
         taken: list[QRectF] = []
         for axis in self._level:
             self._write_along(painter, axis, taken)
-        corner = QPointF(self._viewport.width() - _CORNER, _CORNER)
         text = tr("grid {length}").format(length=self._unit.format_length(format_short(self.grid_step)))
-        room = QRectF(corner.x() - 70, corner.y() + _REACH + 8, _CORNER + 70 - 12, 18)
+        room = QRectF(self._viewport.width() - 128, _BELOW, 116, 18)
         painter.drawText(room, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop, text)
-        self._draw_axes(painter, corner)
         painter.restore()
 
     def _write_along(self, painter: QPainter, axis: int, taken: list[QRectF]) -> None:
@@ -130,19 +126,6 @@ class Ground(MouseTool, RestActor):
                 if not any(room.intersects(other) for other in taken):
                     painter.drawText(room, Qt.AlignmentFlag.AlignCenter, number)
                     taken.append(room)
-
-    def _draw_axes(self, painter: QPainter, corner: QPointF) -> None:
-        right, up, forward = self._viewport.camera_controller.camera.axes
-        font = QFont(painter.font())
-        font.setBold(True)
-        painter.setFont(font)
-        for k in np.argsort(-forward):  # draw the farthest axis first
-            color = QColor(*(_LIGHTER if self._viewport.is_dark else _COLORS)[k])
-            x, y = float(right[k]), -float(up[k])
-            painter.setPen(QPen(color, 2.0, c=Qt.PenCapStyle.RoundCap))
-            painter.drawLine(corner, corner + QPointF(_REACH * x, _REACH * y))
-            at = corner + QPointF((_REACH + 9.0) * x, (_REACH + 9.0) * y)
-            painter.drawText(QRectF(at.x() - 9, at.y() - 9, 18, 18), Qt.AlignmentFlag.AlignCenter, "XYZ"[k])
 
 
 def _lines(ends: np.ndarray, ticks: dict[int, np.ndarray]) -> pv.PolyData:

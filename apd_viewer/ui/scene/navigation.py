@@ -1,11 +1,8 @@
 """Base class of the mouse tools, and camera navigation for unconsumed events.
 
-======================================  =====================================================
-left drag (background), right drag      orbit; the horizon stays level
-middle drag, Shift + left / right drag  pan; what lies at the pivot's depth follows the cursor
-wheel, two fingers, pinch               zoom to what is under the cursor
-Ctrl + right drag                       zoom to where the drag began
-======================================  =====================================================
+Which drag does what is said by a preset. An orbit keeps the horizon level; with a pan, what lies at the depth
+of the pivot follows the cursor; a drag zooms to where it began, the wheel, two fingers and a pinch to what is
+under the cursor.
 """
 
 from collections.abc import Callable
@@ -16,6 +13,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 
 from apd_viewer.ui.scene.camera_controller import CameraController
+from apd_viewer.ui.scene.navigation_preset import DEFAULT_PRESET, CameraMotion
 
 _GIVEN = {"event", "painter"}  # parameter names of event and paint methods, leading underscores ignored
 
@@ -80,19 +78,25 @@ class Navigation(MouseTool):
     ----------
     click : callable
         Called at the position of a press that moved nothing.
+
+    Attributes
+    ----------
+    preset : NavigationPreset
+        Which drag does what.
     """
 
     def __init__(self, camera_controller: CameraController, click: Callable[[QPointF], None]) -> None:
         self._look = camera_controller
         self._click = click
-        self._mode = ""
+        self.preset = DEFAULT_PRESET
+        self._motion: CameraMotion | None = None
         self._start = QPointF()
         self._last = QPointF()
         self._moved = False
 
     def press(self, event: QMouseEvent) -> bool:
         """Begin a camera drag."""
-        self._mode = _mode(event.button(), event.modifiers())
+        self._motion = self.preset.motion(event.button(), event.modifiers())
         self._start = self._last = event.position()
         self._moved = event.button() != Qt.MouseButton.LeftButton
         return True
@@ -100,14 +104,14 @@ class Navigation(MouseTool):
     def move(self, event: QMouseEvent) -> bool:
         """Move the camera by the cursor's motion since the last event."""
         d = event.position() - self._last
-        if not self._mode or d.isNull():
+        if self._motion is None or d.isNull():
             return False
         if (event.position() - self._start).manhattanLength() > DEAD_ZONE:
             self._moved = True
         self._last = event.position()
-        if self._mode == "zoom":
+        if self._motion is CameraMotion.ZOOM:
             self._look.zoom_at(self._start, ZOOM_PER_PIXEL ** -d.y())
-        elif self._mode == "pan":
+        elif self._motion is CameraMotion.PAN:
             self._look.camera = self._look.camera.panned(d.x(), d.y())
         else:
             self._look.camera = self._look.camera.orbited(d.x(), d.y())
@@ -115,19 +119,11 @@ class Navigation(MouseTool):
 
     def release(self, event: QMouseEvent) -> None:
         """End the drag."""
-        if self._mode and not self._moved:
+        if self._motion is not None and not self._moved:
             self._click(event.position())
-        self._mode = ""
+        self._motion = None
 
     def wheel(self, event: QWheelEvent) -> bool:
         """Zoom about the point under the cursor."""
         self._look.zoom_at(event.position(), ZOOM_PER_WHEEL_UNIT ** event.angleDelta().y())
         return True
-
-
-def _mode(button: Qt.MouseButton, modifiers: Qt.KeyboardModifier) -> str:
-    if button == Qt.MouseButton.MiddleButton or modifiers & Qt.KeyboardModifier.ShiftModifier:
-        return "pan"
-    if button == Qt.MouseButton.RightButton and modifiers & Qt.KeyboardModifier.ControlModifier:
-        return "zoom"
-    return "orbit"

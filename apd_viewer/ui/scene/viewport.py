@@ -32,6 +32,8 @@ class Viewport(QtInteractor):
         VTK draws so far: one for each paint after ``update()``, none for a paint of the overlay.
     camera_controller : CameraController
         The camera.
+    navigation : Navigation
+        Moves the camera by what no tool wanted.
     pick_point : callable or None
         Function giving the visible surface point at a position in the widget, or None.
     box : callable or None
@@ -73,7 +75,8 @@ class Viewport(QtInteractor):
         self.camera_controller = CameraController(
             self, lambda position: self.pick_point(position) if self.pick_point is not None else None
         )
-        self.mouse = MouseDispatcher(self, self.tools, Navigation(self.camera_controller, self.clicked.emit))
+        self.navigation = Navigation(self.camera_controller, self.clicked.emit)
+        self.mouse = MouseDispatcher(self, self.tools, self.navigation)
         self.set_theme("#f4f5f7")
 
     # Appearance
@@ -312,7 +315,9 @@ class MouseDispatcher:
         if self._holder is not None:
             return
         self._button = event.button()
-        takers = (tool for tool in self._all_tools() if tool.press(event))
+        alone = self._navigation.preset.goes_first(event.button(), event.modifiers())
+        first = [self._navigation] if alone else []
+        takers = (tool for tool in (*first, *self._all_tools()) if tool.press(event))
         self._holder = next(takers, None)
 
     def move(self, event: QtGui.QMouseEvent) -> None:

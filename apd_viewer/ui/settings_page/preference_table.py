@@ -9,6 +9,7 @@ from apd_viewer.language import languages, tr, trc
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
 from apd_viewer.ui.preferences.preference_values import Choice, NumberRange, Option, Preference
+from apd_viewer.ui.scene.navigation_preset import DEFAULT_PRESET, NAVIGATION_PRESETS, NavigationPreset
 from apd_viewer.ui.tools.brush_tool import DEFAULT_RADIUS, LARGEST_RADIUS, SMALLEST_RADIUS
 from apd_viewer.ui.tools.tool_modes import FIRST_MODE, SelectionMode
 
@@ -58,6 +59,14 @@ COLOR_SCHEME: Preference[Qt.ColorScheme] = Preference(
     ),
     tr("Appearance"),
     tr("Light or dark colours of the window"),
+)
+NAVIGATION: Preference[NavigationPreset] = Preference(
+    "navigation",
+    DEFAULT_PRESET,
+    Choice(tuple(Option(name, preset, preset.title) for name, preset in NAVIGATION_PRESETS.items())),
+    tr("Navigation"),
+    tr("Mouse buttons that orbit, pan and zoom, as in another program"),
+    tr("The wheel zooms in all of them"),
 )
 UNIT: Preference[Unit | None] = Preference(
     "default_unit",
@@ -136,7 +145,7 @@ class PreferenceGroup(NamedTuple):
 
 
 GROUPS = (
-    PreferenceGroup(tr("General"), (LANGUAGE, COLOR_SCHEME)),
+    PreferenceGroup(tr("General"), (LANGUAGE, COLOR_SCHEME, NAVIGATION)),
     PreferenceGroup(tr("New files"), (UNIT, UP_AXIS)),
     PreferenceGroup(tr("Painting"), (SELECTION_MODE, BRUSH_RADIUS)),
     PreferenceGroup(tr("Undo and recovery"), (AUTOSAVE, UNDO_MEMORY)),

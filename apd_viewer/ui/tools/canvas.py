@@ -16,9 +16,10 @@ from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
+from apd_viewer.session.model.standing_axis import standing_axis
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import CameraPose, View
-from apd_viewer.ui.preferences.preferences import UpAxes
+from apd_viewer.ui.preferences.preferences import UpAxes, user_file
 from apd_viewer.ui.scene.camera import is_in_view, surrounding_box, uncovering_shift, unobstructed_camera
 from apd_viewer.ui.scene.camera_controller import CameraController
 from apd_viewer.ui.scene.coloring import Coloring, VertexMarks
@@ -28,6 +29,7 @@ from apd_viewer.ui.tools.brush_tool import BrushTool
 from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool, PointPicker
 from apd_viewer.ui.tools.gizmo import Gizmo, HandlePivot, InactiveHandles, movable_pivots
 from apd_viewer.ui.tools.gizmo_drag import GIZMO_RADIUS, nice_step, translated
+from apd_viewer.ui.tools.orientation_axes import OrientationAxes
 from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool, SlabTool
 from apd_viewer.ui.tools.selection_tool import SelectionStrokes, SelectionTool, StrokeEffect
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
@@ -84,7 +86,9 @@ class Canvas(QObject):
         self.marks = VertexMarks(self.viewport, self.surface)
         self.coloring = Coloring(self.surface, self.marks)
         self.picker = PointPicker(self.viewport, self.surface)
+        self.orientation = OrientationAxes(self.viewport)
         self.viewport.tools[:] = [
+            self.orientation,
             self.picker,
             self.gizmo,
             self.inactive_handles,
@@ -237,6 +241,17 @@ class Canvas(QObject):
         """Frame the mesh from 'front', 'side' or 'top'; prefix '-' gives the opposite."""
         self.viewport.camera_controller.look_along(axis)
         self.frame_mesh()
+
+    @property
+    def likely_up_axis(self) -> UpAxis | None:
+        """Up axis for which the mesh of a file would stand; None if chosen or in use."""
+        document, eye = self._document, self.viewport.camera_controller.camera
+        if document is None or user_file(document.mesh) is None:
+            return None
+        if self._up_axes.known_axis(document.mesh) is not None:
+            return None
+        axis = standing_axis(document.mesh)
+        return None if axis is eye.up_axis else axis
 
     def set_up_axis(self, axis: UpAxis) -> None:
         """Set and store the up axis of the mesh, and frame it."""

@@ -18,7 +18,7 @@ class _ToolTraits(NamedTuple):
 
 
 _MODIFIERS = tr("Alt removes, Ctrl replaces, Esc cancels")
-_CAMERA = tr("drag orbits, middle button or Shift+drag pans, wheel zooms to the cursor")
+_CAMERA = tr("drag orbits, wheel zooms to the cursor")
 
 
 class Tool(Enum):
@@ -64,14 +64,16 @@ class Tool(Enum):
         traits: _ToolTraits = self.value
         return traits
 
-    def hint(self, mode: SelectionMode, holds_obstacle: bool = False) -> str:
-        """Status hint of the tool, with the modifier keys of the selection mode."""
+    def hint(self, mode: SelectionMode, camera: str, holds_obstacle: bool = False) -> str:
+        """Status hint of the tool, with modifier keys, or the drags of the ``camera``."""
         if self is Tool.MOVE and holds_obstacle:
             return tr("Move obstacle: drag an arrow; Ctrl snaps, Esc cancels, a click selects another")
-        if not self.traits.is_brush:
+        if not self.traits.is_brush and self is not Tool.ORBIT:
             return tr("{tool}: {deed}").format(tool=self.traits.title, deed=self.traits.hint)
         return tr("{tool}: {deed}; {modifiers}").format(
-            tool=self.traits.title, deed=mode.traits.hint, modifiers=self.modifiers
+            tool=self.traits.title,
+            deed=self.traits.hint or mode.traits.hint,
+            modifiers=camera if self is Tool.ORBIT else self.modifiers,
         )
 
     @property

@@ -1,14 +1,16 @@
-"""Panel section folded by a click on its heading."""
+"""Panel sections folded by a click on their heading, and pages of them."""
 
-from PySide6.QtCore import QRect, QSize, Qt, QTimer
+from functools import partial
+
+from PySide6.QtCore import QEvent, QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QFont, QPainter, QPaintEvent
-from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QWidget
+from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QTabWidget, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.box_layouts import column_layout
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
-_CHEVRON = 16
+CHEVRON = 16  # px
 
 
 class Heading(QAbstractButton):
@@ -27,7 +29,7 @@ class Heading(QAbstractButton):
     def sizeHint(self) -> QSize:
         """Size of title, reading and chevron on one line."""
         metrics = self.fontMetrics()
-        width = metrics.horizontalAdvance(f"{self.text()}  {self.reading}") + _CHEVRON + 8
+        width = metrics.horizontalAdvance(f"{self.text()}  {self.reading}") + CHEVRON + 8
         return QSize(width, max(24, metrics.height() + 8))
 
     def show_reading(self, reading: str, only_folded: bool = False) -> None:
@@ -49,7 +51,7 @@ class Heading(QAbstractButton):
         painter = QPainter(self)
         painter.setPen(theme.ink if self.underMouse() or self.hasFocus() else theme.quiet)
         painter.drawText(room, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, self.text())
-        chevron = QRect(room.right() + 1 - _CHEVRON, (room.height() - _CHEVRON) // 2, _CHEVRON, _CHEVRON)
+        chevron = QRect(room.right() + 1 - CHEVRON, (room.height() - CHEVRON) // 2, CHEVRON, CHEVRON)
         icon("unfolded" if self.isChecked() else "folded", theme).paint(painter, chevron)
         if not (self._only_folded and self.isChecked()):
             font = QFont(self.font())
@@ -57,7 +59,7 @@ class Heading(QAbstractButton):
             painter.setFont(font)
             painter.setPen(theme.ink if self.isEnabled() else theme.faint)
             painter.drawText(
-                room.adjusted(0, 0, -_CHEVRON - 8, 0),
+                room.adjusted(0, 0, -CHEVRON - 8, 0),
                 Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter,
                 self.reading,
             )
@@ -98,18 +100,54 @@ class Section(QWidget):
     def reveal(self) -> None:
         """Unfold the section and scroll the panel to it."""
         self.is_folded = False
-        QTimer.singleShot(0, self, self._scroll_into_view)  # after the layout of new rows
-
-    def _scroll_into_view(self) -> None:
-        area = self.parentWidget()
-        while area is not None and not isinstance(area, QScrollArea):
-            area = area.parentWidget()
-        if area is not None:
-            area.ensureWidgetVisible(self)
+        reveal_widget(self)
 
     def set_theme(self, theme: Theme) -> None:
         """Apply the theme to the parts not covered by the style sheet."""
         self.heading.set_theme(theme)
+
+
+def reveal_widget(widget: QWidget) -> None:
+    """Unfold the sections around a widget, choose their page and scroll to the widget."""
+    node, area = widget.parentWidget(), None
+    while node is not None:
+        if isinstance(heading := getattr(node, "heading", None), Heading):
+            heading.setChecked(True)
+        elif isinstance(node, QScrollArea):
+            area = node
+            QTimer.singleShot(0, node, partial(node.ensureWidgetVisible, widget))  # after the layout
+        elif isinstance(node, QTabWidget) and area is not None:
+            node.setCurrentWidget(area)
+        node = node.parentWidget()
+
+
+class PanelPage(QScrollArea):
+    """Scrolling column of sections, never narrower than its widest line."""
+
+    def __init__(self, *sections: QWidget) -> None:
+        super().__init__(focusPolicy=Qt.FocusPolicy.NoFocus)  # the scroll area follows the focused widget
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        body = QWidget(objectName="panel")
+        column_layout(*sections, STRETCH, margins=(16, 0, 16, 12), parent=body)
+        self.setWidget(body)
+
+    def minimumSizeHint(self) -> QSize:
+        """Width of the widest line, so that nothing is cut off."""
+        body, edge = self.widget(), self.contentsMargins()
+        bar = self.verticalScrollBar().sizeHint().width() + edge.left() + edge.right()
+        lines = body.minimumSizeHint().width() + bar if body else 0
+        return QSize(lines, super().minimumSizeHint().height())
+
+    def sizeHint(self) -> QSize:
+        """Preferred size, as narrow as the minimum."""
+        return QSize(self.minimumSizeHint().width(), super().sizeHint().height())
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Update the size hint after a change of font or style."""
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            QTimer.singleShot(0, self, self.updateGeometry)
 
 
 def quiet_label(name: str, text: str = "", style: str = "quiet", indent: int = -1) -> QLabel:

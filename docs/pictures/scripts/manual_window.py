@@ -21,7 +21,7 @@ def draw(stage: Stage) -> QImage:
     stage.number(4, QPointF(*stage.window.canvas.gizmo.frame.screen_centre), (-110, -40))
     stage.number(5, stage.window.display_options.legend, (128, -70))
     stage.number(6, panel.area, (-160, -30))
-    stage.number(7, panel.handles, (-160, -60))
+    stage.number(7, panel.parts, (-160, -30))
     stage.number(8, stage.window.status, (-40, 0))
     stage.number(9, stage.window.findings.badge, (-58, 0))
     return stage.picture()

@@ -28,7 +28,7 @@ def draw(stage: Stage) -> QImage:
                 stage.at(_front(stage, height, -1.2 if kind is MeasurementKind.GEODESIC and number else 0.9))
             )
     stage.settle()
-    stage.window.panel.ensureWidgetVisible(stage.window.panel.measure)
+    stage.window.panel.measure.reveal()
     stage.pause(50)
     return stage.picture()
 

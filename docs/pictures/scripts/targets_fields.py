@@ -12,5 +12,4 @@ def draw(stage: Stage) -> QImage:
     session.settings.change(area=102.0)
     stage.settle()
     stage.twist("30deg")
-    panel = stage.window.panel
-    return stage.picture(stage.panel_box(panel.area, panel.volume))
+    return stage.picture(stage.panel_box(stage.window.panel.method))

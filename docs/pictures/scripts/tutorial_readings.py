@@ -12,4 +12,4 @@ def draw(stage: Stage) -> QImage:
     stage.window.choose_unit(Unit.CENTIMETRE)
     stage.twist("180deg")
     panel = stage.window.panel
-    return stage.picture(stage.panel_box(panel.area, panel.volume))
+    return stage.picture(stage.panel_box(panel.area, panel.volume, panel.strain))

@@ -120,7 +120,7 @@ def test_widget_place_a_heading_is_that_of_its_section(window):
 
 def test_widget_place_a_caption_or_a_gap_is_that_of_its_section(window):
     handles = window.panel.handles
-    caption = next(label for label in handles.findChildren(QLabel) if label.text() == "Drift")
+    caption = next(label for label in handles.findChildren(QLabel) if label.text() == "Falloff")
     assert widget_place(caption) == section_place("HandleSection")
     assert widget_place(caption.parentWidget()) == section_place("HandleSection")
     assert widget_place(window.panel) is None
@@ -133,13 +133,13 @@ def test_context_help_explains_by_f1_what_is_under_the_mouse_in_use_or_in_the_ha
     active.tools.choose_tool(Tool.ERASE)
     qtbot.keyClick(view, Qt.Key.Key_F1)
     assert opened.pop() == action_place("take:ERASE")
-    point(qtbot, panel.area.target.slider)
+    point(qtbot, panel.handles.falloff.slider)
     qtbot.keyClick(view, Qt.Key.Key_F1)
-    assert opened.pop() == section_place("AreaSection")
-    panel.area.hold.setFocus() if panel.area.hold.isVisible() else panel.handles.add.setFocus()
+    assert opened.pop() == section_place("HandleSection")
+    panel.area.hold.setFocus() if panel.area.hold.isVisible() else panel.parts.add.setFocus()
     focused = widget_place(active.shell.focusWidget())
     qtbot.keyClick(active.shell.focusWidget(), Qt.Key.Key_F1)
-    assert opened.pop() == focused != section_place("AreaSection")
+    assert opened.pop() == focused != section_place("HandleSection")
     button = active.actions_.bar.widgetForAction(active.actions_.undo)
     point(qtbot, button)
     qtbot.keyClick(view, Qt.Key.Key_F1)
@@ -159,18 +159,18 @@ def test_context_help_explains_the_marked_entry_of_a_menu_by_f1_and_does_not_cho
 
 
 def test_context_help_explains_what_is_clicked_with_the_question_mark_and_does_nothing(qtbot, active, opened):
-    count = len(active.session.store.state.document.handles)
+    count = len(active.session.store.state.document.poses)
     for widget, place in (
-        (active.panel.handles.add, section_place("HandleSection")),
+        (active.panel.poses.add, section_place("PoseSection")),
         (active.canvas.viewport, action_place("take:MOVE")),
     ):
         active.actions_.help["help"].trigger()
         qtbot.mouseClick(widget, LEFT)
         assert opened.pop() == place
-    qtbot.mouseClick(active.panel.handles.add, LEFT)
+    qtbot.mouseClick(active.panel.poses.add, LEFT)
     idle(qtbot, active)
     assert opened == []
-    assert len(active.session.store.state.document.handles) == count + 1
+    assert len(active.session.store.state.document.poses) == count + 1
 
 
 def test_help_button_and_the_key_explain_dialogs(qtbot, active, opened):

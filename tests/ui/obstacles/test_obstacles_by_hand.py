@@ -85,9 +85,8 @@ def floored(held):
 
 def test_obstacle_placer_places_what_was_asked_for_by_a_click(qtbot, held):
     window, section, view = held, held.panel.obstacles, held.canvas.viewport
-    assert not section.empty.isHidden()
-    assert section.fields.isHidden()
-    section.kinds[SPHERE].click()
+    assert section.isHidden()
+    window.actions_.simulate.obstacles.kinds[SPHERE].trigger()
     assert "Click the surface" in window.status.currentMessage()
     at = middle(window)
     Mouse(view).move(at)
@@ -115,7 +114,7 @@ def test_obstacle_placer_places_what_was_asked_for_by_a_click(qtbot, held):
     qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert there(window) == ()
     assert names(window) == []
-    assert not section.empty.isHidden()
+    assert section.isHidden()
     assert window.obstacles.scene.drawn_obstacles == ()
     assert not window.obstacles.gizmo.visible
     qtbot.keyClick(
@@ -124,16 +123,16 @@ def test_obstacle_placer_places_what_was_asked_for_by_a_click(qtbot, held):
     assert there(window) == (sphere,)
 
 
-def test_obstacle_section_places_the_obstacle_of_another_button_instead(qtbot, held):
-    window, section, view = held, held.panel.obstacles, held.canvas.viewport
+def test_obstacle_section_places_the_obstacle_of_another_entry_instead(qtbot, held):
+    window, actions, view = held, held.actions_.simulate.obstacles, held.canvas.viewport
     for kind in (CYLINDER, SPHERE):
-        section.kinds[kind].click()
+        actions.kinds[kind].trigger()
         assert window.obstacles.placer.kind is kind
         assert "Click the surface" in window.status.currentMessage()
     Mouse(view).move(middle(window))
     (preview,) = window.obstacles.scene.drawn_obstacles
     assert preview.obstacle.kind is SPHERE
-    section.floor.click()
+    actions.floor.trigger()
     assert window.obstacles.placer.kind is None
     assert names(window) == ["Floor"]
     assert view.hasFocus()  # where the arrow keys nudge it

@@ -268,7 +268,7 @@ def test_legend_shows_the_largest_change_as_the_panel_does(qtbot, bottle, measur
     choose(qtbot, bottle, measure)
     bottle.session.handles.move_by(MOTIONS["TWIST"], "60deg", 0)
     idle(qtbot, bottle)
-    legend, panel = bottle.display_options.legend, bottle.panel.area
+    legend, panel = bottle.display_options.legend, bottle.panel.strain
     settle(qtbot, bottle.canvas.viewport)
     bottle.display_options.overlay.reading.update_legend()
     said, strain = legend.largest.text().replace("\u00a0", " "), panel.largest_strain.text()

@@ -55,20 +55,20 @@ def test_panel_readings_are_those_of_the_frame(qtbot, bottle):
     assert panel.area.percent.text() == f"{100 * (1 + state.frame.area_error):.3f} %"
     assert panel.area.verdict.text() == "0.000 %, exact"
     assert f"{state.inspection.area:#.6g}" in panel.area.area.text()
-    assert float(panel.area.local_change.text().rstrip(" %")) == pytest.approx(
+    assert float(panel.strain.local_change.text().rstrip(" %")) == pytest.approx(
         100 * state.frame.local_change, rel=0.01
     )
     V, U, F = state.document.mesh.V, state.frame.U, state.document.mesh.joined_F
     strain = Deviation(V, F, np.empty(0, dtype=np.int32)).edge_strain(U)
     largest, mean = (
         float(label.text().replace("−", "-").rstrip(" %"))
-        for label in (panel.area.largest_strain, panel.area.mean_strain)
+        for label in (panel.strain.largest_strain, panel.strain.mean_strain)
     )
     assert largest == pytest.approx(100 * max(np.expm1(strain), key=abs), rel=0.01)
     assert 0.0 < mean < abs(largest)
     change = 100 * (state.frame.volume / state.inspection.volume - 1)
     assert panel.volume.change.replace("−", "-") in (f"{change:+.2f} %", "unchanged")
-    assert panel.handles.drift.text() == "0"
+    assert panel.strain.drift.text() == "0"
     assert re.fullmatch(r"(twisted|rotated) [+−]\d+\.\d°", details.text()), "only that it has"
     held = state.document.label_counts[HANDLE]
     assert panel.handles.list.rows[0].reading.text() == f"{held:,} vertices"
@@ -80,7 +80,7 @@ def test_panel_shows_the_drift_of_the_handle_that_the_paper_allows(qtbot, bottle
     idle(qtbot, bottle)
     state = bottle.session.store.state
     assert "within 0.1 %" in bottle.panel.area.verdict.text()
-    assert float(bottle.panel.handles.drift.text()) == pytest.approx(state.frame.handle_drift, rel=1e-3)
+    assert float(bottle.panel.strain.drift.text()) == pytest.approx(state.frame.handle_drift, rel=1e-3)
 
 
 def test_method_section_shows_the_settings_that_matter_for_each_method(bottle):
@@ -206,7 +206,6 @@ def test_set_contact_takes_crossings_out_of_a_shape_once_contact_is_turned_on(qt
     state = bottle.session.store.state
     assert len(crossings(state.frame.U, state.document.mesh.joined_F))
     assert volume.crossings.text() != "no self-intersections"
-    bottle.panel.ensureWidgetVisible(box)
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
     qtbot.waitUntil(lambda: bottle.session.store.state.frame.contact is not None, timeout=30_000)
     assert bottle.session.store.activity is Activity.REFINING
@@ -447,13 +446,12 @@ def test_volume_section_has_no_volume_to_keep_of_an_open_surface(qtbot, kept_win
 
 
 def test_panel_folds_sections_and_remembers_them(qtbot, bottle, settings):
-    heading = bottle.panel.volume.heading
+    heading = bottle.panel.method.heading
     qtbot.mouseClick(heading, Qt.MouseButton.LeftButton)
-    assert not bottle.panel.volume.keep.isVisible()
-    assert bottle.panel.folded_sections == ["Volume", "Size and mass"]
-    bottle.panel.measures.is_folded = False
+    assert not bottle.panel.method.method.isVisible()
+    assert bottle.panel.folded_sections == ["Method"]
     bottle.shell.close()
-    assert settings.value("folded") in ("Volume", ["Volume"])
+    assert settings.value("folded") in ("Method", ["Method"])
 
 
 @pytest.mark.parametrize("method", ["exact", "local", "paper", "arap"])
@@ -464,8 +462,11 @@ def test_panel_cuts_off_nothing_at_the_side(qtbot, bottle, method):
     choose(bottle, method)
     work_off()
     panel = bottle.panel
-    assert panel.widget().width() <= panel.viewport().width()
-    assert panel.area.percent.isVisible()
+    for page in (panel.measurements, panel.deform):
+        panel.pages.setCurrentWidget(page)
+        work_off()
+        assert page.widget().width() <= page.viewport().width()
+        assert panel.area.percent.isVisible()
     assert {BASE, HANDLE} <= set(document(bottle).labels)
 
 

@@ -57,7 +57,7 @@ def test_selection_strokes_with_a_locked_part_change_nothing_and_say_why(qtbot, 
 
 
 def test_part_buttons_clear_the_base_in_one_step(qtbot, bottle):
-    before, base = bottle.session.store.state, bottle.panel.handles.base
+    before, base = bottle.session.store.state, bottle.panel.parts.base
     first = bottle.panel.handles.list.rows[0]
     assert base.mapTo(bottle.shell, base.rect().bottomLeft()).y() <= first.mapTo(bottle.shell, QPoint()).y()
     qtbot.mouseClick(base.clear_part, LEFT)

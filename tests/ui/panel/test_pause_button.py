@@ -47,9 +47,9 @@ def test_pause_or_resume_is_done_by_space_in_the_view(qtbot, solving):
 
 
 def test_pause_or_resume_leaves_space_on_a_button_to_that_button(qtbot, solving):
-    add = solving.panel.handles.add
-    add.setFocus()
-    before = len(solving.session.store.state.document.handles)
-    qtbot.keyClick(add, Qt.Key.Key_Space)
-    assert len(solving.session.store.state.document.handles) == before + 1
+    keep = solving.panel.poses.add
+    keep.setFocus()
+    before = len(solving.session.store.state.document.poses)
+    qtbot.keyClick(keep, Qt.Key.Key_Space)
+    assert len(solving.session.store.state.document.poses) == before + 1
     assert solving.session.store.activity is not Activity.PAUSED

@@ -138,7 +138,6 @@ def test_findings_controller_names_and_shows_what_crosses_at_rest_while_contact_
     known(qtbot, window)
     health, box = window.findings, window.panel.method.contact
     count = int(health.badge.text().split()[0])
-    window.panel.ensureWidgetVisible(box)
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
     known(qtbot, window)
     assert health.badge.text() == f"{count + 1} issues"
@@ -206,7 +205,7 @@ def type_into(qtbot, field, text):
 
 def test_size_section_weighs_a_typed_wall_as_area_times_thickness_times_density(qtbot, bottle):
     room = bottle.panel.measures
-    room.is_folded = False
+    room.reveal()
     type_into(qtbot, room.wall_fields.thickness, "0.3mm")
     assert room.mass.text() == "–"
     assert "needs the unit of the mesh" in room.problem.text()
@@ -227,7 +226,7 @@ def test_size_section_weighs_the_material_of_a_vessel_with_two_walls(qtbot, wind
     window.files.show_mesh(Mesh(V, F))
     idle(qtbot, window)
     room, wall = window.panel.measures, window.session.store.state.inspection.double_wall
-    room.is_folded = False
+    room.reveal()
     window.choose_unit(CM)
     type_into(qtbot, room.wall_fields.thickness, "0.5mm")
     type_into(qtbot, room.wall_fields.density, "1.36")
@@ -274,7 +273,10 @@ def test_preferences_read_no_walls_from_settings_that_somebody_has_broken(settin
     assert list(Preferences(settings).walls.values()) == [WallText("1mm", "2")]
 
 
-def test_size_section_is_folded_away_at_first(bottle):
-    assert bottle.panel.folded_sections == ["Size and mass"]
-    assert bottle.panel.measures.heading.isVisible()
+def test_size_section_is_on_the_page_of_measurements(qtbot, bottle):
+    assert bottle.panel.folded_sections == []
     assert not bottle.panel.measures.mass.isVisible()
+    tabs = bottle.panel.pages.tabBar()
+    qtbot.mouseClick(tabs, Qt.MouseButton.LeftButton, pos=tabs.tabRect(1).center())
+    assert bottle.panel.measures.mass.isVisible()
+    assert bottle.panel.area.percent.isVisible()

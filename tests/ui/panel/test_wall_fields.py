@@ -23,7 +23,7 @@ PET, _, HDPE, *_ = WALL_MATERIALS
 def fields(bottle):
     """The fields, unfolded, of a bottle in centimetres."""
     bottle.choose_unit(CM)
-    bottle.panel.measures.is_folded = False
+    bottle.panel.measures.reveal()
     return bottle.panel.measures.wall_fields
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QSettings, Qt
+from PySide6.QtWidgets import QDockWidget, QMainWindow
 
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
@@ -48,9 +49,9 @@ def test_panel_folded_keeps_sections_folded_that_were_folded_in_any_language(qtb
     settings.setValue("folded", titles)
     shell = Shell(settings)
     qtbot.addWidget(shell)
-    assert shell.panel.folded_sections == ["Size and mass", "Method"]
+    assert shell.panel.folded_sections == ["Method", "Size and mass"]
     shell.close()
-    assert Preferences(settings).folded_sections == ["Size and mass", "Method"]
+    assert Preferences(settings).folded_sections == ["Method", "Size and mass"]
 
 
 def test_shell_does_not_restore_a_dock_without_a_study(qtbot, settings):
@@ -66,3 +67,21 @@ def test_shell_does_not_restore_a_dock_without_a_study(qtbot, settings):
     assert second.docks["plots"].isVisible()
     assert not second.docks["study"].isVisible()
     second.close()
+
+
+@pytest.mark.parametrize(
+    "names", [("readings", "history", "plots"), ("readings", "plots", "study", "timeline")]
+)
+def test_shell_keeps_the_panel_of_a_layout_that_knew_one_page(qtbot, settings, names):
+    old = QMainWindow()
+    qtbot.addWidget(old)
+    for name in names:
+        old.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, QDockWidget(name, old, objectName=name))
+    settings.setValue("layout", old.saveState())
+    shell = Shell(settings)
+    qtbot.addWidget(shell)
+    shell.show()
+    assert shell.dockWidgetArea(shell.docks["readings"]) is Qt.DockWidgetArea.LeftDockWidgetArea
+    assert shell.panel.area.percent.isVisible()
+    assert shell.panel.method.method.isVisible()
+    shell.close()

@@ -53,7 +53,7 @@ def readings(window):
     return {
         "area": panel.area.area.text(),
         "volume": panel.volume.volume.text(),
-        "drift": panel.handles.drift.text(),
+        "drift": panel.strain.drift.text(),
         "moved": panel.handles.list.rows[0].details.text().split(",")[0],
         "region": panel.regions.list.rows[0].reading.toolTip(),
         "extent": window.status.extent.toolTip().split(" at rest")[0],
@@ -287,10 +287,9 @@ def test_unit_button_stands_beside_the_area_whatever_its_size(qtbot, window, siz
     choose(window, MM)
     work_off()
     panel, button = window.panel, window.panel.area.unit
-    assert panel.widget().width() <= panel.viewport().width()
-    place = button.mapTo(panel.viewport(), QPoint(0, 0))
-    assert panel.viewport().rect().contains(place)
-    assert place.x() + button.width() <= panel.viewport().width()
+    place = button.mapTo(panel, QPoint(0, 0))
+    assert panel.rect().contains(place)
+    assert place.x() + button.width() <= panel.width()
     beside = panel.area.area
     assert beside.geometry().right() < button.geometry().left()
     assert beside.height() >= beside.heightForWidth(beside.width())

@@ -25,6 +25,7 @@ from apd_viewer.ui.widgets.theme import DARK
 OTHER = {  # a value besides the default, as the page writes it
     "language": "English",
     "scheme": "Dark",
+    "navigation": "Blender",
     "default_unit": "Inches (in)",
     "default_up_axis": "+Z",
     "selection_mode": "Lasso",
@@ -97,6 +98,7 @@ def test_settings_dialog_has_each_setting_do_what_it_says_and_keeps_it(
     assert window.shell.theme is DARK
     assert window.actions_.view.schemes[Qt.ColorScheme.Dark].isChecked()
     assert window.canvas.selection_mode is SelectionMode.LASSO
+    assert window.canvas.viewport.navigation.preset.title == "Blender"
     assert window.actions_.select.modes[SelectionMode.LASSO].isChecked()
     assert window.canvas.brush.size.radius == 40.0
     assert window.session.autosave.interval is None
@@ -168,6 +170,7 @@ def test_preference_values_log_what_cannot_be_read_and_use_the_defaults(settings
         "threads": "0.5",
         "selection_mode": "",
         "language": "?",
+        "navigation": "Doom",
     }
     assert set(bad) == set(OTHER)
     for name, value in bad.items():

@@ -101,9 +101,9 @@ def test_report_controller_writes_what_the_panel_says_and_what_others_measure(qt
     area = rows["Area"]
     assert area["Area"] == f"{panel.area.percent.text()}\n{panel.area.area.text()}"
     assert area["Change"] == panel.area.verdict.text()
-    assert area["Largest local area change"] == panel.area.local_change.text()
-    assert area["Largest edge strain"] == panel.area.largest_strain.text()
-    assert area["Mean edge strain"] == panel.area.mean_strain.text()
+    assert area["Largest local area change"] == panel.strain.local_change.text()
+    assert area["Largest edge strain"] == panel.strain.largest_strain.text()
+    assert area["Mean edge strain"] == panel.strain.mean_strain.text()
     volume = rows["Volume"]
     assert volume["Volume"] == f"{panel.volume.change}\n{panel.volume.volume.text()}"
     assert volume[""] == panel.volume.litres.text()
@@ -126,7 +126,7 @@ def test_report_controller_writes_what_the_panel_says_and_what_others_measure(qt
         f"{details}\n{held:,} vertices; displacement (0, 0.25, 0)\u00a0cm"
     )
     assert "axis (0, 1, 0), angle 20°" in rows["Handles"][handle]
-    assert rows["Handles"]["Drift"] == panel.handles.drift.text()
+    assert rows["Handles"]["Drift"] == panel.strain.drift.text()
     assert rows["Regions"]["Region 1"].split("\n")[0] == panel.regions.list.rows[0].reading.text()
 
     export = tmp_path / "shape.obj"

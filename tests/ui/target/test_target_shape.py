@@ -26,10 +26,11 @@ def window(kept_window):
 
 @pytest.fixture
 def globe(qtbot, window):
-    """A window on a sphere of radius one, in millimetres."""
+    """A window on a sphere of radius one, in millimetres, with its measurements in sight."""
     window.files.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
     window.choose_unit(Unit.MILLIMETRE)
+    window.panel.pages.setCurrentWidget(window.panel.measurements)
     return window
 
 

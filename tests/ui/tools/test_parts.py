@@ -27,7 +27,7 @@ def region_at(qtbot, window, height, half_width=20):
 @pytest.fixture
 def two(qtbot, bottle):
     """A bottle with a second handle, painted by mouse half way up."""
-    bottle.panel.handles.add.click()
+    bottle.actions_.pose.part_actions[0].trigger()
     assert bottle.canvas.tool is Tool.HANDLE
     stroke(qtbot, bottle, on_screen(bottle, front(bottle, 8.0)), half_width=10)
     bottle.tools.choose_tool(Tool.MOVE)
@@ -39,12 +39,12 @@ def two(qtbot, bottle):
 
 
 def test_region_section_gets_a_region_by_the_first_stroke_and_alt_erases_it(qtbot, bottle):
-    assert not bottle.panel.regions.empty.isHidden()
+    assert bottle.panel.regions.isHidden()
     region_at(qtbot, bottle, 8.0)
     assert [region.name for region in document(bottle).regions] == ["Region 1"]
     painted = int((document(bottle).member == 1).sum())
     assert painted > 20
-    assert bottle.panel.regions.empty.isHidden()
+    assert bottle.panel.regions.isVisible()
     assert bottle.panel.regions.list.rows[0].reading.text() == "100.00 %"
     mouse, at = Mouse(bottle.canvas.viewport), on_screen(bottle, front(bottle, 8.0))
     mouse.move(at, Qt.KeyboardModifier.AltModifier)
@@ -58,7 +58,7 @@ def test_region_section_gets_a_region_by_the_first_stroke_and_alt_erases_it(qtbo
 
 def test_region_section_lets_two_regions_be_painted_each_in_turn(qtbot, bottle):
     region_at(qtbot, bottle, 8.0)
-    bottle.panel.regions.add.click()
+    bottle.actions_.pose.part_actions[2].trigger()
     assert bottle.parts.region == 1
     region_at(qtbot, bottle, 12.0)
     assert {0, 1, 2} == set(document(bottle).member)
