@@ -32,7 +32,6 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.ui.background_imports import BackgroundImports
 from apd_viewer.ui.display import display_connection, has_display
-from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 from apd_viewer.ui.preferences.preference_values import PreferenceValues
 
 if TYPE_CHECKING:
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
 # pyvistaqt sets the default format again for each viewport, to the values already set here.
 HARMLESS_MESSAGE = "Setting a new default format"
 
+INTERVAL = 500  # ms between two looks for garbage
 LOAD_DELAY = 1000  # ms; loading starts then even if no frame is drawn, as in a covered or minimized window
 
 _LOGGER = logging.getLogger(__name__)
@@ -233,3 +233,30 @@ def mesh_or_path(mesh: object) -> Mesh | Path | None:
             kind=type(mesh).__name__
         )
     )
+
+
+class GuiThreadGC(QtCore.QObject):
+    """Collect cyclic garbage from a timer of the GUI thread.
+
+    Python collects garbage on any allocating thread. A QTimer destroyed on a worker thread would crash the
+    process.
+    """
+
+    def __init__(self, parent: QtCore.QObject | None = None) -> None:
+        super().__init__(parent)
+        gc.disable()
+        self._threshold = gc.get_threshold()
+        self._timer = QtCore.QTimer(self, timeout=self._check)
+        self._timer.start(INTERVAL)
+
+    def _check(self) -> None:
+        counts = gc.get_count()
+        for generation in (2, 1, 0):
+            if counts[generation] > self._threshold[generation]:
+                gc.collect(generation)
+                return
+
+    def close(self) -> None:
+        """Enable Python's automatic garbage collection again."""
+        self._timer.stop()
+        gc.enable()

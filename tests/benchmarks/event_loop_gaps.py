@@ -24,8 +24,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Listener
-from apd_viewer.ui.application import SWITCH_INTERVAL
-from apd_viewer.ui.gui_thread_gc import GuiThreadGC
+from apd_viewer.ui.application import SWITCH_INTERVAL, GuiThreadGC
 
 SLEEPER = """
 import select, sys, time

@@ -4,8 +4,7 @@ import weakref
 
 from PySide6.QtCore import QCoreApplication, QMessageLogContext, QObject, Qt, QtMsgType
 
-from apd_viewer.ui.application import HARMLESS_MESSAGE, log_qt_message, make_application
-from apd_viewer.ui.gui_thread_gc import GuiThreadGC
+from apd_viewer.ui.application import HARMLESS_MESSAGE, GuiThreadGC, log_qt_message, make_application
 
 
 def test_make_application_gives_the_one_application(qapp):
@@ -24,7 +23,7 @@ def test_log_qt_message_passes_messages_on_but_for_the_harmless_one(qapp, capsys
 
 
 def test_gui_thread_gc_collects_cyclic_garbage_from_the_event_loop_only(qtbot, monkeypatch):
-    monkeypatch.setattr("apd_viewer.ui.gui_thread_gc.INTERVAL", 10)
+    monkeypatch.setattr("apd_viewer.ui.application.INTERVAL", 10)
     enabled = gc.isenabled()
     collector = GuiThreadGC()
     assert not gc.isenabled()

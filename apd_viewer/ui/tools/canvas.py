@@ -16,8 +16,7 @@ from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
-from apd_viewer.session.model.standing_axis import standing_axis
-from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis, standing_axis
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.ui.preferences.preferences import UpAxes, user_file
 from apd_viewer.ui.scene.camera import is_in_view, surrounding_box, uncovering_shift, unobstructed_camera

@@ -5,8 +5,7 @@ import pytest
 import trimesh
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.standing_axis import standing_axis
-from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.model.up_axis import UpAxis, standing_axis
 
 TO_Y = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])  # what was +Z is +Y
 CREATE = trimesh.creation
