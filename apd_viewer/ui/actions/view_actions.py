@@ -114,10 +114,15 @@ class ViewActions:
 
 
 _FINISHES = (
-    (tr("&Clay"), Finish.CLAY, tr("Show the mesh as if it were made of clay")),
-    (tr("&PET"), Finish.PET, tr("Show the mesh as if it were made of clear PET, with its inside")),
-    (tr("&Foil"), Finish.FOIL, tr("Show the mesh as if it were made of foil")),
-    (tr("F&abric"), Finish.FABRIC, tr("Show the mesh as if it were made of fabric")),
+    (tr("&Clay"), "finish-clay", Finish.CLAY, tr("Show the mesh as if it were made of clay")),
+    (
+        tr("&PET"),
+        "finish-pet",
+        Finish.PET,
+        tr("Show the mesh as if it were made of clear PET, with its inside"),
+    ),
+    (tr("&Foil"), "finish-foil", Finish.FOIL, tr("Show the mesh as if it were made of foil")),
+    (tr("F&abric"), "finish-fabric", Finish.FABRIC, tr("Show the mesh as if it were made of fabric")),
 )
 
 
@@ -204,10 +209,10 @@ class DisplayActions:
         self._make_measures(maker)
         self._make_checkable_actions(maker)
         self.finishes = {}
-        for title, finish, tip in _FINISHES:
+        for title, image, finish, tip in _FINISHES:
             name = f"finish:{finish.value}"
             choose = partial(display_options.choose_finish, finish)
-            self.finishes[finish] = maker.make(name, title, name.replace(":", "-"), tip, None, choose)
+            self.finishes[finish] = maker.make(name, title, image, tip, None, choose)
         maker.make_exclusive(self.finishes.values())
         self._follow()
 
