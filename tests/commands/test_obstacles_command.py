@@ -92,6 +92,7 @@ def squeezed(mesh) -> Document:
     return replace(document, obstacles=plates)
 
 
+@pytest.mark.night
 def test_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path):
     state = initial_state(mesh)
     save_session(tmp_path / "a.apd", state.updated(squeezed(mesh)), View())

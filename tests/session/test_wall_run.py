@@ -116,6 +116,7 @@ def test_wall_run_that_is_stopped_keeps_what_has_come_and_goes_on_from_there(pre
     assert readings(answers(pressed))[-1].load == pytest.approx(last.load_low, 0.02)
 
 
+@pytest.mark.night
 def test_wall_run_follows_the_plates_as_they_open_and_into_another_run(pressed):
     solve(pressed)
     go(pressed, plate_pair(pressed.store.state.document).first_distance(pressed.store.state.document), 2)
@@ -163,6 +164,7 @@ def test_wall_run_tells_why_a_wall_cannot_be_solved(pressed):
     assert answers(pressed)[1:] == [None] * STEPS
 
 
+@pytest.mark.night
 def test_wall_run_waits_while_a_motion_is_played_and_takes_its_steps_up(pressed, processes):
     run = pressed.wall_run
     run.begin(STEPS, WALL)

@@ -92,7 +92,8 @@ def full(qtbot, bottle):
     return bottle
 
 
-@pytest.mark.parametrize("method", [pytest.param("local", marks=pytest.mark.night), "paper"])
+@pytest.mark.parametrize("method", ["local", "paper"])
+@pytest.mark.night
 def test_wheel_changes_nothing_over_the_controls_of_the_window(qtbot, full, method):
     full.session.settings.change(method=method)
     full.session.settings.change(volume=100.0)

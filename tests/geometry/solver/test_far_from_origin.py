@@ -86,6 +86,7 @@ def test_deformation_far_from_the_origin_is_pushed_the_same_by_obstacles():
     assert np.abs(far.U - FAR - near.U).max() <= LAST_BIT
 
 
+@pytest.mark.night
 def test_press_far_from_the_origin_takes_the_same_load():
     B, G = meshes.sphere(2)
     B = on_the_grid(B)

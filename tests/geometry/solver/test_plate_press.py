@@ -104,6 +104,7 @@ def test_press_lets_a_tall_tube_yield_and_not_topple():
     assert all(step.settled and step.crossings == 0 for step in found.steps)
 
 
+@pytest.mark.night
 def test_plate_press_does_not_turn_what_lies_askew_however_it_is_pushed_along():
     """A tilted egg, whose plates turn it: otherwise loads would not be the slope of the energy."""
     V, F = sphere(2)

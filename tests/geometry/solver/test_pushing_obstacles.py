@@ -56,7 +56,8 @@ def settle(solver, obstacles, most=2500):
     return frame
 
 
-@pytest.mark.parametrize("kind", ["sphere", pytest.param("cylinder", marks=pytest.mark.night)])
+@pytest.mark.night
+@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
 def test_deformation_moves_handles_and_obstacles_together_and_enters_nothing(kind):
     V, F, fixed, high = held_tube()
     obstacles = [beside(kind)]
@@ -271,6 +272,7 @@ def test_deformation_keeps_a_crease_that_an_obstacle_has_bent_and_begins_without
     assert np.abs(solver.step().U - V).max() < 1e-9
 
 
+@pytest.mark.night
 def test_deformation_lets_go_of_less_volume_with_gas_that_it_encloses():
     (solver, (free, _)), (_, (gas, _)) = pushed_and_let_go(), pushed_and_let_go(gas=20.0)
     lost = [1.0 - frame.volume_capped / solver.rest.volume_capped for frame in (free, gas)]

@@ -344,6 +344,7 @@ def test_solver_worker_ask_never_waits(endless):
 
 
 @linux
+@pytest.mark.night
 def test_request_solver_ends_with_a_large_mesh_where_it_would_with_a_small_one(empty, altered, processes):
     altered(
         "from apd_viewer.session.processes import request_solver; request_solver.REMOTE_FACTOR_ROWS = 2500\n"

@@ -68,6 +68,7 @@ def test_saved_timeline_comes_back_to_the_bit(session, reopened, tmp_path):
     assert again.gestures.history.undo_names == [], "the other step is on the timeline"
 
 
+@pytest.mark.night
 def test_saved_timeline_of_a_press_keeps_its_loads_and_goes_on(empty, reopened, tmp_path):
     empty.show_now(Mesh(*box(2, 2, 2)))
     empty.obstacles.put_press(np.eye(3)[0])

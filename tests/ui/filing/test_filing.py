@@ -127,7 +127,14 @@ def test_load_selection_tells_of_a_bad_selection_and_changes_nothing(qtbot, bott
 WITHOUT_TARGET = [measure for measure in Measure if not measure.name.startswith("TARGET")]
 
 
-@pytest.mark.parametrize("measure", [None, *WITHOUT_TARGET])
+@pytest.mark.parametrize(
+    "measure",
+    [
+        None,
+        *(pytest.param(each, marks=pytest.mark.night) for each in WITHOUT_TARGET[:-1]),
+        WITHOUT_TARGET[-1],
+    ],
+)
 def test_restore_view_shows_the_overlay_that_was_shown_with_a_session(qtbot, bottle, tmp_path, measure):
     heat, path = bottle.display_options.overlay, tmp_path / "a.apd"
     heat.choose_measure(measure)

@@ -32,6 +32,7 @@ def bottle(new_bottle):
     return new_bottle
 
 
+@pytest.mark.night
 def test_notice_says_a_stopped_solver_until_it_is_restarted(qtbot, bottle, monkeypatch):
     store, notice, button = bottle.session.store, bottle.notice, bottle.status.pause
     bottle.session.handles.move_by(MOTIONS["TWIST"], "5", 0)

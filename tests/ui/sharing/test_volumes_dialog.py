@@ -14,16 +14,24 @@ from apd_viewer.session.quantities.units import Unit
 
 
 @pytest.fixture
-def sample(qtbot, monkeypatch, window):
-    """A window of its own on the sample bottle in centimetres, where shapes are measured at once."""
+def measured_at_once(monkeypatch):
+    """Shapes are measured without a pause."""
     monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.0)
-    window.session.files.open_sample("bottle")
-    idle(qtbot, window)
+
+
+@pytest.fixture
+def sample(qtbot, measured_at_once, new_bottle):
+    """A window of its own on the bottle in centimetres."""
+    window = new_bottle
     window.choose_unit(Unit.CENTIMETRE)
     window.actions_.simulate.volumes.trigger()
-    qtbot.waitUntil(lambda: "500.0" in text(window), timeout=20_000)
+    qtbot.waitUntil(lambda: volume(window) in text(window), timeout=20_000)
     yield window
     window.reports.volumes.close()
+
+
+def volume(window, symbol="cm³"):
+    return f"{window.session.store.state.frame.volume:.1f} {symbol}"
 
 
 def text(window):
@@ -31,12 +39,12 @@ def text(window):
 
 
 def test_volumes_dialog_names_published_figures_with_their_sources_and_copies_them(sample):
-    dialog, state = sample.reports.volumes, sample.session.store.state
+    dialog = sample.reports.volumes
     for figure in (figure for figures in PUBLISHED_FIGURES.values() for figure in figures):
         assert figure.words in text(sample)
         assert figure.source in text(sample)
     hull = sample.session.shape_checks.shape_check.hull
-    assert f"{state.frame.volume:.1f} cm³" in text(sample)
+    assert volume(sample) in text(sample)
     assert f"{hull.volume / PACKING:.1f} cm³" in text(sample)
     QTest.mouseClick(dialog.copy, Qt.MouseButton.LeftButton)
     assert "Published" in QGuiApplication.clipboard().text()
@@ -44,10 +52,10 @@ def test_volumes_dialog_names_published_figures_with_their_sources_and_copies_th
 
 
 def test_volumes_dialog_follows_the_shape_and_the_unit(qtbot, sample):
+    rest = volume(sample)
     sample.session.handles.move_by(MOTIONS["TWIST"], "60", 0)
     idle(qtbot, sample)
-    volume = f"{sample.session.store.state.frame.volume:.1f} cm³"
-    assert volume != "500.0 cm³"
-    qtbot.waitUntil(lambda: volume in text(sample), timeout=20_000)
+    assert volume(sample) != rest
+    qtbot.waitUntil(lambda: volume(sample) in text(sample), timeout=20_000)
     sample.panel.area.unit.chosen.emit(Unit.MILLIMETRE)
-    qtbot.waitUntil(lambda: "500.0 mm³" in text(sample))
+    qtbot.waitUntil(lambda: volume(sample, "mm³") in text(sample))

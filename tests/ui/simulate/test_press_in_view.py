@@ -302,6 +302,7 @@ def test_press_in_view_lets_the_wall_follow_in_the_same_curves(qtbot, walled):
     assert charts.volume_chart().curves[1].y[1:] == pytest.approx(100.0 * volumes / volumes[0])
 
 
+@pytest.mark.night
 def test_press_in_view_shows_the_shapes_of_the_wall_and_presses_on_from_the_first(qtbot, walled):
     panel = walled.press.panel
     solved(qtbot, walled)

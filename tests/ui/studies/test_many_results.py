@@ -97,6 +97,7 @@ def other_axis(panel):
     draw(panel)
 
 
+@pytest.mark.night
 def test_results_panel_reads_in_a_time_that_grows_no_faster_than_the_rows(panels):
     few, many = (spent(lambda panel=panel: show_again(panel)) for panel in panels.values())
     assert many < MOST * few
