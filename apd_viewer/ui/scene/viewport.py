@@ -143,6 +143,8 @@ class Viewport(QtInteractor):
         if self.antialiasing.is_software:
             # Each blink of a text cursor would make the CPU compose the whole window: 4 % of a core.
             QApplication.setCursorFlashTime(0)
+            # Blending in the order of the actors: without it a picture with obstacles takes a fifth more.
+            self.renderer.SetUseOIT(False)
         self.is_stale = True
 
     def resizeGL(self, width: int, height: int) -> None:
