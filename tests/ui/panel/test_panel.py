@@ -148,6 +148,7 @@ def test_set_contact_says_that_a_wall_is_too_thick_and_changes_nothing(qtbot, bo
 @pytest.mark.night
 def test_set_contact_ends_a_twist_without_a_crossing(qtbot, bottle):
     found = []
+    bottle.panel.pages.setCurrentWidget(bottle.panel.measurements)
     for on in (False, True):
         bottle.session.settings.set_contact(on)
         bottle.session.handles.move_by(MOTIONS["TWIST"], "150deg", 0)
