@@ -9,6 +9,8 @@ from mutant_runs import choice_of, make_map, run_mutant
 from mutations import Place, chosen_places, places
 from reach import with_notes
 
+pytestmark = pytest.mark.night  # tools of the tests and the site
+
 SOURCE = '''
 def changed(a, b=1, *, c: "a < b" = 0.5):
     """Texts and annotations stay: 1 < 2."""
@@ -219,7 +221,6 @@ def test_mutants_that_are_killed_and_survivors_are_told_apart(tiny, change, func
     assert verdict_on(tiny, change, function) == (outcome, test)
 
 
-@pytest.mark.night
 def test_mutants_that_hang_are_ended(tiny):
     assert verdict_on(tiny, "!= -> ==", "sign", seconds=2.0)[0] == "broken off"
 

@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 IMAGE = re.compile(r"!\[([^\]]*)\]\(([^)\s]+)\)")
 MOST = 12_000_000  # bytes of all pictures: the site is to be carried along
 OF_THE_GALLERY = ["bottle_twisted", "falloff", "sweep"]  # the others are drawn in the same way
-DAILY = {"gallery_falloff", "press_dialog", "targets_fields", "window"}
+DAILY = {"gallery_falloff", "window"}
 
 
 def pages():

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from site_pages import browser, looked_at
 
+pytestmark = pytest.mark.night  # tools of the tests and the site
+
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = "<!doctype html><body style='margin: 0; background: white'><main>{}</main></body>"
 

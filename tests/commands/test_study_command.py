@@ -212,7 +212,8 @@ def test_study_command_finishes_what_runs_after_an_interrupt_and_ends_at_once_af
 @pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="reads the sockets that Linux lists in /proc/net"
 )
-@pytest.mark.parametrize("option", [pytest.param("--processes", marks=pytest.mark.night), "--workers"])
+@pytest.mark.parametrize("option", ["--processes", "--workers"])
+@pytest.mark.night
 def test_study_command_has_processes_to_which_nobody_else_can_speak(bar, option):
     """Whoever reaches a worker by a socket can have it run anything as the user."""
     plan = plan_of(bar, [f"twist {angle}" for angle in range(1, 400)], steps=5)
