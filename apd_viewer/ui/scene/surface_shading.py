@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -61,19 +62,19 @@ _SHADING = """
 """
 
 # Foil mirrors a studio of a dark floor, a bright sky and windows on both sides; fabric scatters light at its
-# outline; PET is clear where it faces the viewer, mirrors the lamp, and keeps its paint.
+# outline; PET is clear where it faces the viewer, mirrors the lamp, and keeps paint and
+# texture.
 _FINISHES = {
     Finish.CLAY: """
   shaded += 0.07 * gloss + rim * (rimOnDark * (0.05 + 0.17 * sky) * mix(vec3(1.0), diffuseColor, 0.35)
                                   - (1.0 - rimOnDark) * 0.30 * diffuseColor);
 """,
     Finish.PET: """
-  vec3 hue = diffuseColor - FREE;
-  float painted = clamp(50.0 * dot(hue, hue) - 0.125, 0.0, 1.0);
+  float kept = SHARE(diffuseColor);
   vec3 clear = mix(vec3(0.30, 0.36, 0.44), vec3(0.86, 0.92, 1.0), rimOnDark);
   float mirrored = smoothstep(0.55, 0.75, dot(reflect(-v, n), normalize(vec3(-0.35, 0.75, 0.55))));
-  shaded = mix(clear * (0.75 + 0.25 * sky), shaded, painted) + 0.8 * gloss + 0.45 * mirrored;
-  cover = mix(0.14 + 0.07 * rimOnDark + 0.62 * rim, 0.62 + 0.3 * rim, painted);
+  shaded = mix(clear * (0.75 + 0.25 * sky), shaded, kept) + 0.8 * gloss + 0.45 * mirrored;
+  cover = mix(0.14 + 0.07 * rimOnDark + 0.62 * rim, 0.62 + 0.3 * rim, kept);
   cover = clamp(cover + 0.7 * gloss + 0.28 * mirrored, 0.0, 1.0);
 """,
     Finish.FOIL: """
@@ -102,8 +103,7 @@ _HEAT = """
   if (abs(place - 0.5) < 0.5 * heatNeutral) { place = 0.5; }
   vec3 paint = vertexColorVSOutput.rgb;
   float line = LINE;
-  vec3 away = paint - FREE;
-  float painted = clamp(50.0 * dot(away, away) - 0.125, 0.0, 1.0);
+  float painted = SHARE(paint);
   float stripe = abs(fract((vertexVC.x + vertexVC.y) / (stripeSlope * vertexVC.z)) - 0.5);
   painted *= clamp(16.7 * stripe - 5.5, 0.0, 1.0);
   diffuseColor = heat < 0.5 ? FREE : COLORS;
@@ -113,13 +113,16 @@ _HEAT = """
 # Texture image of the file, with the paint drawn over it.
 _TEXTURE = """
   vec3 paint = vertexColorVSOutput.rgb;
-  vec3 away = paint - FREE;
-  float painted = clamp(50.0 * dot(away, away) - 0.125, 0.0, 1.0);
+  float painted = SHARE(paint);
   diffuseColor = LINE * mix(texture(actortexture, tcoordVCVSOutput).rgb, paint, painted);
 """
 
 # Factor by which VTK darkens the paint along triangle edges, applied to the other colours as well.
 _LINE = "clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0)"
+
+# How far a colour is from that of what is not painted, 0 to 1.
+_SHARE = re.compile(r"SHARE\((\w+)\)")
+_SHARE_CODE = r"clamp(50.0 * dot(\1 - FREE, \1 - FREE) - 0.125, 0.0, 1.0)"
 
 # Glass: nearly clear where it faces the viewer, denser towards its outline.
 GLASS_SHADER = """
@@ -177,6 +180,7 @@ def shade(
         code = _INSIDE + code
     textured = actor.GetTexture() is not None
     code = (_HEAT if color_map is not None else _TEXTURE if textured else "") + code
+    code = _SHARE.sub(_SHARE_CODE, code)
     values = {
         "COLORS": "" if color_map is None else color_map.glsl("place"),
         "FREE": "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR)),

@@ -7,6 +7,7 @@ from textured_files import COLORS, FILES, obj
 
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.ui.scene.surface_shading import Finish
 
 # Where the middle of each quarter of the square is, (2, 2, 3).
 PLACES = np.array([[[0.5, 1.5, 0.0], [1.5, 1.5, 0.0]], [[0.5, 0.5, 0.0], [1.5, 0.5, 0.0]]])
@@ -52,6 +53,14 @@ def test_texture_shows_its_colors_on_a_square_also_deformed(qtbot, window, tmp_p
     window.canvas.surface.set_points(np.array(window.session.store.state.frame.U) @ turn.T)
     window.canvas.viewport.camera_controller.frame(window.canvas.surface.U)
     np.testing.assert_allclose(seen(qtbot, window, PLACES @ turn.T), expected(), atol=0.12)
+
+
+@pytest.mark.parametrize("finish", Finish)
+def test_texture_is_seen_in_every_finish(qtbot, window, tmp_path, finish):
+    opened(qtbot, window, obj(tmp_path)).trigger()
+    window.actions_.display.finishes[finish].trigger()
+    drawn = seen(qtbot, window, PLACES)
+    assert np.corrcoef(drawn.ravel(), expected().ravel())[0, 1] > 0.8
 
 
 def test_texture_lies_under_paint_and_overlays(qtbot, window, tmp_path):
