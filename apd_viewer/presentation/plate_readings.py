@@ -95,12 +95,19 @@ def volume_reading(state: State, unit: Unit) -> ReadingText:
     return ReadingText(tr("Volume"), f"{format_significant(factor * litres, 4)}\u00a0{symbol}", note, tip)
 
 
-def rest_verdict(state: State) -> tuple[str, bool]:
-    """Sentence on whether a shape is at rest, and whether it is."""
+def rest_verdict(
+    state: State,
+    unsettled: str = tr("Not at rest: the load is not known yet."),
+    stopped: str = tr("Contact stops the plates here."),
+) -> tuple[str, bool]:
+    """Sentence on whether a shape is at rest, and whether it is.
+
+    ``unsettled`` and ``stopped`` are those on a shape that is not at rest, or that contact stops.
+    """
     if not state.frame.settled:
-        return tr("Not at rest: the load is not known yet."), False
+        return unsettled, False
     if state.frame.share_reached < 1.0:
-        return tr("Contact stops the plates here."), False
+        return stopped, False
     if state.frame.stable is False:
         return tr("At rest, but on a saddle: a push may make it give way."), False
     return tr("At rest."), True

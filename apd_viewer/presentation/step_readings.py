@@ -6,7 +6,7 @@ import numpy as np
 
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
-from apd_viewer.presentation.plate_readings import ReadingText, volume_reading
+from apd_viewer.presentation.plate_readings import ReadingText, rest_verdict, volume_reading
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.quantities.units import Unit
@@ -27,15 +27,9 @@ def step_reading_texts(state: State, unit: Unit) -> tuple[ReadingText, ...]:
 
 def step_verdict(state: State) -> tuple[str, bool]:
     """Sentence on whether a shape is at rest, and whether there is nothing to warn of."""
-    if not state.frame.settled:
-        return tr("Not at rest."), False
-    if state.document.paint_problem is not None:
+    if state.frame.settled and state.document.paint_problem is not None:
         return tr("As it is in the file."), True
-    if state.frame.share_reached < 1.0:
-        return tr("Contact stops the motion here."), False
-    if state.frame.stable is False:
-        return tr("At rest, but on a saddle: a push may make it give way."), False
-    return tr("At rest."), True
+    return rest_verdict(state, tr("Not at rest."), tr("Contact stops the motion here."))
 
 
 class StepCurves(NamedTuple):

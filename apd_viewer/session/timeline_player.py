@@ -26,6 +26,8 @@ class TimelinePlayer:
         Steps recorded so far.
     done, count : int
         Steps that are done, and all steps, of the motion under way or the last one.
+    began : float
+        Start of the motion, in seconds of :func:`time.monotonic`.
     shows_wall : bool
         The answers of the wall are looked at, where they are known.
     """
@@ -34,7 +36,7 @@ class TimelinePlayer:
         self._store, self._gestures, self._listener = store, gestures, listener
         self.timeline = Timeline()
         self.done = self.count = 0
-        self._began = 0.0
+        self.began = 0.0
         self._ahead: tuple[Document, ...] = ()
         self._detour: Document | None = None
         self._retries = RETRIES
@@ -49,13 +51,6 @@ class TimelinePlayer:
     def is_paused(self) -> bool:
         """True while the motion under way is paused."""
         return self.is_playing and self._store.activity is Activity.PAUSED
-
-    @property
-    def seconds_left(self) -> float | None:
-        """Expected seconds to the end of the motion; None before its first step."""
-        if not self.is_playing or not self.done:
-            return None
-        return (time.monotonic() - self._began) * (self.count - self.done) / self.done
 
     # Motions
 
@@ -74,7 +69,7 @@ class TimelinePlayer:
             self._store.jump_to(start)
         self.timeline = self.timeline.begun_at(self._store.required_state())
         self._ahead, self.done, self.count = tuple(documents), 0, len(documents)
-        self._retries, self._began = RETRIES, time.monotonic()
+        self._retries, self.began = RETRIES, time.monotonic()
         self._store.solve(self._ahead[0])
 
     def stop(self) -> None:

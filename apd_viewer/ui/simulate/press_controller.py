@@ -1,6 +1,7 @@
 """Controller of a press in the view and of the timeline of its steps."""
 
 import itertools
+import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
@@ -13,7 +14,7 @@ from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr
 from apd_viewer.presentation import plate_readings, step_readings
 from apd_viewer.presentation.number_format import format_length, format_short
-from apd_viewer.presentation.time_left import time_left_text
+from apd_viewer.presentation.time_left import progress_text
 from apd_viewer.session.model.plate_pair import PlatePair, plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
@@ -347,8 +348,7 @@ class PressController(QObject):
         said = tr("Step {k} of {count}").format(k=player.done + 1, count=player.count)
         if player.is_paused:
             return tr("{progress}, paused").format(progress=said)
-        seconds = player.seconds_left
-        return said if seconds is None else f"{said}, {time_left_text(seconds)}"
+        return progress_text(said, time.monotonic() - player.began, player.done, player.count)
 
     def _direction_titles(self, state: State) -> list[str]:
         size, unit = state.inspection.size, self._session.store.unit
