@@ -30,8 +30,8 @@ _PATIENCE = 12
 _WINDOW = 10
 # Longest step of rounding errors alone, in mesh sizes.
 _ROUNDING = 1e-12
-# Largest load imbalance of a mesh without held vertices, and most additional steps to reach it.
-_BALANCED, _MORE_STEPS = 2e-3, 300
+# Most additional steps to balance the loads of a mesh without held vertices.
+_MORE_STEPS = 300
 
 
 class TouchingDescent:
@@ -129,7 +129,9 @@ class TouchingDescent:
         """
         if self.is_on_its_way:
             return False
-        return self._gains_little and (self._unbalanced > _MORE_STEPS or self.load_imbalance <= _BALANCED)
+        return self._gains_little and (
+            self._unbalanced > _MORE_STEPS or self.load_imbalance <= self._surface.most_imbalance
+        )
 
     @property
     def _gains_little(self) -> bool:

@@ -50,9 +50,12 @@ class TouchingSurface(ABC):
         Shortest part of the path of held vertices and obstacles, in mesh sizes.
     follows_at_once : bool
         Whether a new path continues at the pace of the last one, since a drag is faster than the steps.
+    most_imbalance : float
+        Largest imbalance at rest of the loads on a mesh without held vertices.
     """
 
     longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False
+    most_imbalance = 2e-3
 
     def __init__(self, elastic: HeldSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
         self.elastic, self.contact, self.gas = elastic, contact, gas
