@@ -56,6 +56,8 @@ class StateStore:
         Sentence on a solver that does not answer; empty while it does.
     compiled_share : float or None
         Fraction of the kernels compiled for this computer; None if unknown.
+    frame_pause : float
+        Least seconds between two frames of one request; see :class:`Request`.
     """
 
     def __init__(self, listener: Listener, worker: SolverWorker) -> None:
@@ -66,6 +68,7 @@ class StateStore:
         self.unit = Unit.NONE
         self.silence_text = ""
         self.compiled_share: float | None = None
+        self.frame_pause = 0.0
         self._listener = listener
         self._worker = worker
         self._generation = 0
@@ -142,8 +145,7 @@ class StateStore:
         if self._asked is not None and (paused or self.activity is Activity.REFINING):
             self.activity = Activity.REFINING if paused else Activity.PAUSED
             frame = self.required_state().frame
-            asked = Request(self._asked, self._generation, frame.U, iterate=paused, shifts=frame.shifts)
-            self._worker.put_request(asked)
+            self._put_request(frame.U, paused, frame.shifts)
             self._listener.status_changed()
 
     def restart_solver(self) -> None:
@@ -230,8 +232,15 @@ class StateStore:
         U, shifts = state.frame.U, state.frame.shifts
         if from_grip and not state.document.has_half_turn:  # a path starts at the grip anyway
             U, shifts = state.document.grip, np.zeros_like(shifts)
-        self._worker.put_request(Request(state.document, self._generation, U, iterate, shifts=shifts))
+        self._put_request(U, iterate, shifts)
         self._listener.changed(old, state)
+
+    def _put_request(self, U: np.ndarray, iterate: bool, shifts: np.ndarray) -> None:
+        assert self._asked is not None
+        asked = Request(
+            self._asked, self._generation, U, iterate, shifts=shifts, frame_pause=self.frame_pause
+        )
+        self._worker.put_request(asked)
 
 
 @dataclass(frozen=True)

@@ -321,6 +321,7 @@ class Workbench(QObject):
     def _receive(self) -> None:
         # A queued signal may arrive after the window has been closed.
         if not self.shell.is_closed:
+            self.session.store.frame_pause = self.canvas.viewport.antialiasing.frame_pause
             self.session.receive()
 
     def _show(self, old: State | None, new: State) -> None:

@@ -37,6 +37,9 @@ class Request:
         Name of the shared memory for the shapes; without one they travel in the replies.
     decimations : tuple of Decimation
         Of the mesh, where they are known and the process has not found them itself.
+    frame_pause : float
+        Least seconds between two frames, for pictures that take the processor from the solver. The first
+        frame and the last one do not wait.
     """
 
     document: Document
@@ -48,6 +51,7 @@ class Request:
     number: int = 0
     shape_buffer: str | None = None
     decimations: tuple[Decimation, ...] = ()
+    frame_pause: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -165,7 +165,10 @@ class RequestSolver:
                 took = time.perf_counter() - started
                 while tray is not None and not tray.is_free and not self._requests.is_ready:
                     time.sleep(_MOMENT)
-            if tray is None or (tray.is_free and (finished or tray.is_displayed)):
+            may_wait = not finished and last > 0
+            is_early = may_wait and time.perf_counter() - since < request.frame_pause
+            is_taken = tray is None or (tray.is_free and (finished or tray.is_displayed))
+            if is_taken and not is_early:
                 seconds = (time.perf_counter() - since) / (iterations - last)
                 frame = walk.frame()
                 shape_number = None

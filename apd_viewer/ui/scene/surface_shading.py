@@ -343,7 +343,10 @@ SOFTWARE_RENDERERS = (
     "basic render",
 )
 MULTISAMPLES = 8  # samples on a GPU; a software renderer needs as long for each sample as for a frame
-IDLE_DELAY = 120  # ms without a draw before a software renderer redraws with smooth edges
+IDLE_DELAY = 200  # ms without a draw before a software renderer redraws with smooth edges
+SOFTWARE_FRAME_PAUSE = (
+    0.1  # s between frames of the solver, from which a software renderer takes the processor
+)
 
 
 class Antialiasing:
@@ -353,6 +356,8 @@ class Antialiasing:
     ----------
     is_software : bool
         Whether OpenGL runs on the processor.
+    frame_pause : float
+        Least seconds between two frames of the solver.
     smooths_next_draw : bool
         Whether a software renderer smooths edges in the next draw.
     idle_timer : QTimer
@@ -362,11 +367,13 @@ class Antialiasing:
     def __init__(self, viewport: QtInteractor) -> None:
         self._viewport = viewport
         self.is_software = self.smooths_next_draw = False
+        self.frame_pause = 0.0
         self.idle_timer = QTimer(viewport, singleShot=True, interval=IDLE_DELAY, timeout=self._smooth)
 
     def choose_samples(self, renderer: str) -> None:
         """Set the number of samples for an OpenGL renderer, by its name."""
         self.is_software = any(word in renderer.lower() for word in SOFTWARE_RENDERERS)
+        self.frame_pause = SOFTWARE_FRAME_PAUSE if self.is_software else 0.0
         self._viewport.ren_win.SetMultiSamples(0 if self.is_software else MULTISAMPLES)
 
     def begin_draw(self) -> None:

@@ -159,6 +159,14 @@ def test_solver_worker_counts_iterations_on_and_finishes_only_the_last_reply(wor
     assert all(not reply.frame.U.flags.writeable for reply in replies)
 
 
+def test_solver_worker_pauses_between_frames_but_not_before_the_first_or_last(worker):
+    often = worker.answers(request("arap"))
+    rarely = worker.answers(replace(request("arap", generation=2), frame_pause=1e6))
+    assert len(often) > len(rarely) == 2
+    assert rarely[0].frame.iteration == 1
+    assert np.array_equal(rarely[-1].frame.U, often[-1].frame.U)
+
+
 def test_solver_worker_goes_on_from_where_it_is_in_the_same_generation(worker):
     asked = request("arap")
     last = worker.answers(asked)[-1].frame
