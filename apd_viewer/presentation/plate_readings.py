@@ -8,6 +8,7 @@ import numpy as np
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings, readings
 from apd_viewer.presentation.number_format import format_grouped, format_length, format_significant
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
@@ -27,11 +28,20 @@ class ReadingText(NamedTuple):
 
 
 def plate_reading_texts(
-    state: State, unit: Unit, newtons: NewtonConversion | None, wall_newtons: float | None = None
+    state: State,
+    unit: Unit,
+    newtons: NewtonConversion | None,
+    wall_newtons: float | None = None,
+    yield_radius: float | None = None,
 ) -> tuple[ReadingText, ...]:
-    """Distance, load, volume and area of a shape between plates.
+    """Distance, load, volume, area and tightest bend of a shape between plates.
 
-    ``wall_newtons`` is the load that the method Wall found at the same place of the plates.
+    Parameters
+    ----------
+    wall_newtons : float, optional
+        Load that the method Wall found at the same place of the plates.
+    yield_radius : float, optional
+        Radius below which the wall keeps a crease, mesh units.
     """
     load = _load(state, newtons)
     if wall_newtons is not None:
@@ -42,7 +52,23 @@ def plate_reading_texts(
         load,
         volume_reading(state, unit),
         ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest")),
+        _bend(state, unit, yield_radius),
     )
+
+
+def _bend(state: State, unit: Unit, yield_radius: float | None) -> ReadingText:
+    tip = tr("Radius of the tightest bend, and of the one below which the wall keeps a crease")
+    if not state.frame.settled:
+        return ReadingText(tr("Tightest bend"), readings.PENDING, "", tip)
+    mesh, size = state.document.mesh, float(max(state.inspection.size))
+    radius = memo.tightest_bend(mesh.V, mesh.joined_F, state.frame.U)
+    if radius is None:
+        return ReadingText(tr("Tightest bend"), readings.NO_VALUE, "", tip)
+    note = ""
+    if yield_radius is not None:
+        crease = unit.format_length(format_length(yield_radius, size))
+        note = tr("creases below {radius}").format(radius=crease)
+    return ReadingText(tr("Tightest bend"), unit.format_length(format_length(radius, size)), note, tip)
 
 
 def _distance(state: State, unit: Unit) -> ReadingText:

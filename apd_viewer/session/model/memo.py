@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from apd_viewer.geometry.analysis import deviation
 from apd_viewer.geometry.energy import cell_bending
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.components import face_components
@@ -111,6 +112,9 @@ def triangle_components(F: np.ndarray) -> np.ndarray:
 def triangle_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Area of each triangle at rest, (m,) float array."""
     return frozen(face_areas(V, F))
+
+
+tightest_bend = memoised(deviation.tightest_bend)
 
 
 cell_stiffness = memoised(cell_bending.cell_stiffness)

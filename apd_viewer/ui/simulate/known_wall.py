@@ -48,6 +48,11 @@ class KnownWall:
             return None
         return None if wall.rigidity is None or wall.unit.metres is None else wall
 
+    @property
+    def yield_radius(self) -> float | None:
+        """Radius below which the wall keeps a crease, mesh units; None where unknown."""
+        return None if (wall := self.value) is None else wall.yield_radius
+
     def newtons(self, state: State) -> NewtonConversion | None:
         """Conversion of the loads of a state into newtons; None where unknown."""
         wall = self.value

@@ -329,7 +329,8 @@ class PressController(QObject):
             said = said.format(method=method.short_title)
         newtons = (self.known_wall.newtons_as_pressed if is_of_wall else self.known_wall.newtons)(state)
         force = None if is_of_wall else self._wall_follower.force(answer)
-        texts = plate_readings.plate_reading_texts(state, store.unit, newtons, force)
+        bend = state.document.settings.yield_radius or self.known_wall.yield_radius
+        texts = plate_readings.plate_reading_texts(state, store.unit, newtons, force, bend)
         self._show_texts(texts, said, is_calm)
 
     @property

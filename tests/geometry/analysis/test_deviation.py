@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 import trimesh
 from meshes import box, rotation, sphere
+from scipy.spatial import Delaunay
 
-from apd_viewer.geometry.analysis.deviation import Deviation, extreme_vertices, write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation, extreme_vertices, tightest_bend, write_shades
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 
 NO_SEAM = np.empty(0, dtype=np.int32)
@@ -109,6 +110,38 @@ def test_deviation_bending_of_a_rolled_sheet_is_half_the_curvature_of_its_radius
     np.testing.assert_allclose(found.bending(U)[within], side * 0.5 / radius, rtol=2e-3)
     # Bent without being stretched, but for the chords of the arcs.
     np.testing.assert_allclose(found.area_change(U), 0.0, atol=1e-3)
+
+
+@pytest.mark.parametrize("radius", [1.0, 2.5])
+def test_tightest_bend_of_a_rolled_sheet_is_its_radius(radius):
+    V, F = sheet(48)
+    assert tightest_bend(V, F, rolled(V, radius)) == pytest.approx(radius, 2e-3)
+
+
+def test_tightest_bend_of_a_sheet_rolled_on_irregular_triangles_is_little_less():
+    chance = np.random.default_rng(0)
+    V = sheet(40)[0]
+    V[:, :2] += inner(V)[:, None] * chance.uniform(-0.3, 0.3, (len(V), 2)) * V[:, :2].max(axis=0) / 40
+    F = Delaunay(V[:, :2]).simplices
+    assert 0.85 < tightest_bend(V, F, rolled(V, 2.5)) / 2.5 < 1.0
+
+
+def test_tightest_bend_of_a_tube_squeezed_into_an_ellipse_is_at_its_ends():
+    V, F = sheet(128, wide=2.0 * np.pi, tall=0.4)
+    angle = np.linspace(0.0, 2.0 * np.pi, 4001)
+    ellipse = np.column_stack([1.3 * np.cos(angle), 0.65 * np.sin(angle)])
+    length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(ellipse, axis=0), axis=1)))
+    at = V[:, 0] / (2.0 * np.pi) * length[-1]
+    circle = np.column_stack([np.cos(V[:, 0]), np.sin(V[:, 0])]) * length[-1] / (2.0 * np.pi)
+    squeezed = np.column_stack([np.interp(at, length, axis) for axis in ellipse.T])
+    rest, U = (np.column_stack([xy, V[:, 1]]) for xy in (circle, squeezed))
+    change = 1.3 / 0.65**2 - 2.0 * np.pi / length[-1]
+    assert tightest_bend(rest, F[:, ::-1], U) == pytest.approx(1.0 / change, 0.03)
+
+
+def test_tightest_bend_is_none_without_a_bend():
+    V, F = sphere(2)
+    assert tightest_bend(V, F, 2.0 + V @ rotation([1.0, 2.0, 0.5], 0.7).T) is None
 
 
 def test_deviation_bending_has_the_curvature_of_libigl():

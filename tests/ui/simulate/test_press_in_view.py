@@ -10,6 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
 
+from apd_viewer.geometry.analysis.deviation import tightest_bend
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
 from apd_viewer.geometry.solver.pressed_mesh import press
@@ -49,6 +50,10 @@ def reading(window, title):
     """Value and note of a reading of the panel."""
     labels = {row[0].text(): row[1:] for row in window.press.panel.reading_rows}
     return tuple(label.text() for label in labels[title])
+
+
+def bend_of_screen(window):
+    return tightest_bend(BALL.V, BALL.joined_F, window.session.store.state.frame.U)
 
 
 def tool_button(window):
@@ -213,6 +218,9 @@ def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch)
     window.session.store.unit = Unit.CENTIMETRE
     pressed(qtbot, window)
     bare = float(reading(window, "Load")[0])
+    radius, note = reading(window, "Tightest bend")
+    assert float(radius.removesuffix(" cm")) == pytest.approx(bend_of_screen(window), 0.01)
+    assert note == "", "no wall is known"
     wall = WallText("0.3mm", material=WALL_MATERIALS[0])
     window.panel.measures.show_wall(wall)
     window.press.refresh()
@@ -225,6 +233,8 @@ def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch)
     factor = newtons.underestimate_factor()
     assert factor > 2.0
     assert reading(window, "Load")[1] == f"up to {factor:.2g} times too low"
+    # A wall of 0.3 mm that yields at 1.75 % does so below 0.3 mm / (2 * 0.0175) = 8.57 mm.
+    assert reading(window, "Tightest bend")[1] == "creases below 0.857 cm"
 
 
 def test_press_in_view_reads_newtons_of_the_method_wall_as_thick_as_it_is(window):
