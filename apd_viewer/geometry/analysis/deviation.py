@@ -144,11 +144,10 @@ class Deviation:
 
 
 def tightest_bend(V: np.ndarray, F: np.ndarray, U: np.ndarray) -> float | None:
-    """Radius of the tightest bend, mesh units: one over the largest change of curvature across a fold.
+    """Radius of the tightest bend, mesh units; None for a shape that is not bent.
 
-    That is twice the change of the mean curvature, as a mean over each vertex and its neighbours. On
-    irregular triangles the radius is up to 15 % too small. Boundaries do not count. None for a shape that
-    is not bent.
+    One over twice the largest change of the mean curvature, as a mean over each vertex and its neighbours. On
+    irregular triangles it is up to 15 % too small. Boundaries do not count.
 
     Parameters
     ----------

@@ -246,6 +246,7 @@ class DisplayActions:
         compare = tr("Drag a slider to see the path from the rest shape")
         cut = tr("Cut the mesh with a plane to see inside")
         ground = tr("Show a ground grid in the unit of length")
+        shadow = tr("Show a soft shadow on the ground under the mesh")
         axes = tr("Show the axes in a corner of the view; a click on one looks along it")
         turntable = tr("Rotate the camera around the mesh until you use the mouse")
         target, colors, textures = looks.target_ghost.visible, looks.shows_file_colors, looks.shows_textures
@@ -257,6 +258,7 @@ class DisplayActions:
                 ("compare", tr("&Before and after"), compare, "Shift+A", looks.before_after.show_card, False),
                 ("cut", tr("Se&ction"), cut, "S", looks.cutting_plane.show_card, False),
                 ("ground", tr("Groun&d grid"), ground, "I", looks.show_ground, looks.ground.visible),
+                ("shadow", tr("Ground shado&w"), shadow, None, looks.show_shadow, looks.shadow.visible),
                 ("orientation", tr("&Axes"), axes, None, looks.show_orientation, looks.orientation.visible),
                 ("file_colors", tr("Co&lours of the file"), _COLORS, None, looks.show_file_colors, colors),
                 ("textures", tr("Te&xtures"), _TEXTURES, None, looks.show_textures, textures),

@@ -57,6 +57,7 @@ SYNONYMS = {
     "cut": tr("slice inside cross section plane"),
     "compare": tr("original rest slider"),
     "ground": tr("scale ruler floor"),
+    "shadow": tr("floor light"),
     "turntable": tr("spin rotate"),
     "add_floor": tr("ground table"),
     "panel:plots": tr("chart graph curve"),

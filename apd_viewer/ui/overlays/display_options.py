@@ -18,7 +18,7 @@ from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay, DocumentM
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.ghost import Ghost
-from apd_viewer.ui.scene.ground import Ground
+from apd_viewer.ui.scene.ground import Ground, GroundShadow
 from apd_viewer.ui.scene.surface_shading import AMBER_GLASS_SHADER, Finish
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.turntable import Turntable
@@ -62,6 +62,7 @@ class DisplayOptions:
         self.cards.add(self.cutting_plane)
         self.cards.add(self.legend, self.legend.fit_into)
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
+        self.shadow = GroundShadow(canvas.viewport, canvas.surface)
         self.target_ghost = Ghost(canvas.viewport, AMBER_GLASS_SHADER)
         self.orientation = canvas.orientation
         self.overlay = DeviationOverlay(
@@ -85,6 +86,11 @@ class DisplayOptions:
     def show_ground(self, on: bool) -> None:
         """Show axes and grid, or hide them."""
         self.ground.visible = on
+        self._keep()
+
+    def show_shadow(self, on: bool) -> None:
+        """Show the shadow on the ground, or hide it."""
+        self.shadow.visible = on
         self._keep()
 
     def show_orientation(self, on: bool) -> None:
@@ -156,6 +162,7 @@ class DisplayOptions:
         self.ghost.visible = looks.get("ghost") == "on"
         self.target_ghost.visible = looks.get("target_ghost", "on") == "on"
         self.ground.visible = looks.get("ground") == "on"
+        self.shadow.visible = looks.get("shadow", "on") == "on"
         self.orientation.visible = looks.get("orientation", "on") == "on"
         self.shows_file_colors = looks.get("file_colors") == "on"
         self.shows_textures = looks.get("textures") == "on"
@@ -172,6 +179,7 @@ class DisplayOptions:
             "ghost": "on" if self.ghost.visible else "",
             "target_ghost": "on" if self.target_ghost.visible else "",
             "ground": "on" if self.ground.visible else "",
+            "shadow": "on" if self.shadow.visible else "",
             "orientation": "on" if self.orientation.visible else "",
             "file_colors": "on" if self.shows_file_colors else "",
             "textures": "on" if self.shows_textures else "",

@@ -1,9 +1,10 @@
-"""Ground grid under the rest shape."""
+"""Ground: a grid under the rest shape, and the shadow of the shape on it."""
 
 import numpy as np
 import pyvista as pv
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QPainter
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkTexture
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -12,6 +13,7 @@ from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.scene.ghost import RestActor
 from apd_viewer.ui.scene.navigation import MouseTool
+from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 
 _LINES = 12  # approximate number of grid cells across the mesh
@@ -19,6 +21,16 @@ _AROUND = 0.3  # margin of the grid, as a fraction of the mesh size
 _APART = 34.0  # px: minimum spacing of two labels
 _BETWEEN = 6  # px: minimum gap between two labels
 _BELOW = 108.0  # px: place of the length of the grid from the upper edge, below the axes
+_CELLS = 64  # of the picture of the shadow, along each side
+_SAMPLES = 40_000  # points on the surface whose shadows are added up
+_BLUR = 4.0  # cells
+_SHADOW_MARGIN = 0.3  # around the surface, as a fraction of its larger side on the ground
+_REACH = 0.3  # height at which a shadow has faded to a third, as a fraction of the size of the surface
+_DEPTH = 0.002  # depth of the ground under the lowest point, as a fraction of the size
+_DARKEST = {False: 0.36, True: 0.6}  # opacity by whether the background is dark
+_SHADOW_COLOR = 18, 22, 34
+_BLURRED = np.exp(-0.5 * (np.subtract.outer(np.arange(_CELLS), np.arange(_CELLS)) / _BLUR) ** 2)
+_BLURRED /= _BLURRED.sum(axis=1).max()
 _ON_LIGHT, _ON_DARK = (0.74, 0.77, 0.81), (0.33, 0.36, 0.42)
 
 
@@ -142,3 +154,105 @@ def _lines(ends: np.ndarray, ticks: dict[int, np.ndarray]) -> pv.PolyData:
     pairs = np.arange(2 * count).reshape(-1, 2)
     grid.lines = np.column_stack([np.full(count, 2), pairs]).ravel()
     return grid
+
+
+class GroundShadow:
+    """Shadow of a light from above, drawn where the surface is near the ground.
+
+    It follows the surface, and lies under its lowest point; from below it is not seen.
+    """
+
+    def __init__(self, viewport: Viewport, surface: Surface) -> None:
+        self._viewport, self._surface = viewport, surface
+        self._on = False
+        self._cast_for: tuple[int, UpAxis, bool] | None = None
+        self._box: tuple[float, ...] = ()
+        self._plane = pv.PolyData.from_regular_faces(np.zeros((4, 3), np.float32), np.array([[0, 1, 2, 3]]))
+        self._plane.active_texture_coordinates = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
+        self._image = pv.ImageData(dimensions=(_CELLS, _CELLS, 1))
+        self._image.point_data["rgba"] = np.zeros((_CELLS * _CELLS, 4), np.uint8)
+        self._image.set_active_scalars("rgba")
+        texture = vtkTexture()
+        texture.SetInputData(self._image)
+        texture.InterpolateOn()
+        texture.RepeatOff()
+        texture.EdgeClampOn()
+        mapper = vtkPolyDataMapper()
+        mapper.SetInputData(self._plane)
+        self._actor = vtkActor()
+        self._actor.SetMapper(mapper)
+        self._actor.SetTexture(texture)
+        self._actor.ForceTranslucentOn()
+        self._actor.GetProperty().LightingOff()
+        self._actor.GetProperty().SetBackfaceCulling(True)
+        self._actor.SetVisibility(False)
+        viewport.renderer.AddActor(self._actor)
+        viewport.pre_draw.append(self._follow)
+        viewport.more_boxes.append(lambda: self._box)
+
+    @property
+    def visible(self) -> bool:
+        """True while the shadow is shown."""
+        return self._on
+
+    @visible.setter
+    def visible(self, on: bool) -> None:
+        self._on = on
+        self._viewport.update()
+
+    def _follow(self) -> None:
+        """Cast the shadow of the shape about to be drawn."""
+        surface, up = self._surface, self._viewport.camera_controller.camera.up_axis
+        shown = self._on and surface.surface_index is not None
+        self._actor.SetVisibility(shown)
+        if not shown or surface.surface_index is None:
+            self._box, self._cast_for = (), None
+            return
+        asked = surface.revision, up, self._viewport.is_dark
+        if asked != self._cast_for:
+            self._cast_for = asked
+            self._cast(surface.U, surface.surface_index.F, up)
+
+    def _cast(self, U: np.ndarray, F: np.ndarray, up: UpAxis) -> None:
+        points, areas = _samples(U @ up.frame.T, F)
+        low, high = points.min(axis=0), points.max(axis=0)
+        size, middle = float((high - low).max()), 0.5 * (low + high)
+        half = (0.5 + _SHADOW_MARGIN) * float(max((high - low)[[0, 2]].max(), 0.1 * size))
+        ends = middle[2] + half, middle[2] - half  # the front is at the bottom of the picture
+        right, back = np.array([middle[0] - half, middle[0] + half]), np.array(ends)
+        amounts = areas * np.exp(-(points[:, 1] - low[1]) / (_REACH * size))
+        cells = [right, back[::-1]]
+        covered, _, _ = np.histogram2d(
+            points[:, 0], points[:, 2], bins=_CELLS, range=[tuple(each) for each in cells], weights=amounts
+        )
+        cover = _BLURRED @ (covered / (2.0 * half / _CELLS) ** 2) @ _BLURRED
+        opacity = _DARKEST[self._viewport.is_dark] * (1.0 - np.exp(-cover))
+        rgba = np.asarray(self._image.point_data["rgba"])
+        rgba[:, :3] = _SHADOW_COLOR
+        rgba[:, 3] = np.rint(255.0 * opacity[:, ::-1].T).astype(np.uint8).ravel()
+        self._image.point_data["rgba"].VTKObject.Modified()
+        self._image.Modified()
+        level = low[1] - _DEPTH * size
+        corners = np.array(
+            [[right[i], level, back[j]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float
+        )
+        corners = corners @ up.frame
+        centre = corners.mean(axis=0)  # single precision is too coarse far from the origin
+        self._plane.points = (corners - centre).astype(np.float32)
+        self._actor.SetPosition(*centre)
+        self._box = tuple(np.column_stack([corners.min(axis=0), corners.max(axis=0)]).ravel())
+
+
+def _samples(U: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points (k, 3) spread over triangles, and the area (k,) that each stands for."""
+    every = max(1, len(F) // _SAMPLES)
+    corners = U[F[::every]]
+    double = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    count = max(1, _SAMPLES // len(corners))
+    k = np.arange(1, count + 1)
+    weights = np.column_stack([k * 0.7548776662 % 1.0, k * 0.5698402910 % 1.0])  # [Roberts 2018, R2 sequence]
+    folded = weights.sum(axis=1) > 1.0
+    weights[folded] = 1.0 - weights[folded]
+    weights = np.column_stack([1.0 - weights.sum(axis=1), weights])
+    points = np.einsum("kc,mcx->mkx", weights, corners).reshape(-1, 3)
+    return points, np.repeat(0.5 * every / count * double, count)

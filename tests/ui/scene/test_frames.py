@@ -64,6 +64,7 @@ def test_viewport_draws_nothing_for_a_move_of_the_handle_until_there_is_a_frame(
 
 
 def test_document_does_not_look_again_at_what_a_frame_leaves_as_it_is(bottle, monkeypatch):
+    bottle.actions_.display.switches["shadow"].trigger()  # which counts, too
     before = document(bottle)
     held = before.label_counts, before.centre(0), before.paint_problem
     bincount, here = np.bincount, threading.get_ident()
@@ -124,6 +125,7 @@ def test_surface_shares_the_boxes_of_a_shape_between_rays(bottle, work):
 def test_viewport_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
     """VTK is not asked for it: that costs a look at all triangles for each frame."""
     view = bottle.canvas.viewport
+    bottle.actions_.display.switches["shadow"].trigger()
     answer(bottle, document(bottle).mesh.V * [3.0, 1.0, 5.0])
     settle(qtbot, view)
     np.testing.assert_allclose(view.box(), view.renderer.ComputeVisiblePropBounds(), atol=1e-5)
