@@ -46,7 +46,7 @@ def test_hull_readings_and_check_shape_give_what_is_flat_no_room():
 
 def test_check_shape_gives_a_vertex_without_a_face_no_room():
     V, F = meshes.box(1, 2, 3)
-    assert check_shape(np.vstack([V, [[90, 90, 90]]]), F).packed_box_box == pytest.approx(6.0, rel=1e-9)
+    assert check_shape(np.vstack([V, [[90, 90, 90]]]), F).packed_box == pytest.approx(6.0, rel=1e-9)
 
 
 def test_compactness_is_greatest_of_a_ball():
