@@ -14,8 +14,8 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-# expanduser fails without HOME and without an entry in the user database, as in containers. A home that
-# cannot be written to keeps every later lookup working; modules look it up when imported.
+# expanduser fails without HOME and without an entry in the user database, as in containers. Modules look up
+# the home folder when imported, so it is set to a path that always exists, and holds no files.
 if not os.path.isabs(os.path.expanduser("~")):  # noqa: PTH111, PTH117, which raise
     os.environ["HOME"] = os.devnull
 

@@ -78,7 +78,7 @@ def _run(words: list[str]) -> None:
 
 
 def parse_arguments(words: list[str]) -> argparse.Namespace:
-    """Options of the command line."""
+    """Options parsed from the words of the command line."""
     if not words or words[0] not in COMMANDS:
         parser = _view_parser()
         name = words[0] if len(words) > 1 else ""  # only commands take arguments

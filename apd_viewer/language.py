@@ -18,7 +18,7 @@ from apd_viewer.notation import Notation, TranslatedText, use_notation
 
 GETTEXT_DOMAIN = "apd_viewer"
 
-_NAMES = "APD_VIEWER_LANGUAGE", "LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"  # the first one set is used
+_NAMES = "APD_VIEWER_LANGUAGE", "LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"  # the first that is set counts
 _MAC = Path("~/Library/Preferences/.GlobalPreferences.plist")
 _NO_LANGUAGE = "C", "POSIX"
 

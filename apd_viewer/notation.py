@@ -28,13 +28,13 @@ class Notation(NamedTuple):
         signs = re.fullmatch(r"1(\D?)234(\D)5", example)
         return cls(signs[2], signs[1]) if signs else cls()
 
-    def localized(self, number: str) -> str:
+    def localized_number(self, number: str) -> str:
         """Number in this notation; ``number`` is as formatted by Python."""
         return number.translate({ord(","): self.group, ord("."): self.point})
 
-    def editable(self, number: str) -> str:
+    def editable_number(self, number: str) -> str:
         """Ungrouped number in this notation, unambiguous when read back."""
-        text = self.localized(number)
+        text = self.localized_number(number)
         return text + "0" if self.point == "," and _LIKE_THOUSANDS.fullmatch(text) else text
 
 
@@ -73,9 +73,9 @@ def notation() -> Notation:
 
 def editable_number(number: str) -> str:
     """Ungrouped number for an input field, in the notation in use."""
-    return _in_use.editable(number)
+    return _in_use.editable_number(number)
 
 
 def localized_number(number: str) -> str:
     """Number formatted by Python, converted to the notation in use."""
-    return _in_use.localized(number)
+    return _in_use.localized_number(number)

@@ -269,7 +269,7 @@ def _result(case: StudyCase, computed: Case, steps: list[CaseStep], started: flo
         "least_gap": None if frame.contact is None else frame.contact.least_gap,
         "crossings": None if room.crossing is None else len(room.crossing),
         "box_volume": room.box,
-        "packed_volume": room.packed,
+        "packed_volume": room.packed_box,
         "hull_volume": room.hull.volume,
         "iterations": sum(step.frame.iteration for step in steps),
         "unsettled_steps": sum(not step.frame.settled for step in steps),

@@ -73,7 +73,7 @@ def _info(options: argparse.Namespace) -> None:
     if found.volume_capped is not None:
         print(f"        {unit.format_volume(f'{found.volume_capped:.6g}')} {caps_phrase(found.openings)}")
     packed = tr("box     {reading}, the volume of the smallest bounding box found")
-    print(packed.format(reading=unit.format_volume(f"{check.packed:.6g}")))
+    print(packed.format(reading=unit.format_volume(f"{check.packed_box:.6g}")))
     if mesh.origin is not None and mesh.origin.extras:
         also = tr("also    {things}; exporting to any format but {kind} loses them")
         print(also.format(things=comma_separated(mesh.origin.extras), kind=mesh.origin.suffix[1:].upper()))

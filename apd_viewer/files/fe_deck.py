@@ -37,7 +37,7 @@ class DeckWall(NamedTuple):
     density : float or None
         Newtons times s² per mesh unit to the fourth.
     notes : tuple of str
-        Comments: the units, and the values that nobody gave.
+        Comments: the units, and values left at their defaults.
     """
 
     thickness: float
@@ -48,7 +48,7 @@ class DeckWall(NamedTuple):
 
 
 class NodeSet(NamedTuple):
-    """Node set of the base or a handle: set name, user's name and vertices (k,)."""
+    """Node set of the base or a handle: set name, name by the user, vertices (k,)."""
 
     name: str
     title: str
@@ -217,11 +217,11 @@ def _rows(ids: np.ndarray) -> Iterator[str]:
 
 
 def _number(value: float, digits: int = _DIGITS) -> str:
-    """Number in at most 20 characters, as many as FE programs read."""
+    """Number in at most 20 characters, the most that FE programs read."""
     text = f"{value + 0.0:.{digits}g}"
     return text if "." in text or "e" in text else text + "."
 
 
 def _ascii_name(name: str) -> str:
-    """User's name as one line of ASCII."""
+    """A name given by the user, as one line of ASCII."""
     return " ".join(name.split())[:_LONGEST].encode("ascii", "replace").decode()

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import NamedTuple
 
 
-class Writing(Enum):
+class WriteSupport(Enum):
     """Meshes that can be written in a format."""
 
     ANY = "any mesh"
@@ -23,7 +23,7 @@ class MeshFormat(NamedTuple):
     ----------
     opening : bytes
         Pattern of its beginning, by which a misnamed file is known.
-    writing : Writing
+    writing : WriteSupport
         ANY is by trimesh.
     holds_any_shape : bool
         No trial need show that it can store a deformed shape.
@@ -35,7 +35,7 @@ class MeshFormat(NamedTuple):
 
     name: str
     opening: bytes
-    writing: Writing = Writing.OWN
+    writing: WriteSupport = WriteSupport.OWN
     holds_any_shape: bool = False
     has_digits: bool = False
     is_in_metres: bool = False
@@ -49,22 +49,22 @@ MESH_FORMATS = {
     ".obj": MeshFormat(
         "OBJ",
         rb"(?:[^\x00]*\n)?[ \t]*v" + 3 * _NUMBER + rb"[^\n]*\n",
-        Writing.ANY,
+        WriteSupport.ANY,
         holds_any_shape=True,
         has_digits=True,
     ),
-    ".ply": MeshFormat("PLY", rb"ply\s", Writing.ANY),
-    ".stl": MeshFormat("STL", rb"(?i)\s*solid\b.*\bfacet\s+normal", Writing.ANY, holds_any_shape=True),
+    ".ply": MeshFormat("PLY", rb"ply\s", WriteSupport.ANY),
+    ".stl": MeshFormat("STL", rb"(?i)\s*solid\b.*\bfacet\s+normal", WriteSupport.ANY, holds_any_shape=True),
     ".off": MeshFormat(
-        "OFF", rb"(?:ST)?C?N?4?n?OFF(?:\s|\d)", Writing.ANY, holds_any_shape=True, has_digits=True
+        "OFF", rb"(?:ST)?C?N?4?n?OFF(?:\s|\d)", WriteSupport.ANY, holds_any_shape=True, has_digits=True
     ),
-    ".glb": MeshFormat("GLB", rb"glTF", Writing.ANY, is_in_metres=True),
+    ".glb": MeshFormat("GLB", rb"glTF", WriteSupport.ANY, is_in_metres=True),
     ".gltf": MeshFormat("glTF", rb'\s*\{.*"asset"\s*:', has_parts=True),
-    ".3mf": MeshFormat("3MF", rb"PK\x03\x04.*3D/", Writing.NONE),
+    ".3mf": MeshFormat("3MF", rb"PK\x03\x04.*3D/", WriteSupport.NONE),
     ".vtp": MeshFormat("VTP", XML_PROLOG + rb'VTKFile\s[^>]*type="PolyData"'),
     ".vtu": MeshFormat("VTU", XML_PROLOG + rb'VTKFile\s[^>]*type="UnstructuredGrid"'),
     ".vtk": MeshFormat("VTK", rb"# vtk DataFile"),
 }
 # Files of several shapes: a list of mesh files, glTF, and points of a mesh in another file.
 SERIES, GLTF_FORMATS, POINT_CACHES = ".pvd", (".glb", ".gltf"), (".pc2", ".mdd")
-WRITABLE_FORMATS = tuple(suffix for suffix, each in MESH_FORMATS.items() if each.writing is Writing.ANY)
+WRITABLE_FORMATS = tuple(suffix for suffix, each in MESH_FORMATS.items() if each.writing is WriteSupport.ANY)

@@ -88,7 +88,7 @@ def _members(mesh: Mesh) -> dict[str, bytes]:
         name = f"mesh{mesh.origin.suffix}"
         # Some formats cannot be written, and a glTF file may need neighbouring files.
         with contextlib.suppress(ValueError):
-            content = mesh.origin.rewritten(mesh, mesh.V)
+            content = mesh.origin.rewritten_content(mesh, mesh.V)
             if read_mesh(_NOWHERE / name, content).digest == mesh.digest:
                 return {name: content}
     return {"V.npy": npy_content(mesh.V), "F.npy": npy_content(mesh.F)}

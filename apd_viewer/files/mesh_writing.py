@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.length_units import METRES
-from apd_viewer.files.mesh_formats import MESH_FORMATS, WRITABLE_FORMATS, Writing
+from apd_viewer.files.mesh_formats import MESH_FORMATS, WRITABLE_FORMATS, WriteSupport
 from apd_viewer.files.meshes import LARGEST_COORDINATE, largest_coordinate, parsed_mesh
 from apd_viewer.files.storage.atomic_file import file_write_error, is_circular_link, is_stream, replacing_file
 from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
@@ -73,9 +73,9 @@ def suffix_for(mesh: Mesh) -> str:
     """Suffix for storing shapes of ``mesh``: its own if the format allows, else .obj."""
     own = mesh.origin.suffix if mesh.origin else ".obj"
     kind = MESH_FORMATS[own]
-    if kind.holds_any_shape:  # without a trial write, which takes seconds for large meshes
+    if kind.holds_any_shape:  # saves the trial write below, which takes seconds for large meshes
         return own
-    if kind.writing is not Writing.NONE and not kind.has_parts:
+    if kind.writing is not WriteSupport.NONE and not kind.has_parts:
         with contextlib.suppress(InputError):  # OBJ can store shapes that the mesh's own format cannot
             check_shapes(mesh, Path(f"shape{own}"), np.ones(len(mesh.V), dtype=bool))
             return own
@@ -194,7 +194,7 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
     kind = path.suffix.lower()
     if mesh.origin is not None and mesh.origin.suffix == kind:
         try:
-            return mesh.origin.rewritten(mesh, U)
+            return mesh.origin.rewritten_content(mesh, U)
         except InputError as error:
             raise InputError(f"{path.name}: {error}") from error
         except ValueError as error:  # normals are not validated on reading

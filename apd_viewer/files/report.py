@@ -81,7 +81,7 @@ def shape_check_fields(check: ShapeCheck) -> dict[str, Any]:
     return {
         "self_intersections": None if check.crossing is None else len(check.crossing),
         "box_volume": check.box,
-        "packed_volume": check.packed,
+        "packed_volume": check.packed_box,
         **hull_fields(check.hull),
     }
 

@@ -12,7 +12,7 @@ from apd_viewer.files.selections.survey_formats import read_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-# Fabric preserves the area of every triangle, and the total area to the last digits.
+# Settings for fabric: triangles nearly keep their areas, and the total area is kept exactly.
 _FABRIC = {"method": "local", "hold_area": True}
 
 
@@ -72,7 +72,7 @@ def resource_path(name: str) -> Path:
 def open_sample(name: str) -> tuple[Mesh, np.ndarray]:
     """Open a sample; return its mesh and its painted labels (n,)."""
     read = open_mesh(resource_path(f"{name}.obj"))
-    mesh = Mesh.from_checked(read.V, read.F, read.path, read.origin, unit=SAMPLES[name].unit)
+    mesh = Mesh.from_checked_arrays(read.V, read.F, read.path, read.origin, unit=SAMPLES[name].unit)
     return mesh, read_selection(resource_path(f"{name}.sel"), len(mesh.V))
 
 

@@ -185,7 +185,7 @@ def compactness_text(state: State) -> tuple[str, str]:
 
 def extent(found: ShapeCheck | None, unit: Unit) -> str:
     """Text of the side lengths of the axis-aligned bounding box."""
-    if found is None or math.isnan(found.packed):
+    if found is None or math.isnan(found.packed_box):
         return PENDING if found is None else NO_VALUE
     return unit.format_length(" × ".join(format_short(side) for side in found.size))
 

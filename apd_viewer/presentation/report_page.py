@@ -147,7 +147,7 @@ def _size(subject: ReportSubject) -> Iterator[PageBlock]:
     state, unit, found, rest = subject.state, subject.unit, subject.shape_check, subject.rest_check
     extent = readings.extent(found, unit), ""
     box = readings.box_volume(found.box, rest.box, unit)
-    packed = readings.box_volume(found.packed, rest.packed, unit)
+    packed = readings.box_volume(found.packed_box, rest.packed_box, unit)
     try:
         grams, problem = (
             typed_mass(subject.wall, state.frame.area, unit, readings.material_volume(state)),
@@ -221,7 +221,7 @@ def volumes_block(
 ) -> PageBlock:
     """Table of rest and current volumes; ``checks`` of the rest and current shape."""
     at_rest, found = checks
-    if math.isnan(found.packed) or math.isnan(at_rest.packed):  # the measuring process crashed
+    if math.isnan(found.packed_box) or math.isnan(at_rest.packed_box):  # the measuring process crashed
         return PageNote(tr("Not measured; create the report again."))
     now, then = readings.volumes(state.frame, state.inspection)
     wall_found = state.inspection.double_wall

@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.verification.case_meshes import tube
 from apd_viewer.verification.verification_case import CaseQuantity, CaseResults, ResultPair, VerificationCase
 
-_PLATE_GAP = 0.0005  # distance kept by plates and walls, in radii
+_PLATE_GAP = 0.0005  # distance kept between plates and walls, in radii
 _ACROSS = np.array([1.0, 0.0, 0.0])
 
 
@@ -121,15 +121,15 @@ _YIELD_RADIUS = 5.0
 _HINGES = tr("A hinge is spread over a few triangles, whose cells still bend elastically.")
 
 
-def hinged_load(share: float) -> float:
+def hinged_load(deflection: float) -> float:
     """Load of a rigid-plastic ring, in plastic moments over its radius.
 
     Parameters
     ----------
-    share : float
-        Deflection over its diameter.
+    deflection : float
+        Relative to the diameter.
     """
-    return float(4.0 / np.sqrt(1.0 - share**2))
+    return float(4.0 / np.sqrt(1.0 - deflection**2))
 
 
 def _ring(n: int, _: bool) -> CaseResults:
@@ -143,15 +143,15 @@ def _ring(n: int, _: bool) -> CaseResults:
     )
     steps = found.steps[1:]
     moment = 2.0 * 0.003 * area(V, F) / _YIELD_RADIUS
-    shares = [1.0 - _extent(step) / 2.0 for step in steps]
+    deflections = [1.0 - _extent(step) / 2.0 for step in steps]
     loads = [_load(step) / moment for step in steps]
-    answers = [ResultPair(hinged_load(share), load) for share, load in zip(shares, loads, strict=True)]
-    return CaseResults(tuple(answers), np.column_stack([shares, loads]))
+    answers = [ResultPair(hinged_load(x), load) for x, load in zip(deflections, loads, strict=True)]
+    return CaseResults(tuple(answers), np.column_stack([deflections, loads]))
 
 
 def _ring_curve() -> np.ndarray:
-    shares = np.linspace(0.0, 0.7, 71)
-    return np.column_stack([shares, [hinged_load(share) for share in shares]])
+    deflections = np.linspace(0.0, 0.7, 71)
+    return np.column_stack([deflections, [hinged_load(x) for x in deflections]])
 
 
 TUBE = VerificationCase(

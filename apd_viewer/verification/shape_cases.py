@@ -198,13 +198,13 @@ def _catenoid_curve() -> np.ndarray:
 
 # Möbius band
 
-_SHORTEST_BAND = float(np.sqrt(3.0))  # of a smooth band of paper, length / width
+_SHORTEST_BAND = float(np.sqrt(3.0))  # length over width of the shortest smooth band of paper
 _BAND_LENGTHS, _BAND_THICKNESS, _BAND_GAP = (3.0, 1.6), 0.005, 0.02  # widths
-_STRETCHED = 1e-3  # mean area change beyond the limit of paper
+_STRETCHED = 1e-3  # mean area change that paper cannot follow
 
 
 def _band_path(V: np.ndarray, length: float) -> np.ndarray:
-    """Path (s, n, 3) of a strip's last row, half a turn, then round to the first.
+    """Path (s, n, 3) of a strip's last row: half a turn, then an arc to the first row.
 
     It lies across the end of an arc as long as the middle line would be but for its ``slack``.
     """

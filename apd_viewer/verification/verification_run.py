@@ -147,7 +147,7 @@ def _row(case: VerificationCase, k: int, numbers: dict[str, Any]) -> Verificatio
 
 
 def is_worse(error: float, recorded: float, bar: float) -> bool:
-    """True if an error exceeds the recorded one beyond differences of machines."""
+    """True if an error exceeds the recorded one by more than machines may differ."""
     return not abs(error) <= _MARGIN * abs(recorded) + _FLOOR * bar
 
 

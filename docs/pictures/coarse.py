@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.decimation import decimated
+from apd_viewer.geometry.mesh.decimation import decimated_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import State, initial_state
 
@@ -15,7 +15,7 @@ def coarser(state: State, count: int) -> State:
     document = state.document
     if len(document.mesh.V) <= count:
         return state
-    ids, F = decimated(document.mesh.V, document.mesh.F, count)
+    ids, F = decimated_mesh(document.mesh.V, document.mesh.F, count)
     mesh = Mesh(document.mesh.V[ids], F)
     fewer = initial_state(mesh, frozen(document.labels[ids].copy()))
     said = replace(

@@ -85,12 +85,12 @@ def print_table(stiffness: float, before: Path | None) -> None:
     """Print one row for each angle, and the means."""
     V, F, labels = sample_bottle()
     rest, fixed = RestMesh(V, F), np.flatnonzero(labels != 1)
-    elastic = ElasticSurface(rest.solve_mesh, fixed, Material(bending=stiffness))
+    surface = ElasticSurface(rest.solve_mesh, fixed, Material(bending=stiffness))
 
     def energy(U: np.ndarray) -> float:
-        elastic.restart(rest.solve_mesh.V)
-        elastic.restart(U)
-        return elastic.energy
+        surface.restart(rest.solve_mesh.V)
+        surface.restart(U)
+        return surface.energy
 
     solver = Deformation(V, F, fixed, handle=np.flatnonzero(labels == 2), stiffness=stiffness, rest=rest)
     runs = [in_process(checkout, stiffness) for checkout in (before, HERE) if checkout]

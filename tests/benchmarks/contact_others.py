@@ -233,18 +233,18 @@ class Loop:
 
     def __init__(self, bottle: Bottle) -> None:
         self.bottle = bottle
-        self.elastic = ElasticSurface(RestMesh(bottle.V, bottle.F).solve_mesh, bottle.fixed)
-        self.K = sp.kron(self.elastic.K_ff, sp.eye_array(3)).tocsc()
-        free = self.elastic.free
+        self.surface = ElasticSurface(RestMesh(bottle.V, bottle.F).solve_mesh, bottle.fixed)
+        self.K = sp.kron(self.surface.K_ff, sp.eye_array(3)).tocsc()
+        free = self.surface.free
         self._unknown = (3 * free[:, None] + np.arange(3)).ravel()
-        self.barrier = Barrier(bottle, float(self.elastic.K_ff.diagonal().mean()))
+        self.barrier = Barrier(bottle, float(self.surface.K_ff.diagonal().mean()))
         self.U = np.asfortranarray(bottle.V)
 
     def drive(self, targets: np.ndarray) -> float:
         """Move the held vertices towards ``targets``, the others after them; the share that was free."""
-        elastic, move = self.elastic, np.zeros_like(self.U)
+        surface, move = self.surface, np.zeros_like(self.U)
         move[self.bottle.fixed] = targets - self.U[self.bottle.fixed]
-        move[elastic.free] = -elastic.factor.solve(elastic.held_contribution(move[self.bottle.fixed]))
+        move[surface.free] = -surface.factor.solve(surface.held_contribution(move[self.bottle.fixed]))
         W = np.asfortranarray(self.U + move)
         share = self.barrier.free_share(self.U, W)
         self.go(np.asfortranarray(self.U + share * move))
@@ -253,12 +253,12 @@ class Loop:
     def go(self, U: np.ndarray) -> float:
         """Make ``U`` current; its quarter of an energy, as slopes and matrices have it."""
         self.U = U
-        self.elastic.local_step(np.ascontiguousarray(U))
-        return 0.25 * self.elastic.energy + self.barrier.energy(U)
+        self.surface.local_step(np.ascontiguousarray(U))
+        return 0.25 * self.surface.energy + self.barrier.energy(U)
 
     def slope(self) -> np.ndarray:
         slope = np.zeros_like(self.bottle.V)
-        slope[self.elastic.free] = self.elastic.residual(np.ascontiguousarray(self.U[self.bottle.fixed]))
+        slope[self.surface.free] = self.surface.residual(np.ascontiguousarray(self.U[self.bottle.fixed]))
         return slope
 
     def step(self) -> float:
@@ -271,7 +271,7 @@ class Loop:
         p = np.zeros((H.shape[0], 1))
         factor.solve(-slope.ravel()[self._unknown, None], p)
         move = np.zeros_like(slope)
-        move[self.elastic.free] = p.reshape(-1, 3)
+        move[self.surface.free] = p.reshape(-1, 3)
         share = self.barrier.free_share(U, np.asfortranarray(U + move))
         while self.go(np.asfortranarray(U + share * move)) > energy and share > 1e-9:
             share *= 0.5

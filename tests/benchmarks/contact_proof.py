@@ -92,7 +92,7 @@ def row(painted: Painted, pose: str, shift: np.ndarray, told: argparse.Namespace
                 held = max(held, float(np.abs(frame.U[fixed] - reached).max()))
         if frames >= most or solver.share_reached < 1.0:
             break
-    share = 100.0 * (leg + (solver.contact.share if contact else 1.0)) / len(path)
+    share = 100.0 * (leg + (solver.contact.path_fraction if contact else 1.0)) / len(path)
     end = "settled" if solver.settled else "going on"
     stopped = ", stopped" if contact and solver.contact.is_stopped else ""
     return f"{share:.0f} %, {end}{stopped} | {frames} | {crossed} | {len(exempt)} | {area:.0e} | {held:.0e} |"

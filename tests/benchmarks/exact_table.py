@@ -54,13 +54,13 @@ def moved(X, move, axis, height):
 
 def rest_scaled(rest, fixed, targets, iterations):
     """Positions of rest-scaled ARAP."""
-    elastic = ElasticSurface(rest.solve_mesh, fixed)
-    still = elastic.all_positions(-elastic.solve(elastic.held_contribution(targets)), targets)
+    surface = ElasticSurface(rest.solve_mesh, fixed)
+    still = surface.all_positions(-surface.solve(surface.held_contribution(targets)), targets)
     for _ in range(iterations):
-        grown = elastic.global_step(targets) - still
+        grown = surface.global_step(targets) - still
         excess = lambda s, grown=grown: area(still + s * grown, rest.solve_mesh.F) - rest.area  # noqa: E731
-        elastic.local_step(still + brentq(excess, 0.05, 3.0, xtol=1e-12) * grown)
-    return elastic.U
+        surface.local_step(still + brentq(excess, 0.05, 3.0, xtol=1e-12) * grown)
+    return surface.U
 
 
 def row(name, rest, base, handle, axis, move, iterations):

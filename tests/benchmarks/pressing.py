@@ -115,7 +115,7 @@ def come_to_rest(plates: PlatePress, share: float, look: Callable[[float], None]
     assert contact is not None
     low, high = frame.loads @ plates.travel.axis
     energy = contact.energy_in_contact
-    return Rest(frame.U, plates.share, -low, -high, energy, frame.iteration, frame.settled)
+    return Rest(frame.U, plates.travel_fraction, -low, -high, energy, frame.iteration, frame.settled)
 
 
 def flipped(U: np.ndarray, F: np.ndarray) -> int:

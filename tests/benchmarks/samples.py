@@ -145,13 +145,13 @@ def plates() -> None:
     press = PlatePress(RestMesh(V, F), np.eye(3)[1], 0.4 * np.ptp(V[:, 1]), 24, **settings)
     watch = Watch(V, F)
     for share in np.linspace(0.0, 1.0, 25)[1:]:
-        press.aim(share)
+        press.set_target(share)
         count = 0
         while not press.solver.settled and not press.is_stopped and count < MOST:
             watch.time(press.solver.iterate)
             watch.look(press.solver.frame().U)
             count += 1
-    watch.print_row(f"between plates, {100.0 * press.share:.0f} % of the way", press.solver.settled)
+    watch.print_row(f"between plates, {100.0 * press.travel_fraction:.0f} % of the way", press.solver.settled)
 
 
 def main() -> None:

@@ -103,15 +103,15 @@ def iterations(edge, count):
     arap, factor = timed(lambda: ours(rest, held, "arap"))
     exact = ours(rest, held, "exact")
     times = {"libigl": [], "arap": [], "exact": [], "solve": []}
-    factor_of = arap.solver.elastic.factor
-    solve = factor_of.refined
+    factor_of = arap.solver.surface.factor
+    solve = factor_of.solve_refined
 
     def timed_solve(B):
         X, taken = timed(lambda: solve(B))
         times["solve"].append(taken)
         return X
 
-    factor_of.refined = timed_solve
+    factor_of.solve_refined = timed_solve
     for _ in range(WARM_UP + count):
         for name, solver in (("libigl", theirs), ("arap", arap), ("exact", exact)):
             for _ in range(IN_A_ROW):
@@ -127,10 +127,10 @@ def iterations(edge, count):
 
 def energies(solver, seconds, most):
     """Energies and the seconds until each, aimed at the twist, to the end or for so long."""
-    elastic, started, course = solver.solver.elastic, time.perf_counter(), []
+    surface, started, course = solver.solver.surface, time.perf_counter(), []
     while len(course) < most and not (course and (solver.settled or course[-1][0] > seconds)):
         solver.iterate()
-        course.append((time.perf_counter() - started, elastic.energy))
+        course.append((time.perf_counter() - started, surface.energy))
     return np.array(course)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from mesh_contents import FILES
 
-from apd_viewer.files.mesh_formats import MESH_FORMATS, Writing
+from apd_viewer.files.mesh_formats import MESH_FORMATS, WriteSupport
 from apd_viewer.files.meshes import open_mesh
 
 ROOT = Path(__file__).parents[2]
@@ -14,7 +14,7 @@ PAGES = ("README.md", "SECURITY.md", "docs/howto/open.md")
 
 
 def test_mesh_formats_have_files_to_test_that_they_are_rewritten():
-    written = {suffix for suffix, each in MESH_FORMATS.items() if each.writing is not Writing.NONE}
+    written = {suffix for suffix, each in MESH_FORMATS.items() if each.writing is not WriteSupport.NONE}
     assert {Path(name).suffix for name in FILES} == written
 
 

@@ -82,7 +82,7 @@ def test_shape_checker_says_what_is_found_here_too(checker_, woken):
         assert asked is shape
         assert np.array_equal(found.crossing, crossings(shape.U, shape.F))
         assert (len(found.crossing) > 0) == (apart < 2)
-        assert found.packed == hull_readings(shape.U).box
+        assert found.packed_box == hull_readings(shape.U).box
         assert checker_.take() is None
 
 
@@ -146,7 +146,7 @@ def test_shape_checker_knows_nothing_of_a_shape_whose_process_dies(checker_, wok
     checker_.ask(two_spheres(1.0))
     _, found = taken(checker_, woken)
     assert found.crossing is None
-    assert np.isnan(found.packed)
+    assert np.isnan(found.packed_box)
     checker_.ask(two_spheres(1.0))
     assert len(taken(checker_, woken)[1].crossing)
 
@@ -232,7 +232,7 @@ def test_shape_checks_look_at_every_shape_that_has_settled_and_none_that_moves(s
     U = session.store.state.frame.U
     assert np.array_equal(crossed.crossing, crossings(U, mesh.joined_F))
     assert len(crossed.crossing) > 10
-    assert crossed.packed == pytest.approx(hull_readings(U).box, rel=1e-9)
+    assert crossed.packed_box == pytest.approx(hull_readings(U).box, rel=1e-9)
     assert session.shape_checks.rest_check is first
     session.gestures.undo()
     assert session.shape_checks.shape_check is first, "it is known already"

@@ -21,6 +21,6 @@ class Elsewhere:
         assert self.there, "nobody can solve yet"
         return LinearSolver(self._matrix(), self._V).solve(B)
 
-    def refined(self, B):
+    def solve_refined(self, B):
         assert self.there, "nobody can solve yet"
-        return LinearSolver(self._matrix(), self._V).refined(B)
+        return LinearSolver(self._matrix(), self._V).solve_refined(B)

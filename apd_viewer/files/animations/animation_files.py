@@ -95,7 +95,7 @@ def replacing_series(paths: Sequence[Path]) -> Iterator[None]:
     before = _series_files(paths)
     yield
     for path in before - _series_files(paths):
-        with suppress(OSError):  # a stale file left behind does no harm
+        with suppress(OSError):  # a file that cannot be deleted does no harm
             path.unlink()
 
 

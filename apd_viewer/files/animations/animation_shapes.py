@@ -77,7 +77,7 @@ class ShapeRecorder:
     def add(self, U: np.ndarray) -> None:
         """Record a shape (n, 3)."""
         kept = self._kept
-        if kept and kept[-1] % self._stride:  # drop a last shape off the stride
+        if kept and kept[-1] % self._stride:  # drop the latest shape if it does not fit the stride
             self._path(kept.pop()).unlink()
         if len(kept) == self._most:
             for number in kept[1::2]:

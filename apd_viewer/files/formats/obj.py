@@ -65,7 +65,7 @@ class ObjFile:
         return text_colors_to_uint8(parse_numbers([word for row in words for word in row]).reshape(-1, 3))
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Normals (k, 3), and the normal index of each corner (m, 3); None without any."""
+        """Normals (k, 3), and the normal index of each corner (m, 3); or None."""
         text = _lines(self.content)
         words = [word for row in _NORMAL.findall(text) for word in row]
         N = parse_numbers(words).reshape(-1, 3)
@@ -86,7 +86,7 @@ class ObjFile:
         uv_of = faces.texture[faces.polygons.triangle_corners(mesh.V)]
         return joined_texture(parse_numbers(words).reshape(-1, 2), uv_of, each, images)
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and rotated normals."""
         text, edits = _lines(self.content), TextEdits(self.content)
         edits.replace_numbers(_spans(_POSITION, text), mesh.V.ravel(), U.ravel())

@@ -46,7 +46,7 @@ class OffFile:
 
     @property
     def colors(self) -> np.ndarray | None:
-        """Vertex colours (n, 3) uint8; None without any."""
+        """Vertex colours (n, 3) uint8; None if there are none."""
         if not self.has_colours or not self.rows:
             return None
         first = 6 if self.has_normals else 3
@@ -59,7 +59,7 @@ class OffFile:
     def texture(self, _: Mesh) -> None:
         """None: the format has no textures."""
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and rotated normals."""
         edits = TextEdits(self.content)
         edits.replace_numbers(self._spans(0), mesh.V.ravel(), U.ravel())
@@ -76,7 +76,7 @@ class OffFile:
         spans = []
         for start, row in self.rows:
             match = pattern.match(row)
-            assert match is not None  # all rows were parsed on reading
+            assert match is not None  # always found: all rows were parsed on reading
             spans += [(start + match.start(k), start + match.end(k)) for k in (1, 2, 3)]
         return spans
 

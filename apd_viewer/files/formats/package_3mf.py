@@ -60,7 +60,7 @@ def read_3mf(content: bytes) -> ParsedMesh:
     unit, factor = _UNITS[package.main.unit]
     V, F, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
     shown: list[ModelObject] = []
-    for each, matrix in package.placed():
+    for each, matrix in package.placed_objects():
         shown.append(each)
         if not len(each.F):  # a beam lattice has vertices but no triangles
             continue
@@ -120,7 +120,7 @@ class _Package:
         self._main = self._start()
         self.main = self._model(self._main)
 
-    def placed(self) -> Iterator[tuple[ModelObject, np.ndarray]]:
+    def placed_objects(self) -> Iterator[tuple[ModelObject, np.ndarray]]:
         """Objects of the build and its components, with their world matrices (4, 4)."""
         todo = [
             (use, self._main, np.eye(4), frozenset[tuple[str, str]]())

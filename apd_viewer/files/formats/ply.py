@@ -41,7 +41,7 @@ class PlyFile:
 
     @property
     def colors(self) -> np.ndarray | None:
-        """Vertex colours (n, 3) uint8; None without any."""
+        """Vertex colours (n, 3) uint8; None if there are none."""
         if not set(_COLORS) <= set(self._scalars):
             return None
         kind = np.dtype(self._scalars[_COLORS[0]])
@@ -50,7 +50,7 @@ class PlyFile:
         )
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
-        """Vertex normals (n, 3), and the vertex of each corner (m, 3); None without any."""
+        """Vertex normals (n, 3), and the vertex of each corner (m, 3); or None."""
         return (self.columns(self._vertex, _NORMAL), mesh.F) if set(_NORMAL) <= set(self._scalars) else None
 
     def texture(self, mesh: Mesh) -> Texture | None:
@@ -65,7 +65,7 @@ class PlyFile:
             self.columns(self._vertex, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image]
         )
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and rotated normals."""
         at, kinds = self._vertex, self._scalars
         if any(kinds[axis][0] != "f" for axis in ply_elements.AXES):
@@ -183,7 +183,7 @@ def _read(file: PlyFile, start: int) -> ParsedMesh:
     rest = text[start:] if order else text[start:].strip()
     return ParsedMesh(
         V,
-        polygon_mesh.concatenated(faces).triangles(V),
+        polygon_mesh.concatenated_polygons(faces).triangles(V),
         origin,
         polygon_mesh.trailing_bytes_remark(len(rest)),
     )

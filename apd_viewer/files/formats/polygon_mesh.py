@@ -1,4 +1,4 @@
-"""Parsed mesh: polygons, triangles, encoding, normals."""
+"""Parsed mesh file: polygons, triangles, encoding, normals and colours."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ class EncodedMeshOrigin(DerivedOrigin):
 
     encoding: Encoding
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3), in the encoding of the file."""
-        return self.encoding.encode(self.origin.rewritten(mesh, U))
+        return self.encoding.encode(self.origin.rewritten_content(mesh, U))
 
 
 def trailing_bytes_remark(size: int) -> tuple[str, ...]:
@@ -145,7 +145,7 @@ class Polygons(NamedTuple):
         return T
 
 
-def concatenated(polygons: Sequence[Polygons]) -> Polygons:
+def concatenated_polygons(polygons: Sequence[Polygons]) -> Polygons:
     """Concatenation of several sets of polygons."""
     corner = np.concatenate([np.empty(0, dtype=np.int64), *(part.corner for part in polygons)])
     sizes = np.concatenate([np.empty(0, dtype=np.int64), *(np.diff(part.start) for part in polygons)])
@@ -163,7 +163,7 @@ def strip_triangles(strips: np.ndarray) -> np.ndarray:
 
 def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
     """Indices (t,) of triangles opposed to the area vector of their face."""
-    with np.errstate(all="ignore"):  # absurd coordinates are rejected later
+    with np.errstate(all="ignore"):  # huge coordinates are rejected later
         cross = np.cross(X[T[:, 1]] - X[T[:, 0]], X[T[:, 2]] - X[T[:, 0]])
         count = int(face[-1]) + 1 if len(face) else 0
         whole = np.column_stack(
@@ -175,7 +175,7 @@ def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
 def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
     """Ear-clipped triangles (k - 2, 3) of a polygon (k, 3), and the ears tested."""
     left, found, tries = np.arange(len(X)), [], 0
-    with np.errstate(all="ignore"):  # absurd coordinates are rejected later
+    with np.errstate(all="ignore"):  # huge coordinates are rejected later
         x = _projected_corners(X)
         while len(left) > 3:
             ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), None)

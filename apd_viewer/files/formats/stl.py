@@ -48,7 +48,7 @@ class StlFile:
     def texture(self, _: Mesh) -> None:
         """None: the format has no textures."""
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (3 m, 3) and updated normals."""
         moved = (mesh.V != U).any(axis=1).reshape(-1, 3).any(axis=1)
         if self.facets is not None:

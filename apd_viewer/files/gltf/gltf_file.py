@@ -99,7 +99,7 @@ class GltfFile:
         """Base-colour textures of the materials."""
         return primitive_texture(self.document, self.buffers, self.primitives, mesh)
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3), their bounds and rotated normals."""
         buffers = [bytearray(buffer) for buffer in self.buffers]
         written: dict[int, np.ndarray] = {}

@@ -33,7 +33,7 @@ def read_gltf(content: bytes, path: Path) -> ParsedMesh:
         If the file cannot be understood or ends too early.
     """
     text, document, buffers = _parsed(content, path)
-    drawn, world = _drawn(document, buffers), scene.world_matrices(document)
+    drawn, world = _full_scene(document, buffers), scene.world_matrices(document)
     file = GltfFile(content, path.suffix.lower(), text, document, buffers, drawn.blocks, drawn.pieces)
     remarks = [*_instance_remarks(drawn.blocks)]
     if scene.has_other_scenes(document, world):
@@ -51,7 +51,7 @@ def keyed_positions(content: bytes, path: Path) -> Iterator[np.ndarray]:
     """
     _, document, buffers = _parsed(content, path)
     for each in keyed_documents(document, buffers):
-        yield np.vstack(_drawn(each, buffers).V)
+        yield np.vstack(_full_scene(each, buffers).V)
 
 
 def _parsed(content: bytes, path: Path) -> tuple[str, dict[str, Any], list[bytes]]:
@@ -63,7 +63,7 @@ def _parsed(content: bytes, path: Path) -> tuple[str, dict[str, Any], list[bytes
     return text, document, scene.read_buffers(document, blob, path)
 
 
-def _drawn(document: dict[str, Any], buffers: list[bytes]) -> _Scene:
+def _full_scene(document: dict[str, Any], buffers: list[bytes]) -> _Scene:
     """Scene with all its mesh instances."""
     drawn = _Scene(document, buffers)
     for place in mesh_instances(document, buffers, scene.world_matrices(document)):
@@ -198,7 +198,7 @@ class GltfInstance(NamedTuple):
     def morph_displacement(
         self, document: dict[str, Any], buffers: list[Any], primitive: dict[str, Any], name: str
     ) -> np.ndarray | None:
-        """Weighted sum (n, 3) of an attribute's morph targets; None without any."""
+        """Weighted sum (n, 3) of an attribute's morph targets; None if there are none."""
         total = None
         for target, weight in zip(scene.list_field(primitive, "targets"), self.weights, strict=False):
             if not isinstance(target, dict):

@@ -1,6 +1,7 @@
 """Animation of morph weights in a glTF file, by its keys.
 
-Section 3.11 of the specification of glTF 2.0. Between keys that another node has, cubic splines go straight.
+Section 3.11 of the specification of glTF 2.0. Between keys of another node, cubic splines are interpolated
+linearly.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ class _Track(NamedTuple):
     weights: np.ndarray
     has_steps: bool
 
-    def at(self, time: float) -> list[float]:
+    def weights_at(self, time: float) -> list[float]:
         """Weights (w,) at a time, held before the first key and after the last."""
         if self.has_steps:
             k = int(np.searchsorted(self.times, time, "right")) - 1
@@ -33,9 +34,9 @@ class _Track(NamedTuple):
 
 
 def keyed_documents(document: dict[str, Any], buffers: list[Any]) -> Iterator[dict[str, Any]]:
-    """Documents with the morph weights at each key of the first animation of them.
+    """Documents with the morph weights at each key of their first animation.
 
-    None if there is no such animation. Of more than 2,000 keys some are left out, evenly.
+    Empty if there is no such animation. Of more than 2,000 keys some are left out, evenly.
     """
     for k in range(len(scene.list_field(document, "animations"))):
         tracks = _tracks(document, buffers, scene.document_entry(document, "animations", k))
@@ -44,7 +45,7 @@ def keyed_documents(document: dict[str, Any], buffers: list[Any]) -> Iterator[di
             if len(times) > _MOST_KEYS:
                 times = times[np.linspace(0, len(times) - 1, _MOST_KEYS).round().astype(int)]
             for time in times.tolist():
-                yield _with_weights(document, {track.node: track.at(time) for track in tracks})
+                yield _with_weights(document, {track.node: track.weights_at(time) for track in tracks})
             return
 
 

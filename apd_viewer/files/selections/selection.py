@@ -35,7 +35,7 @@ LEAST_AREA, MOST_AREA = 1.0, 1000.0
 _UNFIT = ("Cc", "Cs")
 
 
-class _Refusals(NamedTuple):
+class _NameErrors(NamedTuple):
     """Error sentences about names of handles or regions."""
 
     many: str
@@ -44,13 +44,13 @@ class _Refusals(NamedTuple):
     twice: str
 
 
-_HANDLES = _Refusals(
+_HANDLES = _NameErrors(
     tr("It has {n:,} handles, but the limit is {most}; remove some."),
     tr("One of its handles has no name; name all handles."),
     tr("The name of a handle has invalid characters; correct it."),
     tr("Two of its handles have the same name; rename one."),
 )
-_REGIONS = _Refusals(
+_REGIONS = _NameErrors(
     tr("It has {n:,} regions, but the limit is {most}; remove some."),
     tr("One of its regions has no name; name all regions."),
     tr("The name of a region has invalid characters; correct it."),
@@ -170,7 +170,7 @@ def _is_area(area: object) -> bool:
     return isinstance(area, int | float) and not isinstance(area, bool) and LEAST_AREA <= area <= MOST_AREA
 
 
-def _check_names(refusals: _Refusals, names: Sequence[str], most: int) -> None:
+def _check_names(refusals: _NameErrors, names: Sequence[str], most: int) -> None:
     if len(names) > most:
         raise InputError(refusals.many.format(n=len(names), most=most))
     for name in names:

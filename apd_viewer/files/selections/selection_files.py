@@ -1,13 +1,13 @@
 """Selections on disk, in five formats by suffix.
 
 =======  ==================================================  =========================================
-suffix   what it is                                          what it holds
+suffix   format                                              content
 =======  ==================================================  =========================================
-.json    our own: ids of vertices, by part                   everything
-.npz     NumPy's: an array a thing                           everything
-.ply     PLY with the vertex properties of selection_ply     labels and regions, no names, no areas
-.sel     the survey's: a number a line                       labels
-.dmat    libigl's dense matrix: a group a vertex             labels, of handles that hold a vertex
+.json    ids of vertices, by part                            everything
+.npz     NumPy archive, an array for each content            everything
+.ply     PLY with the vertex properties below                labels and regions, no names, no areas
+.sel     format of the survey, one number per line           labels
+.dmat    dense matrix of libigl, one group per vertex        labels, of handles that hold a vertex
 =======  ==================================================  =========================================
 
 ``apd_label`` is 0 base, 1 free, 2 handle, 3 the next handle and so on; ``apd_region``, which may be left

@@ -43,7 +43,7 @@ class JsonFields:
             raise _damage_error(name) from None
 
     @property
-    def raw(self) -> dict[str, Any]:
+    def raw_object(self) -> dict[str, Any]:
         """The object as read, for writing it unchanged."""
         return self._said
 
@@ -55,13 +55,13 @@ class JsonFields:
         """Fields of the object under a key."""
         return JsonFields(self._said.get(key), key)
 
-    def nested_list(self, key: str, most: int) -> list[JsonFields]:
-        """List of at most ``most`` objects under a key."""
-        return [JsonFields(each, key) for each in self._list(key, most)]
+    def nested_list(self, key: str, max_count: int) -> list[JsonFields]:
+        """List of at most ``max_count`` objects under a key."""
+        return [JsonFields(each, key) for each in self._list(key, max_count)]
 
-    def texts(self, key: str, most: int) -> list[str]:
-        """List of at most ``most`` strings under a key."""
-        return [self._checked_value(key, each, str) for each in self._list(key, most)]
+    def texts(self, key: str, max_count: int) -> list[str]:
+        """List of at most ``max_count`` strings under a key."""
+        return [self._checked_value(key, each, str) for each in self._list(key, max_count)]
 
     def text(self, key: str) -> str:
         """Non-empty text under a key."""
@@ -78,36 +78,36 @@ class JsonFields:
         """Non-negative integer under a key."""
         return self._checked_count(key, self._said.get(key))
 
-    def counts(self, key: str, most: int) -> tuple[int, ...]:
-        """List of at most ``most`` non-negative integers."""
-        return tuple(self._checked_count(key, each) for each in self._list(key, most))
+    def counts(self, key: str, max_count: int) -> tuple[int, ...]:
+        """List of at most ``max_count`` non-negative integers."""
+        return tuple(self._checked_count(key, each) for each in self._list(key, max_count))
 
     def number(self, key: str, least: float = -_LARGEST, most: float = _LARGEST) -> float:
         """Number under a key, within a range."""
         said = self._said.get(key)
-        if not _is_grid(said, ()) or not least <= said <= most:  # type: ignore[operator]
+        if not _has_shape(said, ()) or not least <= said <= most:  # type: ignore[operator]
             raise _damage_error(key)
         return float(said)  # type: ignore[arg-type]
 
-    def numbers(self, key: str, *shape: int) -> np.ndarray:
-        """Nested lists of numbers of a given shape, as a float array."""
+    def array(self, key: str, *shape: int) -> np.ndarray:
+        """Float array of a given shape under a key, from nested lists of numbers."""
         said = self._said.get(key)
-        if not _is_grid(said, shape):
+        if not _has_shape(said, shape):
             raise _damage_error(key)
         return np.array(said, dtype=np.float64)
 
-    def grids(self, key: str, most: int, *shape: int) -> list[np.ndarray]:
-        """At most ``most`` arrays of a given shape; none if the field is missing."""
+    def arrays(self, key: str, max_count: int, *shape: int) -> list[np.ndarray]:
+        """List of at most ``max_count`` arrays of a shape; empty if the field is missing."""
         if not self.has_value(key):
             return []
-        grids = self._list(key, most)
-        if not all(_is_grid(each, shape) for each in grids):
+        found = self._list(key, max_count)
+        if not all(_has_shape(each, shape) for each in found):
             raise _damage_error(key)
-        return [np.array(each, dtype=np.float64) for each in grids]
+        return [np.array(each, dtype=np.float64) for each in found]
 
-    def _list(self, key: str, most: int) -> list[object]:
+    def _list(self, key: str, max_count: int) -> list[object]:
         said = self._checked_value(key, self._said.get(key), list)
-        if len(said) > most:
+        if len(said) > max_count:
             raise _damage_error(key)
         return said
 
@@ -133,8 +133,8 @@ def _refuse_constant(word: str) -> object:
     raise ValueError(tr("{word} is not a number").format(word=word))
 
 
-def _is_grid(value: object, shape: tuple[int, ...]) -> bool:
+def _has_shape(value: object, shape: tuple[int, ...]) -> bool:
     if shape:
         fits = isinstance(value, list) and len(value) == shape[0]
-        return fits and all(_is_grid(each, shape[1:]) for each in value)  # type: ignore[attr-defined]
+        return fits and all(_has_shape(each, shape[1:]) for each in value)  # type: ignore[attr-defined]
     return isinstance(value, int | float) and not isinstance(value, bool) and -_LARGEST <= value <= _LARGEST

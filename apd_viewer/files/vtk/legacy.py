@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.polygon_mesh import ParsedMesh, Polygons, concatenated
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh, Polygons, concatenated_polygons
 from apd_viewer.files.formats.text import Splice, excerpt, spliced_content, text_values, with_replaced_values
 from apd_viewer.files.vtk.cells import POLYGON, STRIP, cell_faces, cells_to_polygons, point_positions
 from apd_viewer.files.vtk.xml_arrays import updated_array
@@ -51,7 +51,7 @@ class VtkLegacyFile:
     def texture(self, _: Mesh) -> None:
         """None: the format has no textures."""
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3); all data arrays unchanged."""
         if np.array_equal(mesh.V, U):
             return self.content
@@ -160,7 +160,7 @@ def _read_cells(reader: LegacyReader, sections: _Sections, lists_offsets: bool) 
             reader.read_array(second, b"int").values.astype(np.int64), first, points
         )
     if not first:
-        return concatenated([])
+        return concatenated_polygons([])
     offsets = _read_named_array(reader, "OFFSETS", first)
     return cells_to_polygons(_read_named_array(reader, "CONNECTIVITY", second), offsets, points)
 
@@ -189,7 +189,7 @@ def _size_prefixed_polygons(row: np.ndarray, cells: int, points: int) -> Polygon
 
 def _grid_faces(sections: _Sections) -> Polygons:
     if sections.cells is None or sections.types is None:
-        return concatenated([])
+        return concatenated_polygons([])
     return cell_faces(sections.cells, sections.types)
 
 
@@ -200,7 +200,7 @@ def _poly_faces(sections: _Sections) -> Polygons:
         cells = sections.polygons.get(name)
         if cells is not None:
             parts.append(cell_faces(cells, np.full(len(cells.start) - 1, _KINDS[name])))
-    return concatenated(parts)
+    return concatenated_polygons(parts)
 
 
 _WORD, _WORDS = re.compile(rb"\s*(\S+)"), re.compile(rb"\S+")
@@ -297,7 +297,7 @@ class LegacyReader:
     def _line_end(self) -> int:
         """Offset after the blank rest of a line."""
         space = _SPACE.match(self.content, self.position)
-        assert space is not None  # the pattern also matches the empty string
+        assert space is not None  # always found: the pattern also matches the empty string
         return space.end()
 
     def _bytes(self, count: int, dtype: np.dtype) -> LegacyArray:
@@ -327,6 +327,6 @@ class LegacyReader:
         start = self.position
         self.read_word()
         found = _METADATA_END.search(self.content, self.position)
-        assert found is not None  # the pattern also matches the end of the file
+        assert found is not None  # always found: the pattern also matches the end of the file
         self.position = found.end()
         return start, self.position

@@ -237,7 +237,7 @@ class XmlArrays:
             raise ValueError(_ENDS)
         return np.frombuffer(data, dtype)
 
-    def rewritten(self, element: XmlElement, stored: XmlArray, values: np.ndarray) -> bytes:
+    def rewritten_content(self, element: XmlElement, stored: XmlArray, values: np.ndarray) -> bytes:
         """File content of an array's span with new ``values`` (k,)."""
         if stored.header is None:
             return with_replaced_values(self.content[stored.start : stored.end], stored.values, values)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.polygon_mesh import ParsedMesh, Polygons, concatenated
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh, Polygons, concatenated_polygons
 from apd_viewer.files.formats.text import Splice, spliced_content
 from apd_viewer.files.vtk.cells import POLYGON, STRIP, cell_faces, cells_to_polygons, point_positions
 from apd_viewer.files.vtk.xml_arrays import XmlArray, XmlArrays
@@ -58,7 +58,7 @@ class VtkXmlFile:
     def texture(self, _: Mesh) -> None:
         """None: the format has no textures."""
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3); all data arrays unchanged.
 
         Raises
@@ -77,7 +77,7 @@ class VtkXmlFile:
             there = slice(first, first + len(stored.values) // 3)
             if np.array_equal(V[there], U[there]):
                 continue
-            new = self.arrays.rewritten(element, stored, U[there].ravel())
+            new = self.arrays.rewritten_content(element, stored, U[there].ravel())
             yield Splice(stored.start, stored.end, new)
             yield from _range_updates(self.arrays.content, element, U[there])
             if element.attributes.get("format") == "appended":
@@ -126,7 +126,7 @@ def _read(content: bytes, suffix: str) -> ParsedMesh:
         count += n
     V = [point_positions(each.stored.values) for each in points]
     X = np.vstack([np.empty((0, 3)), *V])
-    return ParsedMesh(X, concatenated(faces).triangles(X), VtkXmlFile(arrays, tuple(points), suffix))
+    return ParsedMesh(X, concatenated_polygons(faces).triangles(X), VtkXmlFile(arrays, tuple(points), suffix))
 
 
 def _kind_error_message(kind: str) -> str:
@@ -140,7 +140,7 @@ def _kind_error_message(kind: str) -> str:
 
 
 def _points_of(arrays: XmlArrays, piece: XmlElement) -> tuple[XmlElement | None, XmlArray]:
-    """Element and values of a piece's points; None without any."""
+    """Element and values of a piece's points; None if it has none."""
     n, points = piece.int_attribute("NumberOfPoints"), piece.first_child("Points")
     found = points.children_named("DataArray") if points is not None else []
     if not found or not n:
@@ -174,13 +174,13 @@ def _polys(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
         if group is not None and piece.int_attribute(f"NumberOf{name}"):
             cells = _group(arrays, group, points)
             found.append(cell_faces(cells, np.full(len(cells.start) - 1, kind)))
-    return concatenated(found)
+    return concatenated_polygons(found)
 
 
 def _cells(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
     group = piece.first_child("Cells")
     if group is None or not piece.int_attribute("NumberOfCells"):
-        return concatenated([])
+        return concatenated_polygons([])
     types = _array(arrays, group, "types")
     return cell_faces(_group(arrays, group, points), types)
 

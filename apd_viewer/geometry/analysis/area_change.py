@@ -28,14 +28,14 @@ _PARTS = 4
 
 
 def _edges() -> np.ndarray:
-    """Upper bin edges of one side in c, ascending from 0, (_BINS + 2,)."""
+    """Upper edges (_BINS + 2,) of the bins of the change c, ascending from 0."""
     octaves = np.repeat(2.0 ** np.arange(_LOWEST, _HIGHEST), _STEPS)
     inner = octaves * (1.0 + np.tile(np.arange(_STEPS) / _STEPS, _HIGHEST - _LOWEST))
     return np.concatenate([[0.0], inner, [2.0**_HIGHEST]])
 
 
 _C = _edges()
-_GROWN, _SHRUNK = _C, _C / (1.0 + _C)  # as area changes relative to rest
+_GROWN, _SHRUNK = _C, _C / (1.0 + _C)  # bin edges as relative changes of area
 _EITHER = np.union1d(_GROWN, _SHRUNK)
 _OCTAVES = np.log2(1.0 + _C)
 
@@ -50,7 +50,7 @@ class LocalChange:
         Of the change of a triangle's area up or down, relative to its area at rest: the mean, what 99 % of
         the surface do not exceed, and the largest of all.
     below : (k,) float array
-        Share of the surface whose ratio of areas is less than that of an edge of the bins, from 0 to 1.
+        Fraction of the surface with an area ratio below each bin edge, from 0 to 1.
     """
 
     mean: float
@@ -58,7 +58,7 @@ class LocalChange:
     largest: float
     below: np.ndarray
 
-    def shares(self, edges: np.ndarray) -> np.ndarray:
+    def surface_fractions(self, edges: np.ndarray) -> np.ndarray:
         """Surface fractions (b,) between ``edges`` (b + 1,) in log2 of the area ratio."""
         return np.diff(np.interp(edges, _ALL_OCTAVES, self.below))
 

@@ -21,7 +21,7 @@ _MOST_TRIANGLES = 200_000
 _FACING = 0.8
 _PARALLEL = -0.7  # largest cosine between the normals of opposite walls
 
-# Bounds of the area-weighted 10th and 90th percentile of the thickness, in medians.
+# Bounds of the area-weighted 10th and 90th percentiles of the thickness, relative to its median.
 _SPREAD = 0.5, 2.0
 
 # Near the rim, the path along the surface to the opposite wall is shorter than this many thicknesses.

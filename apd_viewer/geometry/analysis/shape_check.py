@@ -41,7 +41,7 @@ class ShapeCheck(NamedTuple):
         return dx * dy * dz
 
     @property
-    def packed(self) -> float:
+    def packed_box(self) -> float:
         """Volume of the smallest oriented bounding box of the shape."""
         return self.hull.box
 

@@ -11,10 +11,10 @@ from numba import prange
 from apd_viewer.geometry.contact.distances import gap
 from apd_viewer.geometry.contact.gap_energy import gap_energy
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.threads import parallel, total
+from apd_viewer.geometry.linalg.threads import parallel, sum_of_portions
 
 # Smallest fraction of a gap left after a step.
-LEAST_GAP_SHARE = 0.1
+LEAST_GAP_FRACTION = 0.1
 # Fraction of the known collision-free motion used at once; shorter advances end the search.
 _TAKEN = 0.9
 _SHORTEST = 1e-9
@@ -27,7 +27,7 @@ _THIN = 1e-12
 
 
 @njit(cache=True, nogil=True)
-def _away(U: np.ndarray, W: np.ndarray, v: int, x: float, y: float, z: float) -> float:
+def _squared_displacement(U: np.ndarray, W: np.ndarray, v: int, x: float, y: float, z: float) -> float:
     """Squared length of a vertex's displacement relative to (x, y, z)."""
     dx, dy, dz = W[v, 0] - U[v, 0] - x, W[v, 1] - U[v, 1] - y, W[v, 2] - U[v, 2] - z
     return dx * dx + dy * dy + dz * dz
@@ -40,8 +40,8 @@ def _relative_motion(U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool
     x = 0.25 * (W[a, 0] - U[a, 0] + W[b, 0] - U[b, 0] + W[c, 0] - U[c, 0] + W[d, 0] - U[d, 0])
     y = 0.25 * (W[a, 1] - U[a, 1] + W[b, 1] - U[b, 1] + W[c, 1] - U[c, 1] + W[d, 1] - U[d, 1])
     z = 0.25 * (W[a, 2] - U[a, 2] + W[b, 2] - U[b, 2] + W[c, 2] - U[c, 2] + W[d, 2] - U[d, 2])
-    one, other = _away(U, W, a, x, y, z), _away(U, W, b, x, y, z)
-    third = max(_away(U, W, c, x, y, z), _away(U, W, d, x, y, z))
+    one, other = _squared_displacement(U, W, a, x, y, z), _squared_displacement(U, W, b, x, y, z)
+    third = max(_squared_displacement(U, W, c, x, y, z), _squared_displacement(U, W, d, x, y, z))
     if edges:
         return np.sqrt(max(one, other)) + np.sqrt(third)
     return np.sqrt(one) + np.sqrt(max(other, third))
@@ -109,39 +109,39 @@ def _solve_three(A: np.ndarray, B: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _free_share(
+def _free_fraction(
     U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool, d: float, floor: float, motion: float
 ) -> float:
     """Fraction of a step keeping a tenth of the clearance ``d - floor``."""
-    wanted = LEAST_GAP_SHARE * (d - floor)
+    wanted = LEAST_GAP_FRACTION * (d - floor)
     X, D, own = np.empty((4, 3)), np.empty((4, 3)), np.arange(4)
     for k in range(4):
         for c in range(3):
             X[k, c] = U[pair[k], c]
             D[k, c] = W[pair[k], c] - X[k, c]
     # Up to rounding, the first advance leaves the wanted gap.
-    share, left, part = 0.0, d - floor, 1.0 - LEAST_GAP_SHARE
+    fraction, left, part = 0.0, d - floor, 1.0 - LEAST_GAP_FRACTION
     for _ in range(_MOST_STEPS):
         rate = motion
         if motion > _MANY * left:
             strain, rest = _strain_and_remainder(X, D, edges)
             rate = min(motion, strain * (left + floor) + rest)
         if rate == 0.0:
-            return 1.0  # even with a gap below the floor: the pair does not approach
+            return 1.0  # the pair does not approach, even if its gap is below the floor
         step = part * left / max(rate, part * left)
         if step < _SHORTEST:
-            return share
-        tried = min(1.0, share + step)
+            return fraction
+        tried = min(1.0, fraction + step)
         for k in range(4):
             for c in range(3):
                 X[k, c] = U[pair[k], c] + tried * D[k, c]
         left = gap(X, own, edges)[0] - floor
-        if left < wanted and share > 0.0:
-            return share
-        share, part = tried, _TAKEN
-        if share >= 1.0:
-            return share
-    return share
+        if left < wanted and fraction > 0.0:
+            return fraction
+        fraction, part = tried, _TAKEN
+        if fraction >= 1.0:
+            return fraction
+    return fraction
 
 
 @parallel()
@@ -157,7 +157,7 @@ def detect_collisions(
     approach: np.ndarray,
     owner: np.ndarray,
     low_after: np.ndarray,
-    share: np.ndarray,
+    fraction: np.ndarray,
     radius: float,
 ) -> tuple[float, int]:
     """Energy per stiffness at ``W``, and number of pairs blocking the step to it.
@@ -176,8 +176,8 @@ def detect_collisions(
     approach : (k,) float array
         Bound of how much nearer the parts of every pair of an owner come.
     owner : (p,) int array
-    low_after, share : (p,) float arrays
-        Written into: lower bounds of the gaps at ``W``, and the share of the way that is free.
+    low_after, fraction : (p,) float arrays
+        Written into: lower bounds of the gaps at ``W``, and the collision-free fraction of the step.
     radius : float
         Radius of a rounded obstacle: gaps are smaller than distances from its points by this amount.
     """
@@ -186,20 +186,20 @@ def detect_collisions(
     for portion in prange(count):
         for p in range(portion * _PORTION, min(len(pairs), (portion + 1) * _PORTION)):
             motion = approach[owner[p]]
-            share[p], low_after[p] = 1.0, low[p] - motion
+            fraction[p], low_after[p] = 1.0, low[p] - motion
             if low_after[p] >= reach[p] + margin:
                 continue
             motion = min(motion, _relative_motion(U, W, pairs[p], is_edge_pair[p]))
             low_after[p] = low[p] - motion
             if low_after[p] >= reach[p] + margin:
                 continue
-            if motion > (1.0 - LEAST_GAP_SHARE) * (low[p] - floor[p]):
+            if motion > (1.0 - LEAST_GAP_FRACTION) * (low[p] - floor[p]):
                 low[p] = gap(U, pairs[p], is_edge_pair[p])[0] - radius
-                if motion > (1.0 - LEAST_GAP_SHARE) * (low[p] - floor[p]):
+                if motion > (1.0 - LEAST_GAP_FRACTION) * (low[p] - floor[p]):
                     d, least = low[p] + radius, floor[p] + radius
-                    share[p] = _free_share(U, W, pairs[p], is_edge_pair[p], d, least, motion)
-                    blocked[portion] += share[p] < 1.0
+                    fraction[p] = _free_fraction(U, W, pairs[p], is_edge_pair[p], d, least, motion)
+                    blocked[portion] += fraction[p] < 1.0
             low_after[p] = gap(W, pairs[p], is_edge_pair[p])[0] - radius
             if low_after[p] < reach[p]:
                 energies[portion] += gap_energy(low_after[p], reach[p])
-    return total(energies), total(blocked)
+    return sum_of_portions(energies), sum_of_portions(blocked)

@@ -30,7 +30,7 @@ _SHORTEST = 1e-3
 
 
 class DirectedSprings(NamedTuple):
-    """Springs that resist changes of gaps, but no sliding.
+    """Springs that resist changes of gaps, but not sliding.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Contact:
     least_gap : float
         Least gap of these pairs; infinite without any.
     examined_parts : int
-        Parts of the last way of :meth:`move_to`, and of the way back, that were looked at.
+        Substeps examined by the last :meth:`move_to`, and on the way back.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class Contact:
         obstacles: Sequence[Obstacle] = (),
     ) -> None:
         self._F = F
-        self._zone = exempt_zones(F, crossing_pairs(V, F) if len(F) else None, len(V))
+        self._zone = contact_exemption_zones(F, crossing_pairs(V, F) if len(F) else None, len(V))
         self.followers = followers or NoFollowers(len(V))
         self._stiffness = _STIFFNESS * stiffness
         self._most = _FIRMEST / _STIFFNESS
@@ -118,7 +118,7 @@ class Contact:
         self.obstacles = [ObstaclePairs(V, self._F, E, obstacle, self.thickness) for obstacle in obstacles]
 
     def can_start_at(self, U: np.ndarray, shifts: np.ndarray | None = None) -> bool:
-        """True if ``U`` (n, 3) meets no obstacle, and itself only where it does at rest.
+        """True if ``U`` (n, 3) meets no obstacle, and itself only as the rest shape does.
 
         Parameters
         ----------
@@ -180,15 +180,15 @@ class Contact:
             self.start, self._placed, self._energy = U, self._placed_ahead, self._energy_ahead
             self._is_ahead = False
 
-    def trial_shares(self, W: np.ndarray) -> np.ndarray | None:
+    def trial_fractions(self, W: np.ndarray) -> np.ndarray | None:
         """Fractions (n,) of the step to ``W`` (n, 3) to try; None if collision-free."""
-        shares = self._look_ahead(W)
-        if shares is None:
+        fractions = self._look_ahead(W)
+        if fractions is None:
             return None
-        shares = np.where(shares < 1.0, _TAKEN * shares, 1.0)
-        self.followers.limit_shares(shares)
-        _smooth(self._pairs.edges, shares, _RISE, _SWEEPS)
-        return shares
+        fractions = np.where(fractions < 1.0, _TAKEN * fractions, 1.0)
+        self.followers.limit_step_fractions(fractions)
+        _limit_jumps(self._pairs.edges, fractions, _RISE, _SWEEPS)
+        return fractions
 
     def _look_ahead(self, W: np.ndarray) -> np.ndarray | None:
         """Collision-free fractions (n,) of the step to ``W`` (n, 3); None if all of it."""
@@ -196,7 +196,7 @@ class Contact:
         self._is_ahead = False
         placed = self.followers.with_followers(W)
         found = [pairs.find_free_fractions(self._placed, placed) for pairs in self._all]
-        blocked = [shares for shares in found if shares is not None]
+        blocked = [fractions for fractions in found if fractions is not None]
         if blocked:
             return np.min(blocked, axis=0)
         self._ahead, self._placed_ahead, self._energy_ahead = W, placed, self._energy_found
@@ -224,15 +224,15 @@ class Contact:
         start, before, done, part = self.start, self.shifts, 0.0, 1.0
         while done < 1.0:
             self.examined_parts += 1
-            share = min(1.0, done + part)
-            end = W if share == 1.0 else start + share * (W - start)
-            self.aim_obstacles(shifts if share == 1.0 else before + share * (shifts - before))
-            shares = self._look_ahead(end)
-            if shares is None:
+            fraction = min(1.0, done + part)
+            end = W if fraction == 1.0 else start + fraction * (W - start)
+            self.set_obstacle_targets(shifts if fraction == 1.0 else before + fraction * (shifts - before))
+            fractions = self._look_ahead(end)
+            if fractions is None:
                 self.accept_shape(end)
                 done, part = done + part, 2.0 * part
-            elif shares.min() == shares.max() and part > _SHORTEST:
-                part *= float(shares[0])
+            elif fractions.min() == fractions.max() and part > _SHORTEST:
+                part *= float(fractions[0])
             else:
                 return False
         return True
@@ -292,36 +292,36 @@ class Contact:
             found.append((np.where(ids < n, ids, n + k - 1), self._stiffness * firm, w, apart))
         return DirectedSprings(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
-    def aim_obstacles(self, shifts: np.ndarray) -> None:
-        """Set the obstacles' offsets (o, 3) from their initial places for the next step."""
+    def set_obstacle_targets(self, shifts: np.ndarray) -> None:
+        """Set the obstacles' displacements (o, 3) at the end of the next step."""
         for pairs, shift in zip(self.obstacles, shifts, strict=True):
-            pairs.aim_at(shift)
+            pairs.set_target(shift)
 
-    def pushed_by_obstacles(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
-        """``W`` (n, 3), with vertices near obstacles at ``U`` pushed along with them."""
+    def positions_pushed_by_obstacles(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
+        """Positions ``W`` (n, 3), with vertices near obstacles at ``U`` pushed along."""
         for pairs in self.obstacles:
-            W = pairs.pushed_by_obstacle(U, W)
+            W = pairs.positions_pushed_by_obstacle(U, W)
         return W
 
 
 @njit(cache=True, nogil=True)
-def _smooth(E: np.ndarray, shares: np.ndarray, rise: float, sweeps: int) -> None:
-    """Limit the difference of ``shares`` along each edge to ``rise``."""
+def _limit_jumps(E: np.ndarray, fractions: np.ndarray, largest: float, sweeps: int) -> None:
+    """Lower step fractions until those of neighbours differ by at most ``largest``."""
     for _ in range(sweeps):
         changed = False
         for e in range(len(E)):
             a, b = E[e, 0], E[e, 1]
-            if shares[a] > shares[b] + rise:
-                shares[a] = shares[b] + rise
+            if fractions[a] > fractions[b] + largest:
+                fractions[a] = fractions[b] + largest
                 changed = True
-            elif shares[b] > shares[a] + rise:
-                shares[b] = shares[a] + rise
+            elif fractions[b] > fractions[a] + largest:
+                fractions[b] = fractions[a] + largest
                 changed = True
         if not changed:
             break
 
 
-# Rings of triangles exempted around intersecting ones.
+# Rings of triangles exempt from contact around intersecting ones.
 _RINGS = 3
 
 
@@ -334,10 +334,10 @@ def is_near_crossing(F: np.ndarray, crossing: np.ndarray, n: int) -> np.ndarray:
     return near
 
 
-def exempt_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
-    """Exemption zone of each vertex, numbered from 1; 0 for none.
+def contact_exemption_zones(F: np.ndarray, pairs: np.ndarray | None, n: int) -> np.ndarray:
+    """Zone of each vertex within which contact is ignored, from 1; 0 for none.
 
-    What crosses is in one zone, and so is what is connected with it within a few rings. Zones of different
+    Crossing triangles and those connected with them within a few rings are in one zone. Zones of different
     places are kept apart.
 
     Parameters
@@ -386,7 +386,7 @@ class Followers(Protocol):
     def transfer_gradient(self, g: np.ndarray) -> None:
         """Add the followers' gradient (n, 3) to the gradient of their carriers."""
 
-    def limit_shares(self, shares: np.ndarray) -> None:
+    def limit_step_fractions(self, fractions: np.ndarray) -> None:
         """Limit the step fractions (n,) of carriers to those of their followers."""
 
 
@@ -403,11 +403,11 @@ class NoFollowers:
         self.exempt_groups = np.zeros((0, n), np.int64)
 
     def with_followers(self, U: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3) itself."""
+        """Positions ``U`` (n, 3) themselves."""
         return U
 
     def transfer_gradient(self, g: np.ndarray) -> None:
         """Leave the gradient (n, 3) unchanged."""
 
-    def limit_shares(self, shares: np.ndarray) -> None:
+    def limit_step_fractions(self, fractions: np.ndarray) -> None:
         """Leave the step fractions (n,) unchanged."""

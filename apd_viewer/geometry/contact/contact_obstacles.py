@@ -61,7 +61,7 @@ class Obstacle:
         return length - self.radius, away / np.maximum(length, np.finfo(float).tiny)[:, None]
 
     def pairs(self, F: np.ndarray, E: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """All pairs (p, 4) with a surface, and a mask (p,) of the pairs of two edges.
+        """Element pairs (p, 4) with a surface, and a mask (p,) of the pairs of two edges.
 
         Parameters
         ----------

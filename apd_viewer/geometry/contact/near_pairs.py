@@ -32,7 +32,7 @@ _SOON = 0.5
 _FLOOR, _FLOOR_OF_RANGE, _FLOOR_OF_GAP = 5e-3, 0.1, 0.5
 
 
-class _Listed(NamedTuple):
+class _ListedPairs(NamedTuple):
     """Columns of the listed pairs; see :class:`FoundPairs`.
 
     ``low`` bounds the gaps from below; ``reach`` is the range of their energy, ``floor`` the least gap.
@@ -46,18 +46,18 @@ class _Listed(NamedTuple):
     floor: np.ndarray
 
     @classmethod
-    def none(cls) -> _Listed:
+    def empty(cls) -> _ListedPairs:
         no = np.zeros(0)
         return cls(np.zeros((0, 4), np.int32), np.zeros(0, bool), np.zeros(0, np.int32), no, no, no)
 
-    def among(self, kept: np.ndarray) -> _Listed:
+    def subset(self, kept: np.ndarray) -> _ListedPairs:
         """Rows selected by the mask ``kept``."""
         rows = np.flatnonzero(kept)
-        return _Listed(*(column.take(rows, axis=0) for column in self))
+        return _ListedPairs(*(column.take(rows, axis=0) for column in self))
 
-    def joined_with(self, more: _Listed) -> _Listed:
+    def joined_with(self, more: _ListedPairs) -> _ListedPairs:
         """Rows of this list, followed by those of ``more``."""
-        return _Listed(*(np.concatenate(columns) for columns in zip(self, more, strict=True)))
+        return _ListedPairs(*(np.concatenate(columns) for columns in zip(self, more, strict=True)))
 
 
 class NearPairs:
@@ -97,9 +97,9 @@ class NearPairs:
     def rebuild_at(self, U: np.ndarray) -> None:
         """Rebuild the list of pairs at ``U`` (n, 3)."""
         self._between, self._bound = np.zeros((0, 2), np.int64), np.zeros(0)
-        self._listed = _Listed.none()
+        self._listed = _ListedPairs.empty()
         self._paid_at, self._clearance = U, 0.0
-        self._relist(U, self._usual)
+        self._find_near_patches(U, self._usual)
         self.find_free_fractions(U, U)
         self.accept_step()
 
@@ -116,16 +116,16 @@ class NearPairs:
         if far is not None:
             return np.full(len(U), far)
         listed, self._ahead = self._listed, W
-        self._low_after, share = np.empty(len(listed.low)), np.empty(len(listed.low))
+        self._low_after, fraction = np.empty(len(listed.low)), np.empty(len(listed.low))
         pairs, bounds = (listed.pairs, listed.edges), (listed.low, listed.reach, listed.floor)
-        motions, after = (self._approach, listed.owner), (self._low_after, share)
+        motions, after = (self._approach, listed.owner), (self._low_after, fraction)
         margin = _MARGIN * self._edge
         self._energy_after, blocked = detect_collisions(U, W, margin, *pairs, *bounds, *motions, *after, 0.0)
         if not blocked:
             return None
-        shares, short = np.ones(len(U)), share < 1.0
-        np.minimum.at(shares, listed.pairs[short].ravel(), np.repeat(share[short], 4))
-        return shares
+        fractions, short = np.ones(len(U)), fraction < 1.0
+        np.minimum.at(fractions, listed.pairs[short].ravel(), np.repeat(fraction[short], 4))
+        return fractions
 
     @property
     def energy_ahead(self) -> float:
@@ -154,7 +154,7 @@ class NearPairs:
 
     def springs(self, U: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Springs of touching pairs: vertices (p, 4), constants (p,), weights (p, 4)."""
-        touching = self._listed.among(self._listed.low < self._listed.reach)
+        touching = self._listed.subset(self._listed.low < self._listed.reach)
         k, w = gap_springs(U, touching.pairs, touching.edges, touching.reach, most, 0.0)
         return touching.pairs, k, w
 
@@ -173,7 +173,7 @@ class NearPairs:
             return 0.9 * _LONGEST * self._edge / step
         moved, needed = _CORNER * largest_difference(U, self._listed_at), max(self._usual, 4.0 * step)
         if 2.0 * (moved + step) > self._unseen or self._unseen > 2.0 * needed:
-            self._relist(U, needed)
+            self._find_near_patches(U, needed)
             moved = 0.0
         self._moved_after = 2.0 * (moved + step)
         self._approach = approach = self._patches.approach_bounds(U, W, self._between)
@@ -182,10 +182,10 @@ class NearPairs:
         if most > _FARTHEST * self._edge:
             return 0.9 * _FARTHEST * self._edge / most
         if (left < 0.0).any():
-            self._list(U, left < _SOON * self._look_ahead)
+            self._renew_listed_pairs(U, left < _SOON * self._look_ahead)
         return None
 
-    def _list(self, U: np.ndarray, short: np.ndarray) -> None:
+    def _renew_listed_pairs(self, U: np.ndarray, short: np.ndarray) -> None:
         """Renew the listed pairs between the patch pairs in the mask ``short``."""
         rows = np.flatnonzero(short)
         approach, ahead = self._approach[rows], self._look_ahead[rows]
@@ -198,10 +198,10 @@ class NearPairs:
         floor = np.minimum(_FLOOR * self._reach, _FLOOR_OF_RANGE * found.reach)
         floor = np.minimum(floor, _FLOOR_OF_GAP * found.gap)
         owner = rows[found.owner].astype(np.int32)
-        new = _Listed(found.pairs, found.is_edge_pair, owner, found.gap, found.reach, floor)
-        self._listed = self._listed.among(~short[self._listed.owner]).joined_with(new)
+        new = _ListedPairs(found.pairs, found.is_edge_pair, owner, found.gap, found.reach, floor)
+        self._listed = self._listed.subset(~short[self._listed.owner]).joined_with(new)
 
-    def _relist(self, U: np.ndarray, beyond: float) -> None:
+    def _find_near_patches(self, U: np.ndarray, beyond: float) -> None:
         """Find the near patch pairs, keeping known bounds and listed pairs."""
         self._unseen = beyond
         between, bound = self._patches.near_pairs(self._patches.boxes(U), self._reach + beyond)
@@ -214,7 +214,7 @@ class NearPairs:
             there = np.minimum(np.searchsorted(new, old), len(new) - 1)
             back = np.where(new[there] == old, there, -1).astype(np.int32)
             owner = back[self._listed.owner]
-            self._listed = self._listed._replace(owner=owner).among(owner >= 0)
+            self._listed = self._listed._replace(owner=owner).subset(owner >= 0)
         self._between, self._bound, self._listed_at = between, bound, U
         self._look_ahead = _LOOK_AHEAD * self._edges_of[between].min(axis=1)
 
@@ -242,7 +242,7 @@ class NoPairs:
         """Do nothing."""
 
     def find_free_fractions(self, _: np.ndarray, _W: np.ndarray) -> None:
-        """Return None: every step is free."""
+        """Return None: every step is collision-free."""
 
     def accept_step(self) -> None:
         """Do nothing."""

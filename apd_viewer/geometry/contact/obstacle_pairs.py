@@ -43,7 +43,7 @@ class ObstaclePairs:
     points, points_ahead : (p, 3) float arrays
         Its points there.
     energy_ahead : float
-        Energy per stiffness at the end of the free way found last.
+        Energy per stiffness at the end of the last collision-free step found.
     force : (3,) float array
         Gradient by the place of the obstacle at the last :meth:`gradient`, per stiffness.
     """
@@ -68,7 +68,7 @@ class ObstaclePairs:
         self.shift = self.shift_ahead = shift
         self.points = self.points_ahead = self.obstacle.points + shift
 
-    def aim_at(self, shift: np.ndarray) -> None:
+    def set_target(self, shift: np.ndarray) -> None:
         """Set the obstacle's displacement (3,) at the end of the next step."""
         self.shift_ahead, self.points_ahead = shift, self.obstacle.points + shift
 
@@ -80,7 +80,7 @@ class ObstaclePairs:
         self._place(self.shift if shift is None else shift)
         self._listed_at = self._with(U, self.points)
         self._bound = np.full(len(self._all), -np.inf)
-        self._list(self._listed_at)
+        self._list_pairs(self._listed_at)
         self._floor = min(_FLOOR * self._reach, _LEFT * float(self._low.min(initial=np.inf)))
         self.find_free_fractions(U, U)
         self.accept_step()
@@ -92,8 +92,8 @@ class ObstaclePairs:
         if step > self._beyond:
             return np.full(len(U), 0.9 * self._beyond / step)
         if 2.0 * _CORNER * largest_difference(X, self._listed_at) + step > self._beyond:
-            self._list(X)
-        self._low_after, share = np.empty(len(self._low)), np.empty(len(self._low))
+            self._list_pairs(X)
+        self._low_after, fraction = np.empty(len(self._low)), np.empty(len(self._low))
         bounds = (
             self._low,
             np.full(len(self._low), self._reach),
@@ -102,13 +102,13 @@ class ObstaclePairs:
         owner = np.zeros(len(self._low), np.int32)
         self.energy_ahead, blocked = detect_collisions(
             X, Y, _MARGIN * self._reach, self._pairs, self._edges, *bounds, np.array([step]), owner,
-            self._low_after, share, self.obstacle.radius,
+            self._low_after, fraction, self.obstacle.radius,
         )  # fmt: skip
         if not blocked:
             return None
-        shares, short = np.ones(len(X)), share < 1.0
-        np.minimum.at(shares, self._pairs[short].ravel(), np.repeat(share[short], 4))
-        return shares[: len(U)]
+        fractions, short = np.ones(len(X)), fraction < 1.0
+        np.minimum.at(fractions, self._pairs[short].ravel(), np.repeat(fraction[short], 4))
+        return fractions[: len(U)]
 
     def accept_step(self) -> None:
         """Accept the last collision-free step found."""
@@ -133,8 +133,8 @@ class ObstaclePairs:
         k, w = gap_springs(self._with(U, self.points), *listed, most, self.obstacle.radius)
         return listed[0], k, w
 
-    def pushed_by_obstacle(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
-        """``W`` (n, 3), pushed ahead of the obstacle in its next motion.
+    def positions_pushed_by_obstacle(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
+        """Positions ``W`` (n, 3), pushed ahead of the obstacle in its next motion.
 
         Vertices near the obstacle at ``U`` move along with it, farther ones less and less.
         """
@@ -142,8 +142,8 @@ class ObstaclePairs:
         if not move.any():
             return W
         apart, outwards = self.obstacle.distances_and_directions(self.points, U)
-        share = np.clip(1.0 - (apart - self._reach) / (_CARRIED * float(np.linalg.norm(move))), 0.0, 1.0)
-        wanted = share * np.maximum(outwards @ move, 0.0)
+        fraction = np.clip(1.0 - (apart - self._reach) / (_CARRIED * float(np.linalg.norm(move))), 0.0, 1.0)
+        wanted = fraction * np.maximum(outwards @ move, 0.0)
         # At most wanted, so that the motion by another obstacle towards this one is not undone.
         missing = np.clip(wanted - np.einsum("ij,ij->i", W - U, outwards), 0.0, wanted)
         return W + missing[:, None] * outwards
@@ -151,7 +151,7 @@ class ObstaclePairs:
     def _with(self, U: np.ndarray, points: np.ndarray) -> np.ndarray:
         return np.concatenate([U, points])
 
-    def _list(self, X: np.ndarray) -> None:
+    def _list_pairs(self, X: np.ndarray) -> None:
         """List the pairs within reach of motions from ``X`` up to the list margin."""
         self._bound -= 2.0 * _CORNER * largest_difference(X, self._listed_at)
         near = np.flatnonzero(self._bound < self._reach + self._beyond)

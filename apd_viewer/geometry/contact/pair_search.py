@@ -15,9 +15,9 @@ from apd_viewer.geometry.linalg.threads import parallel
 # Fixed for any number of cores, so that pairs are always listed and summed in the same order.
 _TASKS = 32
 _FIRST_CAPACITY = 5_000  # pairs per task
-# Range limit as a fraction of a pair's distance at rest, so that neighbours exert no force at rest.
+# Range limit as a fraction of a pair's rest distance, so that neighbours exert no force in the rest shape.
 _OF_REST = 0.25
-# Pairs nearer than this at rest, in mesh sizes, already touch and cannot be kept apart.
+# Pairs with a smaller rest distance, in mesh sizes, already touch and cannot be kept apart.
 _TOUCHES = 1e-9
 
 
@@ -81,10 +81,10 @@ class PairSearch:
     def near_pairs(
         self, U: np.ndarray, patch_pairs: np.ndarray, margins: np.ndarray
     ) -> tuple[FoundPairs, np.ndarray]:
-        """Near pairs between patch pairs (k, 2), and bounds (k,) for all other pairs.
+        """Near element pairs of patch pairs (k, 2), and bounds (k,) for the other pairs.
 
-        Near are those whose gaps exceed their range by less than ``margins`` (k,); the bounds are lower ones
-        of what the gaps of all others exceed theirs by.
+        The gaps of near pairs exceed their range by less than ``margins`` (k,). The bounds are lower bounds
+        of the excess of all other gaps over their range.
         """
         patches, vertices = self._patches, np.arange(len(U))[:, None]
         most = 1 + max(
@@ -146,7 +146,7 @@ def _are_both_exempt(exempt_groups: np.ndarray, a: int, b: int, c: int, d: int) 
 
 @njit(inline="always")
 def _range_of(at_rest: float, reach: float, touches: float) -> float:
-    """Range of a pair's energy from its distance at rest."""
+    """Range of a pair's energy from its rest distance."""
     return min(reach, _OF_REST * at_rest) if at_rest > touches else 0.0
 
 

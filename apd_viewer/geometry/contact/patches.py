@@ -59,7 +59,7 @@ class Patches:
 
     def __init__(self, V: np.ndarray, F: np.ndarray, E: np.ndarray) -> None:
         self.used_vertices = np.unique(F)
-        own = _clustered(V[self.used_vertices])
+        own = _cluster_of_points(V[self.used_vertices])
         self._count = count = int(own.max()) + 1
         patch = np.zeros(len(V), np.int64)
         patch[self.used_vertices] = own
@@ -92,8 +92,8 @@ class Patches:
         return _approaches(_motions(U, W, *self.covered_vertices), pairs)
 
 
-def _clustered(X: np.ndarray) -> np.ndarray:
-    """Cluster of every point by Lloyd's algorithm, numbered from zero."""
+def _cluster_of_points(X: np.ndarray) -> np.ndarray:
+    """Cluster number (n,) of each point by Lloyd's algorithm, from zero."""
     count = max(1, len(X) // _VERTICES_PER_PATCH)
     workers = -1 if len(X) > _WORTH_THREADS else 1
     centres = X[np.random.default_rng(0).choice(len(X), count, replace=False)]
@@ -250,7 +250,7 @@ def _relative_displacement(M: np.ndarray, i: int, j: int, turning: int) -> float
 
 @parallel()
 def _approaches(M: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    """See :meth:`Patches.approach_bounds`; linear in time, so valid along the step."""
+    """Upper bounds (k,) of the approach of patch pairs, valid along the whole step."""
     bounds = np.empty(len(pairs))
     for e in prange(len(pairs)):
         i, j = pairs[e, 0], pairs[e, 1]

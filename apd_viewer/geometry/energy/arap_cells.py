@@ -1,4 +1,4 @@
-"""Kernels of the cells of Eq. 1: every vertex with its incident edges.
+"""Kernels of the ARAP cells (Eq. 1): every vertex with its incident edges.
 
     E(U) = sum_i sum_{j in N(i)} w_ij |(u_i - u_j) - R_i (v_i - v_j)|^2                  (Eq. 1)
 
@@ -20,7 +20,7 @@ from apd_viewer.geometry.linalg.rotations import (
     rotated_vector,
     store_rotation,
 )
-from apd_viewer.geometry.linalg.threads import parallel, total
+from apd_viewer.geometry.linalg.threads import parallel, sum_of_portions
 
 NO_MOMENTS = np.empty((0, 3, 3))
 # Vertices per parallel task.
@@ -40,7 +40,10 @@ def _load_cell(
     U: np.ndarray,
     S0: np.ndarray,
 ) -> None:
-    """Write ``S_i = S0_i + sum_j w_ij (u_i - u_j)(v_i - v_j)^T`` into a lane."""
+    """Write the covariance ``S_i`` of cell ``i`` into a lane.
+
+    ``S_i = S0_i + sum_j w_ij (u_i - u_j)(v_i - v_j)^T``.
+    """
     s00 = s01 = s02 = s10 = s11 = s12 = s20 = s21 = s22 = 0.0
     if len(S0):
         s00, s01, s02 = S0[i, 0, 0], S0[i, 0, 1], S0[i, 0, 2]
@@ -119,7 +122,7 @@ def _cell_energy(
     U: np.ndarray,
     q: np.ndarray,
 ) -> float:
-    """Energy of cell ``i`` in Eq. 1."""
+    """ARAP energy of cell ``i``, its term of Eq. 1."""
     cell = 0.0
     for e in range(start[i], start[i + 1]):
         j = neighbour[e]
@@ -140,10 +143,10 @@ def gauss_seidel_local_step(
     coupling: float,
     q: np.ndarray,
 ) -> None:
-    """Gauss-Seidel local step with ``coupling / (2 deg i) sum_j |R_i - R_j|^2``.
+    """Gauss-Seidel local step with coupling of neighbouring rotations.
 
-    Once each, as CGAL does it [Levi & Gotsman 2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
-    Animation].
+    The coupling energy is ``coupling / (2 deg i) sum_j |R_i - R_j|^2``. One sweep, as in CGAL [Levi & Gotsman
+    2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh Animation].
     """
     X, scratch, R = np.zeros(ROWS * LANES), np.empty((3, 4, 4)), np.empty((3, 3))
     for i in range(len(V)):
@@ -174,11 +177,12 @@ def right_hand_side(
     rows: np.ndarray,
     subtracted: np.ndarray,
 ) -> np.ndarray:
-    """Rows of ``b + added + sum_k mult_k forces_k - subtracted``.
+    """Rows (f, 3) of the right-hand side ``b`` of the global step, and further terms.
 
-    ``b_i = weight * sum_j w_ij / 2 (R_i + R_j)(v_i - v_j)``; ``LV`` (n, 3) is the Laplacian of ``V``, what
-    R_i is applied to. ``added`` is (n, 3), or (0, 3) if it is nothing; ``forces`` (k, n, 3); ``rows`` (f,);
-    ``subtracted`` and what is returned (f, 3). The gradient of the energy is ``4 (L U - b)``.
+    They are ``b + added + sum_k mult_k forces_k - subtracted``, with ``b_i = weight * sum_j w_ij / 2 (R_i +
+    R_j)(v_i - v_j)``; ``LV`` (n, 3) is the Laplacian of ``V``, what R_i is applied to. ``added`` is (n, 3),
+    or (0, 3) without such a term; ``forces`` (k, n, 3); ``rows`` (f,); ``subtracted`` (f, 3). The gradient of
+    the energy is ``4 (L U - b)``.
     """
     half = 0.5 * weight
     out = np.empty((len(rows), 3))
@@ -209,7 +213,7 @@ def right_hand_side(
 def energy(
     start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, q: np.ndarray
 ) -> float:
-    """Energy of Eq. 1 at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
+    """ARAP energy (Eq. 1) at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
     n = len(V)
     count = (n + _PORTION - 1) // _PORTION
     energies = np.zeros(count)
@@ -218,7 +222,7 @@ def energy(
         for i in range(portion * _PORTION, min(n, (portion + 1) * _PORTION)):
             part += _cell_energy(i, start, neighbour, w, V, U, q)
         energies[portion] = part
-    return total(energies)
+    return sum_of_portions(energies)
 
 
 @parallel(fastmath={"contract"})
@@ -232,7 +236,7 @@ def quarter_gradient(
     q: np.ndarray,
     rows: np.ndarray,
 ) -> np.ndarray:
-    """A quarter of the gradient of Eq. 1 at ``rows``, (len(rows), 3).
+    """A quarter of the gradient (f, 3) of the ARAP energy (Eq. 1) at ``rows`` (f,).
 
     ``sum_j w_ij ((u_i - u_j) - 1/2 (R_i + R_j)(v_i - v_j))``; ``LV`` is as in :func:`right_hand_side`.
     """

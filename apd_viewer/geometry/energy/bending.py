@@ -18,8 +18,8 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.rotations import rotated_vector
-from apd_viewer.geometry.linalg.threads import parallel, total
-from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian, face_areas, well_shaped
+from apd_viewer.geometry.linalg.threads import parallel, sum_of_portions
+from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian, face_areas, is_well_shaped
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 # Cotangent above which a triangle gets less weight: its gradient changes more with a displacement, so that
@@ -61,7 +61,7 @@ class Bending:
     def __init__(self, V: np.ndarray, patch: Patch) -> None:
         self.patch, F, n = patch, patch.F, len(V)
         cot, areas = cotangents(V, F), face_areas(V, F)
-        sound = well_shaped(cot)
+        sound = is_well_shaped(cot)
         part = np.where(sound, _SLENDER / np.maximum(np.abs(cot).max(axis=1), _SLENDER), 0.0)
         self.hat_gradients, self.normals = _hats_and_normals(V, F, np.where(sound, areas, 0.0))
         self.weight = ring_weights(V, patch, areas, part, self.normals, self.hat_gradients)
@@ -75,7 +75,7 @@ class Bending:
         self.K = self._matrix(cot, np.where(sound, areas, 1.0))
 
     def _matrix(self, cot: np.ndarray, areas: np.ndarray) -> sp.csr_array:
-        """Half of ``sum_i sum_t w_it |grad_t u - mean_i|^2``."""
+        """A quarter of the energy's Hessian for held rotations, (n, n)."""
         F, n = self.patch.F, len(self.inverse)
         K = element_laplacian(cot * (self.weight.sum(axis=1) / areas)[:, None], F, n)
         rows, columns = (x.ravel().astype(np.int32) for x in (np.repeat(F, 3, axis=1), np.tile(F, 3)))
@@ -93,12 +93,12 @@ class Bending:
         return float(_energy(patch.start, patch.corner, *rest, D, q))
 
     def moments(self, U: np.ndarray, scale: float) -> np.ndarray:
-        """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
+        """Bending part (n, 3, 3) of the local step's covariances at ``U`` (n, 3)."""
         patch, D = self.patch, gradients(U, self.patch.F, self.hat_gradients)
         return _moments(patch.start, patch.corner, self.weight, self.mean, D, scale)
 
     def right_hand_side(self, q: np.ndarray, scale: float) -> np.ndarray:
-        """Right-hand side for the rotations ``q`` (n, 4), times ``scale``, (n, 3)."""
+        """Right-hand side (n, 3) for rotations ``q`` (n, 4), times ``scale``."""
         patch = self.patch
         tensions = _tensions(patch.F, self.weight, self.mean, 0.5 * scale, q)
         return corner_sums(patch.start, patch.corner, self.hat_gradients, tensions)
@@ -119,7 +119,10 @@ def _hats_and_normals(V: np.ndarray, F: np.ndarray, areas: np.ndarray) -> tuple[
 
 @parallel(fastmath={"contract"})
 def gradients(U: np.ndarray, F: np.ndarray, hat_gradients: np.ndarray) -> np.ndarray:
-    """``D_t = sum_c u_c g_c^T``, (m, 3, 3), g the gradients of the hat functions."""
+    """Deformation gradients ``D_t = sum_c u_c g_c^T`` (m, 3, 3) of the triangles.
+
+    g are the gradients of the hat functions.
+    """
     out = np.empty((len(F), 3, 3))
     for t in prange(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
@@ -134,7 +137,7 @@ def gradients(U: np.ndarray, F: np.ndarray, hat_gradients: np.ndarray) -> np.nda
 def _moments(
     start: np.ndarray, corner: np.ndarray, weight: np.ndarray, mean: np.ndarray, D: np.ndarray, scale: float
 ) -> np.ndarray:
-    """``scale sum_t w_it D_t (mean_i - n_t n_t^T)``, (n, 3, 3), where ``D_t n_t = 0``."""
+    """Bending moments ``scale sum_t w_it D_t (mean_i - n_t n_t^T)``, (n, 3, 3)."""
     out = np.empty_like(mean)
     for i in prange(len(out)):
         s = np.zeros((3, 3))
@@ -190,12 +193,12 @@ def _energy(
                     change += (D[t, 2, b] + n * z - d[2, b]) ** 2
                 own += weight[t, c] * change
             energies[portion] += own
-    return total(energies)
+    return sum_of_portions(energies)
 
 
 @parallel(fastmath={"contract"})
 def _tensions(F: np.ndarray, weight: np.ndarray, mean: np.ndarray, scale: float, q: np.ndarray) -> np.ndarray:
-    """``scale sum_i w_it R_i mean_i`` of every triangle t, (m, 3, 3)."""
+    """Tensions ``scale sum_i w_it R_i mean_i`` of the triangles t, (m, 3, 3)."""
     out = np.zeros((len(F), 3, 3))
     for t in prange(len(F)):
         for c in range(3):
@@ -212,7 +215,10 @@ def _tensions(F: np.ndarray, weight: np.ndarray, mean: np.ndarray, scale: float,
 def corner_sums(
     start: np.ndarray, corner: np.ndarray, hat_gradients: np.ndarray, T: np.ndarray
 ) -> np.ndarray:
-    """``sum_t T_t g_t`` at every vertex, (n, 3), g the gradient of its hat function."""
+    """Forces ``sum_t T_t g_t`` on the vertices, (n, 3), from tensions of triangles.
+
+    g is the gradient of the vertex's hat function.
+    """
     out = np.empty((len(start) - 1, 3))
     for i in prange(len(out)):
         x = y = z = 0.0

@@ -1,4 +1,4 @@
-"""Bending stiffness of the cells of Eq. 1, and the resulting load overestimate.
+"""Bending stiffness of the ARAP cells (Eq. 1), and the loads that it adds.
 
 A cell compares its edges with turned straight ones. Bent to a curvature k along the direction u, an edge e
 leaves the tangent plane by ``k (e . u)^2 / 2``, and the best rotation takes only what is linear in e from it:
@@ -36,7 +36,7 @@ def load_excess(material: Material, cells: float) -> float | None:
 
 
 def cell_stiffness(V: np.ndarray, F: np.ndarray) -> float:
-    """Bending stiffness of the cells of Eq. 1, mean over all directions.
+    """Bending stiffness of the ARAP cells (Eq. 1), mean over all directions.
 
     With the area A it is ``D / (2 A)``, as that of a material.
 
@@ -59,7 +59,7 @@ def cell_stiffness(V: np.ndarray, F: np.ndarray) -> float:
     determinant = xx * yy - xy * xy
     sound = determinant > _FLAT * (xx + yy) ** 2
     energy = 0.375 * sums(square * square)
-    # (e . u)^2 is half the dot product of these with (1, cos 2t, sin 2t).
+    # For u = (cos t, sin t), (e . u)^2 is half the dot product of these and (1, cos 2t, sin 2t).
     for part, share in ((square, 0.25), (x * x - y * y, 0.125), (2.0 * x * y, 0.125)):
         p, q = sums(part * x), sums(part * y)
         tilted = yy * p * p - 2.0 * xy * p * q + xx * q * q

@@ -84,7 +84,7 @@ class ElasticSurface(HeldSurface):
             ratio = material.rigidity / material.bending
             self.creases = PlasticBending(rest, material.yield_curvature, ratio)
         self._bending = self.creases or (rest.bending if material.bending > 0.0 else None)
-        # True if the energy is Eq. 1 alone.
+        # True if the ARAP cells are the only term of the energy.
         more = self.membrane is not None or self._bending is not None or len(soft.ids) > 0
         self._has_cells_alone = not more and material.rigidity == 1.0
         self.factor = self.factorizer(lambda: self.factored_matrix, rest.V[self.free])
@@ -119,9 +119,9 @@ class ElasticSurface(HeldSurface):
 
     @property
     def factored_matrix(self) -> Matrix:
-        """:attr:`K_ff`, made positive definite if no vertices are held.
+        """Matrix :attr:`K_ff`, made positive definite if no vertices are held.
 
-        Then a shift of the whole is about as firm as its softest change of shape. It costs no energy.
+        A translation is then about as stiff as the softest deformation, though it costs no energy.
         """
         if len(self.fixed):
             return self.K_ff
@@ -193,8 +193,8 @@ class ElasticSurface(HeldSurface):
             residual += 0.25 * self.material.bending * collapsing
         return residual
 
-    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3); the current positions stay."""
+    def residual_at(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3); the current positions are unchanged."""
         current, q = self.U, self.q.copy()
         self.local_step(U)
         residual = self.residual(targets)
@@ -211,8 +211,10 @@ class ElasticSurface(HeldSurface):
     def global_step(
         self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
     ) -> np.ndarray:
-        """Minimiser (n, 3) of the energy for a fixed ``b``; the positions stay."""
-        return self.all_positions(self.factor.refined(self.right_hand_side(targets, mult, forces)), targets)
+        """Minimiser (n, 3) of the energy for a fixed ``b``, not made current."""
+        return self.all_positions(
+            self.factor.solve_refined(self.right_hand_side(targets, mult, forces)), targets
+        )
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""
@@ -266,15 +268,15 @@ class ElasticSurface(HeldSurface):
     def _energy(self, cells: float) -> float:
         """Energy of the current positions, given the energy of the ``cells``."""
         flat = 0.0 if self.membrane is None else self.membrane.energy
-        return self._without_membrane(self.U, self.q, cells) + flat
+        return self._energy_without_membrane(self.U, self.q, cells) + flat
 
     def energy_at(self, U: np.ndarray) -> float:
         """Energy at ``U`` (n, 3) near the current positions, membrane excluded."""
         q = self.q.copy()
         self._turn_cells(U, q)
-        return self._without_membrane(U, q, arap_cells.energy(*self.rest.graph, self.rest.V, U, q))
+        return self._energy_without_membrane(U, q, arap_cells.energy(*self.rest.graph, self.rest.V, U, q))
 
-    def _without_membrane(self, U: np.ndarray, q: np.ndarray, cells: float) -> float:
+    def _energy_without_membrane(self, U: np.ndarray, q: np.ndarray, cells: float) -> float:
         """Energy at ``U`` (n, 3) of bending, springs and ``cells``, with rotations ``q``."""
         E = self.material.rigidity * cells
         if self._bending is not None:
@@ -286,10 +288,10 @@ class ElasticSurface(HeldSurface):
 
 
 class ProjectedHessian:
-    """A quarter of an energy's Hessian, clamped triangle by triangle.
+    """Hessian of an energy, positive semi-definite per triangle, divided by four.
 
-    A matrix of 3 x 3 blocks. Triangles give their own Hessians; all other terms give the constant matrix of
-    the global step, their Hessian while the rotations are held.
+    A matrix of 3 x 3 blocks, a quarter as all gradients here. Triangles give their own Hessians; all other
+    terms give the constant matrix of the global step, their Hessian while the rotations are held.
 
     Parameters
     ----------

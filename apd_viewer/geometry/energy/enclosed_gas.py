@@ -1,4 +1,4 @@
-"""Gas within a closed surface, or one whose openings are capped.
+"""Gas within a closed surface, or an open one with capped openings.
 
 An ideal gas at one temperature, as much outside as inside at rest:
 

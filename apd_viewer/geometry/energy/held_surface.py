@@ -58,10 +58,10 @@ class HeldSurface(ABC):
         return parallel_ops.scattered_rows(self.U, self.place, X, targets)
 
     def positions_along(
-        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
+        self, U: np.ndarray, fraction: float, direction: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
-        """Positions ``U`` plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
-        return parallel_ops.scattered_rows_along(U, self.place, share, direction, targets)
+        """``U`` (n, 3) plus a fraction of ``direction`` (f, 3); held ones at ``targets``."""
+        return parallel_ops.displaced_rows(U, self.place, fraction, direction, targets)
 
     @abstractmethod
     def restart(self, U: np.ndarray) -> None:
@@ -85,8 +85,8 @@ class HeldSurface(ABC):
         """A quarter of the gradient on the free vertices, (f, 3)."""
 
     @abstractmethod
-    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3); the current positions stay."""
+    def residual_at(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3); the current positions are unchanged."""
 
     def commit_creases(self) -> None:  # noqa: B027 (optional)
         """Make the plastic flow at the current positions permanent, if any."""

@@ -22,7 +22,7 @@ from numba import prange
 
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.threads import parallel
-from apd_viewer.geometry.mesh.operators import cotangents, face_areas, well_shaped
+from apd_viewer.geometry.mesh.operators import cotangents, face_areas, is_well_shaped
 
 # Weight of an edge's own hinge relative to each of the other four, and the largest weight accepted.
 _OWN, _LARGEST = 9.0, 3.0
@@ -231,7 +231,7 @@ def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology, clamps
         x = np.where(is_first, corners[other, 3], corners[other, 2])
         X = _third_corner(Q, P, apart(q, x), apart(p, x))
         clamped = clamps[np.where(is_first, second[other], first[other]) // 3]
-        with np.errstate(divide="ignore", invalid="ignore"):  # in needles, and without a hinge
+        with np.errstate(divide="ignore", invalid="ignore"):  # needles, and edges without a hinge
             angles[:, slot] = np.where(other[:, None] >= 0, _hinge_angles(P, Q, R, X, clamped), 0.0)
     weights = _slope_weights(angles, _gradients(A, B, C)[..., 1], hinges >= 0) * signs
     at_clamps = clamps[first // 3] | clamps[second // 3]
@@ -289,7 +289,7 @@ def _triangle_stiffness(
         Edges without a hinge, whose slope is that of least energy.
     """
     X, areas = V[F], face_areas(V, F)
-    sound = well_shaped(cotangents(V, F))
+    sound = is_well_shaped(cotangents(V, F))
     edges = X[:, [1, 2, 0]] - X
     dots = np.einsum("tai,tbi->tab", edges, edges)
     lengths = np.sqrt(np.einsum("taa->ta", dots))

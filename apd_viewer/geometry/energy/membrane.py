@@ -18,8 +18,8 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.rotations import quaternion_to_matrix
-from apd_viewer.geometry.linalg.threads import parallel, total
-from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian, well_shaped
+from apd_viewer.geometry.linalg.threads import parallel, sum_of_portions
+from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian, is_well_shaped
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 # Twice the width of the widest registers: one half proceeds while the other waits for a division.
@@ -35,7 +35,7 @@ _FLAT = 1e-12
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _stretch(X: np.ndarray) -> None:
+def _compute_stretches(X: np.ndarray) -> None:
     """Compute the stretches of all lanes, and the start of Newton's method."""
     for i in range(LANES):
         x0, x1, x2 = X[i], X[2 * LANES + i], X[4 * LANES + i]
@@ -66,8 +66,8 @@ def _newton_step(X: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _pull(X: np.ndarray, shear: float, area: float) -> None:
-    """``T = D (f1 v1 v1^T + f2 v2 v2^T)``, v the directions of the stretches."""
+def _write_projections(X: np.ndarray, shear: float, area: float) -> None:
+    """Write ``T = D (f1 v1 v1^T + f2 v2 v2^T)``, v the directions of the stretches."""
     for i in range(LANES):
         s1, s2, p1, plane = X[_S1 + i], X[_S2 + i], X[_P + i], X[_PLANE + i]
         p2 = 1.0 / p1
@@ -83,7 +83,7 @@ def _pull(X: np.ndarray, shear: float, area: float) -> None:
 
 @njit(cache=True, nogil=True)
 def project_lanes(X: np.ndarray, shear: float, area: float) -> None:
-    """``T = shear R + area P`` for LANES deformation gradients D at a time.
+    """Weighted projections ``T = shear R + area P`` of LANES deformation gradients D.
 
     Where a triangle has collapsed, T is ``(shear + area) D``: zero is a subgradient.
 
@@ -93,7 +93,7 @@ def project_lanes(X: np.ndarray, shear: float, area: float) -> None:
         Lane i has D (3, 2) in ``X[i], X[LANES + i], ...``, row by row, and T on return; in the last row then
         ``shear |D - R|^2 + area |D - P|^2``.
     """
-    _stretch(X)
+    _compute_stretches(X)
     for _ in range(_NEWTON_STEPS):
         _newton_step(X)
         longest = 0.0
@@ -101,7 +101,7 @@ def project_lanes(X: np.ndarray, shear: float, area: float) -> None:
             longest = max(longest, X[_STEP + i])
         if longest < _SHORT_STEP:
             break
-    _pull(X, shear, area)
+    _write_projections(X, shear, area)
 
 
 _NEWTON_STEPS = 20
@@ -175,11 +175,11 @@ def _forces(
                 _store(X, lane, t, rest, cot, forces)
                 sum_ += 0.5 * rest[t, 0] * rest[t, 2] * X[(ROWS - 1) * LANES + lane]
         energies[portion] = sum_
-    return total(energies)
+    return sum_of_portions(energies)
 
 
 @parallel()
-def _gathered(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.ndarray:
+def _vertex_sums(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.ndarray:
     """Sums (n, 3) of the corner ``forces`` (3 m, 3) at every vertex."""
     out = np.empty((len(start) - 1, 3))
     for i in prange(len(out)):
@@ -194,7 +194,7 @@ def _gathered(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.n
 
 
 @parallel()
-def _turn(F: np.ndarray, turns: np.ndarray, forces: np.ndarray) -> None:
+def _rotate_forces(F: np.ndarray, turns: np.ndarray, forces: np.ndarray) -> None:
     """Rotate each triangle's ``forces`` (3 m, 3) by its first corner's ``turns``."""
     for portion in prange((len(F) + _PORTION - 1) // _PORTION):
         R = np.empty((3, 3))
@@ -235,8 +235,8 @@ class Membrane:
         self._cot = cotangents(V, F)
         e, f = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
         x1 = np.linalg.norm(e, axis=1)
-        # The deformation gradients of needles are rounding errors; the cells of Eq. 1 still hold them.
-        usable = well_shaped(self._cot)
+        # Deformation gradients of needles are rounding errors; the ARAP cells still hold needles together.
+        usable = is_well_shaped(self._cot)
         x1 = np.where(usable, x1, 0.0)
         x2 = np.divide((e * f).sum(axis=1), x1, out=np.zeros_like(x1), where=usable)
         y2 = np.divide(np.linalg.norm(np.cross(e, f), axis=1), x1, out=np.ones_like(x1), where=usable)
@@ -253,8 +253,8 @@ class Membrane:
 
     def rotate_projections(self, rotations: np.ndarray) -> None:
         """Rotate the projections by unit quaternions ``rotations`` (n, 4) at the vertices."""
-        _turn(self.patch.F, rotations, self._forces)
+        _rotate_forces(self.patch.F, rotations, self._forces)
 
     def right_hand_side(self) -> np.ndarray:
-        """Right-hand side of the projections, (n, 3): ``grad E = 4 (K U - pull)``."""
-        return _gathered(self.patch.start, self.patch.corner, self._forces)
+        """Right-hand side ``b`` (n, 3) of the projections: ``grad E = 4 (K U - b)``."""
+        return _vertex_sums(self.patch.start, self.patch.corner, self._forces)

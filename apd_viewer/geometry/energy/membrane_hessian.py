@@ -40,7 +40,7 @@ def _area_slopes(s1: float, s2: float) -> tuple[float, float, float, float, floa
 
 @njit(inline="always")
 def _stretch_moduli(f11: float, f12: float, f22: float, least: float) -> tuple[float, float, float]:
-    """``[[f11, f12], [f12, f22]]`` with eigenvalues of at least ``least``."""
+    """Second derivatives by the stretches, with eigenvalues of at least ``least``."""
     mean, half = 0.5 * (f11 + f22), 0.5 * (f11 - f22)
     r = np.sqrt(half * half + f12 * f12)
     larger, smaller = max(mean + r, least), max(mean - r, least)
@@ -50,8 +50,8 @@ def _stretch_moduli(f11: float, f12: float, f22: float, least: float) -> tuple[f
 
 
 @njit(inline="always")
-def _put_modes(D: np.ndarray, shear: float, area: float, least: float, out: np.ndarray) -> None:
-    """Write frame, direction and moduli of ``shear |D - R|^2 + area |D - P|^2``."""
+def _write_modes(D: np.ndarray, shear: float, area: float, least: float, out: np.ndarray) -> None:
+    """Write a triangle's modes: frame U, direction in the rest plane, and moduli."""
     x0, x1, x2, y0, y1, y2 = D[0, 0], D[1, 0], D[2, 0], D[0, 1], D[1, 1], D[2, 1]
     a, b, d = x0 * x0 + x1 * x1 + x2 * x2, x0 * y0 + x1 * y1 + x2 * y2, y0 * y0 + y1 * y1 + y2 * y2
     m, h = 0.5 * (a + d), 0.5 * (a - d)
@@ -62,7 +62,7 @@ def _put_modes(D: np.ndarray, shear: float, area: float, least: float, out: np.n
     s2 = det / s1 if s1 > 0.0 else 0.0
     out[:] = 0.0
     if s2 <= _FLAT * s1:
-        # Same as in K: the Hessian with the projections held fixed.
+        # As in the constant matrix K: the Hessian for fixed projections.
         out[0] = out[4] = out[8] = out[9] = 1.0
         out[11] = out[13] = out[14] = out[16] = out[17] = 2.0 * (shear + area)
         return
@@ -109,7 +109,7 @@ def modes(
             for a in range(3):
                 D[a, 0] = (U[j, a] - U[i, a]) / x1
                 D[a, 1] = (U[k, a] - U[i, a] - D[a, 0] * x2) / y2
-            _put_modes(D, shear, area, least, out[t])
+            _write_modes(D, shear, area, least, out[t])
     return out
 
 

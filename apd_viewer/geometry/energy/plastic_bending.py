@@ -28,7 +28,7 @@ from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.parallel_ops import inner_product
 from apd_viewer.geometry.linalg.rotations import rotated_vector
-from apd_viewer.geometry.linalg.threads import parallel, total
+from apd_viewer.geometry.linalg.threads import parallel, sum_of_portions
 
 _NONE = np.empty((0, 3, 3, 3), np.float32)
 
@@ -80,7 +80,7 @@ class PlasticBending:
         return E + self._rigidity * self._cells.energy(U, q) if self._cells else E
 
     def moments(self, U: np.ndarray, scale: float) -> np.ndarray:
-        """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
+        """Bending part (n, 3, 3) of the local step's covariances at ``U`` (n, 3)."""
         b = self.bending
         ring = b.patch.start, b.patch.corner, b.weight, b.mean
         S = moments(*ring, self._creased, self.committed_flow, self._gradients(U), scale * self._elastic)
@@ -121,24 +121,24 @@ class PlasticBending:
         self.dissipated_energy += E - self.energy(U, q)
 
     def _gradients(self, U: np.ndarray) -> np.ndarray:
-        """``D_t`` at ``U`` (n, 3), (m, 3, 3)."""
+        """Deformation gradients ``D_t`` (m, 3, 3) at ``U`` (n, 3)."""
         if U is not self._U:
             self._U, self._D = U, gradients(U, self.bending.patch.F, self.bending.hat_gradients)
             self._forget()
         return self._D
 
     def _changes(self, U: np.ndarray, q: np.ndarray) -> np.ndarray:
-        """Lengths ``|B_i|`` (n,) at ``U`` (n, 3), rotations ``q`` (n, 4)."""
+        """Curvature changes ``|B_i|`` (n,) of the rings at ``U`` (n, 3), rotations ``q``."""
         b, D = self.bending, self._gradients(U)
         if not np.array_equal(q, self._q):
             self._q, self._means, self._sizes = q.copy(), np.empty((len(q), 3, 3)), np.empty(len(q))
             ring = b.patch.start, b.patch.corner, b.weight, b.inverse, b.mean, b.normals
-            write_means_and_changes(*ring, self._creased, self.committed_flow, D, q, self._means, self._sizes)
+            write_ring_changes(*ring, self._creased, self.committed_flow, D, q, self._means, self._sizes)
         return self._sizes
 
 
 @parallel(fastmath={"contract"})
-def write_means_and_changes(
+def write_ring_changes(
     start: np.ndarray,
     corner: np.ndarray,
     weight: np.ndarray,
@@ -152,7 +152,7 @@ def write_means_and_changes(
     means: np.ndarray,
     sizes: np.ndarray,
 ) -> None:
-    """Write every ring's mean of ``D_t`` (n, 3, 3) and size of its change (n,)."""
+    """Write each ring's mean of ``D_t`` (n, 3, 3) and curvature change ``|B_i|`` (n,)."""
     for i in prange(len(mean)):
         d = np.zeros((3, 3))
         for e in range(start[i], start[i + 1]):
@@ -166,7 +166,7 @@ def write_means_and_changes(
         for e in range(start[i], start[i + 1]):
             t, c = corner[e] // 3, corner[e] % 3
             for b in range(3):
-                x, y, z = _target(mean, normals, creased, kept, i, t, c, b)
+                x, y, z = _rest_column(mean, normals, creased, kept, i, t, c, b)
                 x, y, z = rotated_vector(q, i, x, y, z)
                 own += weight[t, c] * (
                     (D[t, 0, b] - d[0, b] - x) ** 2
@@ -177,7 +177,7 @@ def write_means_and_changes(
 
 
 @njit(inline="always")
-def _target(
+def _rest_column(
     mean: np.ndarray,
     normals: np.ndarray,
     creased: np.ndarray,
@@ -187,7 +187,7 @@ def _target(
     c: int,
     b: int,
 ) -> tuple[float, float, float]:
-    """Column ``b`` of ``mean_i(n n^T) - n_t n_t^T``, adjusted for creases."""
+    """Column ``b`` of the rest value ``mean_i(n n^T) - n_t n_t^T``, creases included."""
     n = normals[t, b]
     x, y, z = mean[i, 0, b], mean[i, 1, b], mean[i, 2, b]
     x, y, z = x - n * normals[t, 0], y - n * normals[t, 1], z - n * normals[t, 2]
@@ -207,7 +207,7 @@ def moments(
     D: np.ndarray,
     scale: np.ndarray,
 ) -> np.ndarray:
-    """``scale_i sum_t w_it D_t (mean_i + kept_it)^T``, (n, 3, 3): ``D_t n_t = 0``."""
+    """Bending moments ``scale_i sum_t w_it D_t (mean_i + kept_it)^T``, (n, 3, 3)."""
     out = np.empty_like(mean)
     for i in prange(len(out)):
         s, own = np.zeros((3, 3)), np.zeros((3, 3))
@@ -240,7 +240,7 @@ def tensions(
     scale: float,
     q: np.ndarray,
 ) -> np.ndarray:
-    """Bending force factors: ``scale sum_i w_it`` times the target of ring i.
+    """Tensions of the triangles: ``scale sum_i w_it`` times the target of ring i.
 
     The target is elastic_i R_i (mean_i + kept_it), and flow keeps the rest where it is.
     """
@@ -283,7 +283,7 @@ def add_flow(
             for e in range(start[i], start[i + 1]):
                 t, c = corner[e] // 3, corner[e] % 3
                 for b in range(3):
-                    x, y, z = _target(mean, normals, creased, kept, i, t, c, b)
+                    x, y, z = _rest_column(mean, normals, creased, kept, i, t, c, b)
                     d, m = D[t], means[i]
                     dx, dy, dz = rotated_vector(
                         back, i, d[0, b] - m[0, b], d[1, b] - m[1, b], d[2, b] - m[2, b]
@@ -294,12 +294,12 @@ def add_flow(
 
 
 _TINY = np.finfo(float).tiny
-# Vertices per task of a core.
+# Vertices per parallel task.
 _PORTION = 256
 
 
 class CreasedCells:
-    """Correction of Eq. 1 for cells with creases.
+    """Correction of the ARAP energy (Eq. 1) for cells with creases.
 
     Parameters
     ----------
@@ -339,11 +339,11 @@ class CreasedCells:
         return float(_energy(self._start, self._neighbour, self._w, self._v, self._d, self._creased, U, q))
 
     def add_moments(self, S: np.ndarray, U: np.ndarray, scale: float) -> None:
-        """Add ``scale sum_j w_ij (u_i - u_j) d_ij^T`` to ``S`` (n, 3, 3)."""
+        """Add the covariances ``scale sum_j w_ij (u_i - u_j) d_ij^T`` to ``S`` (n, 3, 3)."""
         _add_moments(self._start, self._neighbour, self._w, self._d, self._creased, U, scale, S)
 
     def add_right_hand_side(self, b: np.ndarray, q: np.ndarray, scale: float) -> None:
-        """Add ``scale / 2 sum_j w_ij (R_i d_ij - R_j d_ji)`` to ``b`` (n, 3)."""
+        """Add the forces ``scale / 2 sum_j w_ij (R_i d_ij - R_j d_ji)`` to ``b`` (n, 3)."""
         _add_pull(
             self._start, self._neighbour, self._back, self._w, self._d, self._creased, 0.5 * scale, q, b
         )
@@ -375,7 +375,7 @@ def _energy(
                 rest += d[e, 1] * (d[e, 1] + 2.0 * v[e, 1]) + d[e, 2] * (d[e, 2] + 2.0 * v[e, 2])
                 own += w[e] * (rest - 2.0 * (a * x + b * y + c * z))
             energies[portion] += own
-    return total(energies)
+    return sum_of_portions(energies)
 
 
 @parallel(fastmath={"contract"})

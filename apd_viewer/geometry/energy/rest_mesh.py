@@ -90,11 +90,11 @@ class RestMesh:
         self.diagonal = diagonal(V[used])
 
     def to_local(self, X: np.ndarray) -> np.ndarray:
-        """Positions ``X`` (k, 3) of the mesh's own coordinates, relative to the centre."""
+        """Local positions, relative to the centre, of ``X`` (k, 3) in mesh coordinates."""
         return X - self.centre if self._is_far else X
 
-    def from_local(self, X: np.ndarray) -> np.ndarray:
-        """Local positions ``X`` (k, 3) in the mesh's own coordinates."""
+    def to_mesh_coordinates(self, X: np.ndarray) -> np.ndarray:
+        """Mesh coordinates of the local positions ``X`` (k, 3)."""
         return X + self.centre if self._is_far else X
 
     @classmethod
@@ -120,7 +120,7 @@ class RestMesh:
 
     @cached_property
     def volume(self) -> float | None:
-        """Enclosed volume at rest; None if the mesh is not closed."""
+        """Enclosed volume of the rest shape; None if the mesh is not closed."""
         with cores_for(len(self.solve_mesh.V)):
             return self.measure(self.solve_mesh.V).volume
 

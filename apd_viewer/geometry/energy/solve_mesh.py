@@ -21,7 +21,12 @@ from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.energy.bending import Bending
 from apd_viewer.geometry.linalg.parallel_ops import inner_product
 from apd_viewer.geometry.mesh.components import vertex_components
-from apd_viewer.geometry.mesh.decimation import Decimation, coarse_neighbours, decimated, mean_edge_length
+from apd_viewer.geometry.mesh.decimation import (
+    Decimation,
+    coarse_neighbours,
+    decimated_mesh,
+    mean_edge_length,
+)
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import edge_weights, face_areas, laplacian, vertex_areas
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
@@ -71,7 +76,7 @@ class SolveMesh:
         return vertex_areas(self.V, self.F)
 
     def is_connected_to(self, fixed: np.ndarray) -> np.ndarray:
-        """Mask (n,) of components with ``fixed`` vertices (k,); of all if none are fixed."""
+        """Mask (n,) of vertices connected to ``fixed`` ones (k,); all True without any."""
         return np.isin(self.component, self.component[fixed]) if len(fixed) else self.vertex_areas > 0.0
 
     @cached_property
@@ -101,7 +106,7 @@ class SolveMesh:
         if self._thinnings:
             return self._thinnings[0]
         count = int(np.clip(len(self.V) / _RATIO, FEWEST_COARSE_VERTICES, MOST_COARSE_VERTICES))
-        vertices, F = decimated(self.V, self.F, count)
+        vertices, F = decimated_mesh(self.V, self.F, count)
         edge = mean_edge_length(self.V[vertices], F)
         normals = vertex_normals(self.V, self.F)
         return Decimation(

@@ -146,16 +146,16 @@ def _add_hinge(
         double = max(N[0] * N[0] + N[1] * N[1] + N[2] * N[2], 1e-300)
         length, pq = np.sqrt(square), p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
         s = pq / square
-        # Of the second triangle N points the other way.
+        # N points the other way for the second triangle.
         scale = moment * (1.0 if side == 0 else -1.0) / double
-        _cross(q, N, Nq)  # N . dN = dp . (q x N) = dq . (N x p)
+        _cross(q, N, Nq)  # Change of the squared length of N: N . dN = dp . (q x N) = dq . (N x p).
         _cross(N, p, pN)
         for a in range(3):
             for b in range(3):
                 up[a, b] = scale * N[a] * (p[b] / length - 2.0 * length / double * Nq[b])
                 uq[a, b] = -scale * 2.0 * length / double * N[a] * pN[b]
         for a in range(3):
-            # dN = dp x q + p x dq
+            # Change of N itself: dN = dp x q + p x dq.
             b, o = (a + 1) % 3, (a + 2) % 3
             up[a, b] += scale * length * q[o]
             up[b, a] -= scale * length * q[o]

@@ -24,8 +24,8 @@ from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.energy.wall_hessian import wall_blocks
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
-from apd_viewer.geometry.linalg.threads import parallel, total
-from apd_viewer.geometry.mesh.operators import cotangents, well_shaped
+from apd_viewer.geometry.linalg.threads import parallel, sum_of_portions
+from apd_viewer.geometry.mesh.operators import cotangents, is_well_shaped
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.language import trn
@@ -130,7 +130,7 @@ class WallSurface(HeldSurface):
         return E + square * bent, g
 
     @property
-    def stretching_share(self) -> float:
+    def stretching_fraction(self) -> float:
         """Fraction of the energy of the current positions due to stretching, 0 to 1."""
         E = self._energy_and_gradient[0]
         return self.stretching.energy_and_gradient(self.U)[0] / E if E > 0.0 else 0.0
@@ -144,8 +144,8 @@ class WallSurface(HeldSurface):
         self.attach_springs(targets)
         return self._quarter_gradient(self.U, self._energy_and_gradient[1], targets)
 
-    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3); the current positions stay."""
+    def residual_at(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3); the current positions are unchanged."""
         return self._quarter_gradient(U, self._energy_and_gradient_at(U)[1], targets)
 
     def _quarter_gradient(self, U: np.ndarray, g: np.ndarray, targets: np.ndarray) -> np.ndarray:
@@ -236,7 +236,7 @@ class Stretching:
 
     def __init__(self, V: np.ndarray, patch: Patch, firmness: float, poisson: float) -> None:
         self.patch = patch
-        self.hats, self.areas = _plane_hats(V, patch.F, well_shaped(cotangents(V, patch.F)))
+        self.hats, self.areas = _plane_hats(V, patch.F, is_well_shaped(cotangents(V, patch.F)))
         self.lame = firmness * poisson / (1.0 - poisson**2), firmness / (2.0 * (1.0 + poisson))
 
     def energy_and_gradient(self, U: np.ndarray) -> tuple[float, np.ndarray]:
@@ -291,7 +291,7 @@ def _stresses(
                 x, y = D[a, 0], D[a, 1]
                 D[a, 0], D[a, 1] = area * (x * s00 + y * s01), area * (x * s01 + y * s11)
         energies[portion] = own
-    return total(energies), forces
+    return sum_of_portions(energies), forces
 
 
 @parallel()

@@ -24,8 +24,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, SoftConstraints, next_paint_sentence
 
-# Base-10 logarithms of the relative flux. Nothing is calm above the first; a bottle twisted as a whole stays
-# at half the mean flux. The others are the centres of the levels, of which the last is unbounded.
+# Base-10 logarithms of the relative flux. Above the first value no vertex is calm, such as in a bottle
+# twisted as a whole, with half the mean flux. The other values are the centres of the levels; the last has no
+# lower end.
 CALM_LEVELS = (-0.5, -1.0, -2.0, -3.0, -4.0)
 _LEAST_FLUX = 1e-12
 # Rounding level of the integral of |grad h|^2, which is near one in any unit of length.
@@ -82,9 +83,9 @@ def _is_large_enough(solve_mesh: SolveMesh, level: np.ndarray) -> bool:
 
 
 def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarray:
-    """Calmness (n,) of vertices for display: 0 in the deforming region, 1 far away.
+    """Calmness (n,): 0 where the handles' motion deforms the surface, 1 far away.
 
-    It is 0 in the gesture and 1 beyond the last level; held vertices and loose parts have none, NaN.
+    It is 1 beyond the last level, and NaN for held vertices and loose parts.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarra
 
 
 def calmness_from_flux(x: np.ndarray) -> np.ndarray:
-    """Calmness from :func:`gesture_flux` values, 0 to 1 past the last level."""
+    """Calmness from flux: 0 above the first level, 1 from the last one on."""
     return np.clip((CALM_LEVELS[0] - x) / (CALM_LEVELS[0] - CALM_LEVELS[-1]), 0.0, 1.0)
 
 
@@ -133,9 +134,9 @@ def gesture_flux(
     squared[size == 0.0] = 0.0
     whole = inner_product(size, squared)
     if whole <= _ROUNDING:
-        return np.zeros(len(V))  # no free surface between a handle and other held vertices
+        return np.zeros(len(V))  # no free surface connects a handle with other held vertices
     mean = inner_product(size, squared**2) / whole
-    size = size * _is_free(solve_mesh, held)[F].any(axis=1)  # near held vertices, only triangles that deform
+    size = size * _is_free(solve_mesh, held)[F].any(axis=1)  # held triangles are left out
     around = np.maximum(np.bincount(F.ravel(), np.repeat(size, 3), len(V)), 1e-300)
     share = np.bincount(F.ravel(), np.repeat(size * squared, 3), len(V)) / around / mean
     return np.log10(np.maximum(share, _LEAST_FLUX))
@@ -158,7 +159,7 @@ def _potentials(
     matrix = (rows[:, free] + diags_array(springs[free])).tocsr()
     b = drawn[free] - rows[:, held] @ h[held]
     if n <= LARGE or len(solve_mesh.decimation.vertices) > n / 2:
-        h[free] = LinearSolver(matrix, solve_mesh.V[free]).refined(b)
+        h[free] = LinearSolver(matrix, solve_mesh.V[free]).solve_refined(b)
     else:
         thinning = solve_mesh.decimation
         ends = np.arange(0, thinning.coarse_neighbours.size + 1, thinning.coarse_neighbours.shape[1])

@@ -13,7 +13,7 @@ from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.weighted_areas import row_nonzeros
 
-# Relative to the value at rest; ten times tighter than documented.
+# Tolerance of goals, relative to the rest value; ten times tighter than documented.
 GOAL_TOLERANCE = 1e-10
 _NEWTON_STEPS = 8
 # Bound of the relative change of slopes per relative violation of the goals, measured as about 1.
@@ -25,7 +25,7 @@ _FADED = 2.0
 
 
 class ElasticResponse(Protocol):
-    """Surface deformed by forces, as seen by a projection."""
+    """Interface of an elastic surface to a projection."""
 
     @property
     def U(self) -> np.ndarray:
@@ -44,7 +44,7 @@ class GoalProjection:
 
     Parameters
     ----------
-    elastic : ElasticResponse
+    surface : ElasticResponse
     goals : tuple of Goal
 
     Attributes
@@ -55,19 +55,19 @@ class GoalProjection:
         Gradients of the goals at the last positions.
     """
 
-    def __init__(self, elastic: ElasticResponse, goals: tuple[Goal, ...]) -> None:
-        self._elastic = elastic
+    def __init__(self, surface: ElasticResponse, goals: tuple[Goal, ...]) -> None:
+        self._elastic = surface
         self.goals = goals
         self._measures = GoalMeasures(goals)
-        self._support = row_nonzeros(self._measures.support.reshape(len(elastic.U), len(goals)))
+        self._support = row_nonzeros(self._measures.support.reshape(len(surface.U), len(goals)))
         self._target = np.array([goal.target for goal in goals])
         self._unit = np.array([abs(goal.rest) for goal in goals])
-        self.g = np.zeros((len(goals), *elastic.U.shape))
+        self.g = np.zeros((len(goals), *surface.U.shape))
         self._y = np.zeros_like(self.g)
         self._inverse = np.zeros((len(goals), len(goals)))
         self._inverse_at_first = self._inverse
         self._reach = np.full(len(goals), np.inf)
-        self.evaluate(elastic.U)
+        self.evaluate(surface.U)
 
     @property
     def has_met_goals(self) -> bool:
@@ -138,34 +138,34 @@ class GoalProjection:
     def project(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions near ``U`` (n, 3) meeting the goals, and steps (g,) along directions.
 
-        Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
-        step has brought [Broyden 1965]: values cost less than gradients. Towards a single goal such a step
-        leaves of a miss about as much as the product of the last two, and no less than slopes that are off in
-        other directions can spoil; where that is nothing, the last step is not measured. Of several goals
-        the slopes are known along the line of the last step alone, and a miss may stay as it was.
+        :attr:`values` are then those of the returned positions. Meanwhile the slopes are corrected by what
+        each step has brought [Broyden 1965]: values cost less than gradients. Towards a single goal such a
+        step leaves of a miss about as much as the product of the last two, and no less than slopes that are
+        off in other directions can spoil; where that is nothing, the last step is not measured. Of several
+        goals the slopes are known along the line of the last step alone, and a miss may stay as it was.
         """
         mu = np.zeros(len(self.goals))
         self.values = self._measures.values(U)
         worst = foreseen = self._largest_reachable_violation(self.values)
-        share = 1.0
+        fraction = 1.0
         fresh = False  # true once gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
             if worst <= GOAL_TOLERANCE or worst == np.inf:  # a trial that goes too far by many powers of ten
                 break
             missing = self._target - self.values
-            step = share * (self._inverse @ missing)
+            step = fraction * (self._inverse @ missing)
             there = parallel_ops.with_added_combination(U, step, self._y)
             if foreseen <= GOAL_TOLERANCE:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step
             tried = self._measures.values(there)
             left = self._largest_reachable_violation(tried)
-            if left < (1.0 - 0.1 * share) * worst:
+            if left < (1.0 - 0.1 * fraction) * worst:
                 self._inverse = _broyden_update(self._inverse, step, tried - self.values)
                 foreseen = left * max(left / worst, _CURVED * worst) if len(mu) == 1 else left
-                U, self.values, worst, mu, share, fresh = there, tried, left, mu + step, 1.0, False
+                U, self.values, worst, mu, fraction, fresh = there, tried, left, mu + step, 1.0, False
             elif fresh:
-                share *= 0.5
+                fraction *= 0.5
             else:
                 self.refresh_directions(U)
                 fresh, foreseen = True, worst

@@ -46,7 +46,7 @@ class Region:
 
 @dataclass(frozen=True)
 class RegionReading:
-    """Area of a region at rest and in the current shape, and its target, if any."""
+    """Rest area and current area of a region, and its target, if any."""
 
     name: str
     area_rest: float
@@ -86,7 +86,7 @@ class Goal:
     tolerance: float = 0.0
 
     @property
-    def triangle_shares(self) -> np.ndarray:
+    def triangle_fractions(self) -> np.ndarray:
         """Fraction of every triangle included in the goal, (m,) float32 array."""
         return triangle_weights(self.patch.F, self.weight, self.is_smooth)
 
@@ -97,7 +97,7 @@ class Goal:
     def shortfall_sentence(self, value: float) -> str:
         """Sentence about a value short of the target."""
         reached, wanted = 100.0 * value / self.rest, 100.0 * self.target / self.rest
-        # Enough digits to show the difference.
+        # Enough digits to show the difference between value and target.
         digits = next((d for d in range(4, 17) if f"{reached:.{d}g}" != f"{wanted:.{d}g}"), 17)
         return tr("{name} is at {reached:.{digits}g} % instead of {wanted:.4g} %").format(
             name=GOAL_WORDS.get(self.name, self.name), reached=reached, digits=digits, wanted=wanted
@@ -105,7 +105,7 @@ class Goal:
 
 
 class GoalMeasures:
-    """Measures of goals, with gradients: all areas in one pass.
+    """Values and gradients of goals, all areas in one pass.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ class GoalMeasures:
         self.support = np.ones((n, len(goals)), dtype=bool)
         if areas:
             self._areas = WeightedAreas(
-                areas[0].patch, np.column_stack([goal.triangle_shares for goal in areas])
+                areas[0].patch, np.column_stack([goal.triangle_fractions for goal in areas])
             )
             self.support[:, : len(areas)] = self._areas.support
         if len(areas) < len(goals):
@@ -253,7 +253,7 @@ def _goal(
 
 
 def goal_at_rest(goal: Goal, V: np.ndarray) -> Goal:
-    """Goal with the same percentage of its value at rest positions ``V`` (n, 3)."""
+    """Goal at the same percentage of its value for other rest positions ``V`` (n, 3)."""
     return _rescaled_goal(goal, float(GoalMeasures((goal,)).values(V)[0]))
 
 

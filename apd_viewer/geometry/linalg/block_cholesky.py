@@ -20,14 +20,14 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.dense_elimination import condense, condense_by_blocks
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.nested_dissection import dissect
+from apd_viewer.geometry.linalg.nested_dissection import elimination_order
 from apd_viewer.geometry.linalg.parallel_ops import gathered_rows
 from apd_viewer.geometry.linalg.supernodes import children_of, couplings
 from apd_viewer.geometry.linalg.threads import one_blas_thread
 
 
 class BlockPattern:
-    """Elimination of symmetric matrices with the same nonzero blocks.
+    """Elimination order of symmetric matrices with the same nonzero blocks.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class BlockPattern:
     def __init__(self, V: np.ndarray, start: np.ndarray, column: np.ndarray) -> None:
         self.start, self.column = start, column
         self.diagonal = np.flatnonzero(column == np.repeat(np.arange(len(start) - 1), np.diff(start)))
-        self.order, self.first, parent = dissect(V, start, column)
+        self.order, self.first, parent = elimination_order(V, start, column)
         self.place = np.empty_like(self.order)
         self.place[self.order] = np.arange(len(self.order))
         self.child, self.sibling = children_of(parent)
@@ -98,7 +98,7 @@ class BlockFactor:
             raise ValueError("the matrix is not positive definite")
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` for ``B`` (n, 3); of single precision to six digits or so."""
+        """Solution ``A^-1 B`` for ``B`` (n, 3); about six digits in single precision."""
         p = self._pattern
         x = gathered_rows(B, p.order).astype(self._panels.dtype).ravel()
         solve(p.first, p.begin, p.later, p.panel, p.widest, self._panels, x)
@@ -185,7 +185,7 @@ def eliminate(
 
 @njit(cache=True, nogil=True)
 def _write_panel(out: np.ndarray, front: np.ndarray, inverse: np.ndarray) -> None:
-    """Write ``[S | W]``."""
+    """Write the rows ``[S | W]`` of a group."""
     k = len(inverse)
     for i in range(k):
         for j in range(k):

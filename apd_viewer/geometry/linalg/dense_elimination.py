@@ -57,7 +57,7 @@ def condense(front: np.ndarray, inverse: np.ndarray) -> bool:
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def _subtract(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None:
-    """``out -= factor rows`` of the shapes (m,), (p,) and (p, m)."""
+    """Subtract ``factor`` (p,) times ``rows`` (p, m) from ``out`` (m,)."""
     whole = len(factor) // 4 * 4
     for p in range(0, whole, 4):
         a, b, c, d = factor[p], factor[p + 1], factor[p + 2], factor[p + 3]
@@ -72,7 +72,7 @@ def _subtract(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def _subtract_four(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None:
-    """``out -= factor rows`` of the shapes (4, m), (4, p) and (p, m)."""
+    """Subtract ``factor`` (4, p) times ``rows`` (p, m) from ``out`` (4, m)."""
     x, y, z, w = out[0], out[1], out[2], out[3]
     f, g, h, i = factor[0], factor[1], factor[2], factor[3]
     whole = len(rows) // 2 * 2

@@ -34,9 +34,8 @@ def njit(cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], 
     """Compile a kernel as :func:`numba.njit` does; keep it on disk if ``cache``."""
 
     def compiled(function: Callable[..., Any]) -> Any:
-        _source_digest(
-            inspect.getfile(function)
-        )  # digest of the running code: an update may replace the file at any time
+        # Digest of the running code, since an update may replace the file at any time.
+        _source_digest(inspect.getfile(function))
         kernel = numba.njit(**options)(function)
         KERNELS[f"{function.__module__}.{function.__qualname__}"] = kernel
         if cache:

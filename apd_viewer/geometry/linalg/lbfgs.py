@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numba import prange
 
-from apd_viewer.geometry.linalg.threads import parallel, total, totals
+from apd_viewer.geometry.linalg.threads import parallel, sum_of_portions, sums_of_portions
 
 # Smallest relative curvature of a remembered step: without positive curvature it leads to no minimum.
 _BENDS = 1e-10
@@ -18,9 +18,9 @@ _BENDS = 1e-10
 class LbfgsMemory:
     """Limited-memory quasi-Newton directions [Nocedal 1980], preconditioned.
 
-    With the factor of the global step as preconditioner a first step is the plain one, and the following
-    ones know what it leaves out [Liu, Bouaziz & Kavan 2017, Quasi-Newton methods for real-time simulation
-    of hyperelastic materials]. Directions only lead somewhere, so what they are made of is kept in single
+    With the factor of the global step as preconditioner, the first step is a global step, and the following
+    ones correct what it leaves out [Liu, Bouaziz & Kavan 2017, Quasi-Newton methods for real-time simulation
+    of hyperelastic materials]. Directions need no high precision, so steps and changes are kept in single
     precision: half the memory to read.
 
     Parameters
@@ -60,7 +60,7 @@ class LbfgsMemory:
         """
         slot = self._next
         step, change = self._steps[slot], self._changes[slot]
-        bend, step2, change2 = subtract(slope.ravel(), before.ravel(), step, change)
+        bend, step2, change2 = subtract_with_products(slope.ravel(), before.ravel(), step, change)
         if not bend > _BENDS * np.sqrt(step2 * change2):
             return
         if len(self._order) == self._length:
@@ -113,10 +113,11 @@ def subtract_rows(A: np.ndarray, B: np.ndarray, rows: np.ndarray, out: np.ndarra
 
 
 @parallel(fastmath=_SUMS)
-def subtract(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) -> np.ndarray:
-    """Write ``A - B`` into ``out``, all (m,), and return three inner products.
+def subtract_with_products(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) -> np.ndarray:
+    """Write ``y = A - B`` (m,) into ``out``; return ``y . s``, ``s . s``, ``y . y``.
 
-    Those of ``A - B`` with ``step`` (m,), of ``step`` with itself, and of ``A - B`` with itself.
+    That is, the products of ``A - B`` with ``step`` (m,), of ``step`` with itself, and of ``A - B`` with
+    itself.
     """
     count = (len(A) + _PORTION - 1) // _PORTION
     sums = np.zeros((count, 3))
@@ -131,7 +132,7 @@ def subtract(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) ->
             b += np.float64(s[i]) * s[i]
             c += difference * difference
         sums[portion, 0], sums[portion, 1], sums[portion, 2] = a, b, c
-    return totals(sums)
+    return sums_of_portions(sums)
 
 
 @parallel(fastmath=_SUMS)
@@ -148,7 +149,7 @@ def products(steps: np.ndarray, changes: np.ndarray, order: np.ndarray, slot: in
                 a += np.float64(s[i]) * change[i]
                 b += np.float64(y[i]) * step[i]
             sums[portion, k], sums[portion, len(order) + k] = a, b
-    return totals(sums)
+    return sums_of_portions(sums)
 
 
 @parallel(fastmath=_SUMS)
@@ -164,12 +165,12 @@ def dots(A: np.ndarray, order: np.ndarray, X: np.ndarray) -> np.ndarray:
             for i in range(len(x)):
                 along += a[i] * x[i]
             sums[portion, k] = along
-    return totals(sums)
+    return sums_of_portions(sums)
 
 
 @parallel(fastmath={"contract"})
 def negative_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray) -> np.ndarray:
-    """``-X - sum_k c_k A_k`` for ``X`` (m,)."""
+    """Combination ``-X - sum_k c_k A_k`` of ``X`` (m,) and rows of ``A``."""
     out = np.empty_like(X)
     for portion in prange((len(X) + _PORTION - 1) // _PORTION):
         first, end = portion * _PORTION, (portion + 1) * _PORTION
@@ -200,4 +201,4 @@ def add_combination(
         for i in range(len(x)):
             along += x[i] * g[i]
         sums[portion] = along
-    return total(sums)
+    return sum_of_portions(sums)

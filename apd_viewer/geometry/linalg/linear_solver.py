@@ -35,14 +35,14 @@ class Metric(Protocol):
     """Inverse of a symmetric positive definite matrix."""
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` for ``B`` (n, k), float64, to six digits or so."""
+        """Solution ``A^-1 B`` for ``B`` (n, k), float64, to about six digits."""
 
 
 class Factor(Metric, Protocol):
     """Factor of a symmetric positive definite matrix, possibly still pending."""
 
-    def refined(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` for ``B`` (n, k), float64, to ten digits or so."""
+    def solve_refined(self, B: np.ndarray) -> np.ndarray:
+        """Solution ``A^-1 B`` for ``B`` (n, k), float64, to about ten digits."""
 
     @property
     def ready(self) -> bool:
@@ -111,14 +111,14 @@ class LinearSolver:
         self.seconds = time.monotonic() - begun
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` for ``B`` (n, k), float64, to six digits or so."""
+        """Solution ``A^-1 B`` for ``B`` (n, k), float64, to about six digits."""
         assert self.factor is not None
         return self.factor.solve(np.ascontiguousarray(B))
 
-    def refined(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` for ``B`` (n, k), float64, to ten digits or so."""
+    def solve_refined(self, B: np.ndarray) -> np.ndarray:
+        """Solution ``A^-1 B`` for ``B`` (n, k), float64, to about ten digits."""
         assert self.factor is not None
-        return self.factor.refined(np.ascontiguousarray(B))
+        return self.factor.solve_refined(np.ascontiguousarray(B))
 
 
 class _SimplicialFactor:
@@ -128,12 +128,12 @@ class _SimplicialFactor:
         self._factor = CholeskySolverD(len(start) - 1, start, column, entry, MatrixType.CSR)
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` in double precision; :meth:`refined` is the same."""
+        """Solution ``A^-1 B`` in double precision; same as :meth:`solve_refined`."""
         X = np.empty_like(B)
         self._factor.solve(B, X)
         return X
 
-    refined = solve
+    solve_refined = solve
 
 
 def _supernodal_factor(

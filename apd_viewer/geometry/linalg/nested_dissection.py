@@ -15,10 +15,10 @@ _LEAF = 10
 _LEAST_HALF = 0.25
 
 
-def dissect(
+def elimination_order(
     V: np.ndarray, start: np.ndarray, column: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Order of elimination, and the tree of groups eliminated together.
+    """Order of elimination, and the tree of the groups eliminated together.
 
     Parameters
     ----------

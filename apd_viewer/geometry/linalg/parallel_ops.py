@@ -7,7 +7,7 @@ import numpy as np
 from numba import prange
 from scipy.sparse import csr_array
 
-from apd_viewer.geometry.linalg.threads import parallel, totals
+from apd_viewer.geometry.linalg.threads import parallel, sums_of_portions
 
 # Rows per parallel task.
 _PORTION = 2048
@@ -19,7 +19,7 @@ def inner_product(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def matrix_product(A: csr_array, X: np.ndarray) -> np.ndarray:
-    """``A X`` for ``A`` (m, n) and ``X`` (n, 3), (m, 3) float array."""
+    """Product ``A X`` (m, 3) of a sparse ``A`` (m, n) and ``X`` (n, 3)."""
     return _product(A.indptr, A.indices, A.data, X)
 
 
@@ -38,7 +38,7 @@ def _product(start: np.ndarray, column: np.ndarray, entry: np.ndarray, X: np.nda
 
 
 def residual(A: csr_array, X: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """``B - A X`` for ``A`` (m, n), ``X`` (n, 3) and ``B`` (m, 3)."""
+    """Residual ``B - A X`` for ``A`` (m, n), ``X`` (n, 3) and ``B`` (m, 3)."""
     return _residual(A.indptr, A.indices, A.data, X, B)
 
 
@@ -70,7 +70,7 @@ def inner_products_at(A: np.ndarray, rows: np.ndarray, X: np.ndarray) -> np.ndar
                 i = rows[e]
                 along += A[k, i, 0] * X[e, 0] + A[k, i, 1] * X[e, 1] + A[k, i, 2] * X[e, 2]
             sums[portion, k] = along
-    return totals(sums)
+    return sums_of_portions(sums)
 
 
 @parallel()
@@ -88,7 +88,7 @@ def inner_products(A: np.ndarray, start: np.ndarray, which: np.ndarray, B: np.nd
                 x, y, z = A[k, i, 0], A[k, i, 1], A[k, i, 2]
                 for m in range(len(B)):
                     sums[portion, k * len(B) + m] += B[m, i, 0] * x + B[m, i, 1] * y + B[m, i, 2] * z
-    return totals(sums)
+    return sums_of_portions(sums)
 
 
 @parallel()
@@ -105,7 +105,7 @@ def add_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
 
 @parallel()
 def with_added_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
-    """``X + sum_k c_k A_k`` of ``A`` (k, n, 3) and ``X`` (n, 3)."""
+    """Sum ``X + sum_k c_k A_k`` of ``X`` (n, 3) and ``A`` (k, n, 3)."""
     out = np.empty_like(X)
     for i in prange(len(X)):
         x, y, z = X[i, 0], X[i, 1], X[i, 2]
@@ -119,7 +119,7 @@ def with_added_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.nd
 
 @parallel()
 def largest_difference(A: np.ndarray, B: np.ndarray) -> float:
-    """Largest difference of two coordinates of ``A`` and ``B`` (n, 3)."""
+    """Largest absolute difference of corresponding coordinates of ``A``, ``B`` (n, 3)."""
     count = (len(A) + _PORTION - 1) // _PORTION
     largest = np.zeros(count)
     for portion in prange(count):
@@ -132,7 +132,7 @@ def largest_difference(A: np.ndarray, B: np.ndarray) -> float:
 
 @parallel()
 def gathered_rows(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Rows of ``X`` (n, 3), (len(rows), 3) float array."""
+    """Copy (k, 3) of the ``rows`` (k,) of ``X`` (n, 3)."""
     out = np.empty((len(rows), 3))
     for k in prange(len(rows)):
         i = rows[k]
@@ -142,9 +142,10 @@ def gathered_rows(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 @parallel()
 def scattered_rows(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """``U`` (n, 3) with rows of ``A`` at ``place`` 0, 1, ..., of ``B`` at -1, ...
+    """Copy of ``U`` (n, 3) with rows replaced by those of ``A`` and ``B``.
 
-    Where ``place`` is beyond the rows of ``A``, the row of ``U`` stays.
+    Row i becomes ``A[place[i]]``, or ``B[-1 - place[i]]`` where ``place`` is negative; where it is beyond the
+    rows of ``A``, the row is unchanged.
     """
     out = np.empty_like(U)
     for i in prange(len(U)):
@@ -159,19 +160,22 @@ def scattered_rows(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarra
 
 
 @parallel()
-def scattered_rows_along(
-    U: np.ndarray, place: np.ndarray, share: float, A: np.ndarray, B: np.ndarray
+def displaced_rows(
+    U: np.ndarray, place: np.ndarray, fraction: float, A: np.ndarray, B: np.ndarray
 ) -> np.ndarray:
-    """``U`` (n, 3) plus ``share A``, or rows of ``B``, as in :func:`scattered_rows`."""
+    """Copy of ``U`` (n, 3), rows displaced along ``A`` or replaced by rows of ``B``.
+
+    As :func:`scattered_rows`, but ``fraction`` times the row of ``A`` is added to that of ``U``.
+    """
     out = np.empty_like(U)
     for i in prange(len(U)):
         k = place[i]
         if k < 0:
             out[i, 0], out[i, 1], out[i, 2] = B[-1 - k, 0], B[-1 - k, 1], B[-1 - k, 2]
         elif k < len(A):
-            out[i, 0] = U[i, 0] + share * A[k, 0]
-            out[i, 1] = U[i, 1] + share * A[k, 1]
-            out[i, 2] = U[i, 2] + share * A[k, 2]
+            out[i, 0] = U[i, 0] + fraction * A[k, 0]
+            out[i, 1] = U[i, 1] + fraction * A[k, 1]
+            out[i, 2] = U[i, 2] + fraction * A[k, 2]
         else:
             out[i, 0], out[i, 1], out[i, 2] = U[i, 0], U[i, 1], U[i, 2]
     return out
@@ -181,7 +185,7 @@ def scattered_rows_along(
 def subtracted_rows(
     X: np.ndarray, c: np.ndarray, A: np.ndarray, start: np.ndarray, which: np.ndarray, rows: np.ndarray
 ) -> np.ndarray:
-    """``X`` (f, 3) minus ``rows`` of ``sum_k c_k A_k``.
+    """Difference of ``X`` (f, 3) and the ``rows`` (f,) of ``sum_k c_k A_k``.
 
     ``A`` is as in :func:`~apd_viewer.geometry.linalg.parallel_ops.products`.
     """

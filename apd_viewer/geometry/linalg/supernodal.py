@@ -86,11 +86,11 @@ class SupernodalFactor:
         return self._shares[cores]
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` to six digits or so, for ``B`` (n, k), float64."""
+        """Solution ``A^-1 B`` for ``B`` (n, k), float64, to about six digits."""
         return _solve_by_threes(B, self._solve_three)
 
-    def refined(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` to ten digits or so, for ``B`` (n, k), float64."""
+    def solve_refined(self, B: np.ndarray) -> np.ndarray:
+        """Solution ``A^-1 B`` for ``B`` (n, k), float64, to about ten digits."""
         return _solve_by_threes(B, self._refine_three)
 
     def _solve_three(self, B: np.ndarray) -> np.ndarray:
@@ -207,7 +207,7 @@ def _eliminate(
 
 @njit(cache=True, nogil=True)
 def _write_panel(out: np.ndarray, front: np.ndarray, inverse: np.ndarray) -> None:
-    """Write ``[W | S]``, its rows padded with zeros."""
+    """Write the rows ``[W | S]`` of a supernode, padded with zeros."""
     k, b = len(inverse), len(front) - len(inverse)
     for i in range(k):
         for j in range(b):
@@ -303,7 +303,7 @@ def solve(
 
 @njit(cache=True, nogil=True)
 def _rounded(n: np.uintp) -> np.uintp:
-    """``n``, unsigned, rounded up to whole vectors."""
+    """Unsigned ``n``, rounded up to whole vectors."""
     return (n + np.uintp(7)) // np.uintp(8) * np.uintp(8)
 
 
@@ -317,9 +317,10 @@ def _forward(
     beyond: np.ndarray,
     columns: np.ndarray,
 ) -> None:
-    """``x_later += W^T x`` of the supernodes from ``begin_at`` to ``end_at``.
+    """Forward substitution through the supernodes ``begin_at`` to ``end_at``.
 
-    Contributions beyond the positions of ``x`` are added to ``beyond`` instead.
+    ``x_later += W^T x`` for each. Contributions beyond the positions of ``x`` are added to ``beyond``
+    instead.
     """
     first, begin, later, panel = tree
     t, u, v = columns[0], columns[1], columns[2]
@@ -372,7 +373,10 @@ def _backward(
     x: np.ndarray,
     columns: np.ndarray,
 ) -> None:
-    """``x = S x + W x_later`` of the supernodes from ``end_at`` back to ``begin_at``."""
+    """Backward substitution from supernode ``end_at`` to ``begin_at``.
+
+    ``x = S x + W x_later`` for each.
+    """
     first, begin, later, panel = tree
     t, u, v = columns[0], columns[1], columns[2]
     zero = x.dtype.type(0)

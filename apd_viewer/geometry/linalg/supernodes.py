@@ -9,7 +9,7 @@ them. The tasks depend on the matrix alone, so sums are the same on any number o
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.nested_dissection import dissect
+from apd_viewer.geometry.linalg.nested_dissection import elimination_order
 
 # Largest fraction of the unknowns in one task.
 _LARGEST_TASK = 1.0 / 4.0
@@ -42,7 +42,7 @@ class Supernodes:
     """
 
     def __init__(self, V: np.ndarray, start: np.ndarray, column: np.ndarray) -> None:
-        order, first, parent = dissect(V, start, column)
+        order, first, parent = elimination_order(V, start, column)
         rank, self.task = _tasks(np.diff(first), parent, _LARGEST_TASK * len(order))
         self.order, self.first, parent = _ranked_supernodes(rank, order, first, parent)
         self.place = np.empty_like(self.order)

@@ -4,8 +4,8 @@ Where numba finds neither OpenMP nor TBB, it ends the process if two threads are
 So every kernel is compiled by :func:`parallel`, which lets one caller in at a time.
 
 Numba splits a sum over ``prange``, and an array's own ``sum()``, by the number of threads, and rounding with
-them. So kernels sum portions of a fixed length, and then the portions by :func:`total`: the bits are the same
-on any number of cores.
+them. So kernels sum portions of a fixed length, and then the portions by :func:`sum_of_portions`: the bits
+are the same on any number of cores.
 
 Kernels that call BLAS have :func:`one_blas_thread`. Its threads wait for each other in loops that sleep for
 nothing: on a machine that does something else as well, a factor of 13,010 vertices took 16 s of the processor
@@ -63,8 +63,8 @@ def parallel(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 
 @njit(cache=True, nogil=True)
-def total(parts: np.ndarray) -> float:
-    """Sum of the portions' ``parts`` (k,), first to last, for use in kernels."""
+def sum_of_portions(parts: np.ndarray) -> float:
+    """Sum of the portions' partial sums (k,) in fixed order, for use in kernels."""
     found = 0.0
     for k in range(len(parts)):
         found += parts[k]
@@ -72,8 +72,8 @@ def total(parts: np.ndarray) -> float:
 
 
 @njit(cache=True, nogil=True)
-def totals(parts: np.ndarray) -> np.ndarray:
-    """Sums (m,) of the portions' ``parts`` (k, m), as :func:`total`."""
+def sums_of_portions(parts: np.ndarray) -> np.ndarray:
+    """Column sums (m,) of partial sums (k, m), as :func:`sum_of_portions`."""
     found = np.zeros(parts.shape[1])
     for k in range(len(parts)):
         for e in range(parts.shape[1]):
@@ -83,7 +83,7 @@ def totals(parts: np.ndarray) -> np.ndarray:
 
 @contextmanager
 def cores_for(n: int) -> Iterator[None]:
-    """Context with parallel kernels on the cores for ``n`` vertices; signals deferred."""
+    """Context with parallel kernels on one core if ``n`` is small; signals deferred."""
     with DEFERRED_SIGNALS, _ONE_AT_A_TIME:
         before = numba.get_num_threads()
         numba.set_num_threads(before if n >= _WORTH_WAKING else 1)

@@ -250,7 +250,9 @@ _KINDS = {
         lambda given: isinstance(given, tuple) and all(isinstance(each, str) for each in given),
         tr("{name} must be a tuple of texts."),
     ),
-    "origin": _Kind(lambda given: hasattr(given, "rewritten"), tr("{name} must be that of an opened mesh.")),
+    "origin": _Kind(
+        lambda given: hasattr(given, "rewritten_content"), tr("{name} must be that of an opened mesh.")
+    ),
 }
 
 

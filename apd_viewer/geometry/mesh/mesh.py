@@ -53,7 +53,7 @@ class Origin(Protocol):
         ValueError if it is damaged, InputError if an image cannot be read.
         """
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with the positions ``U`` (n, 3) of the vertices of ``mesh``."""
 
 
@@ -111,7 +111,7 @@ class Mesh:
         frozen(self.F)
 
     @classmethod
-    def from_checked(
+    def from_checked_arrays(
         cls,
         V: np.ndarray,
         F: np.ndarray,
@@ -135,7 +135,9 @@ class Mesh:
         """
         read = self.origin.mesh if isinstance(self.origin, BakedOrigin) else self
         origin = BakedOrigin(read.origin, read) if read.origin is not None else None
-        return Mesh.from_checked(U, self.F, self.path, origin, self._weld_maps, self.remarks, self.unit)
+        return Mesh.from_checked_arrays(
+            U, self.F, self.path, origin, self._weld_maps, self.remarks, self.unit
+        )
 
     def welded(self) -> Mesh:
         """The mesh with nearly touching seams welded; vertices and file are unchanged.
@@ -157,7 +159,9 @@ class Mesh:
         """The mesh with each vertex welded to the one in ``representative`` (n,)."""
         weld = Weld.from_representatives(self.V, representative)
         joined = weld.first, weld.inverse
-        return Mesh.from_checked(self.V, self.F, self.path, self.origin, joined, self.remarks, self.unit)
+        return Mesh.from_checked_arrays(
+            self.V, self.F, self.path, self.origin, joined, self.remarks, self.unit
+        )
 
     @property
     def has_welded_seams(self) -> bool:
@@ -169,7 +173,9 @@ class Mesh:
         origin = self.origin
         if isinstance(origin, BakedOrigin):
             origin = BakedOrigin(origin.origin, origin.mesh.without_path())
-        return Mesh.from_checked(self.V, self.F, None, origin, self._weld_maps, self.remarks, self.unit)
+        return Mesh.from_checked_arrays(
+            self.V, self.F, None, origin, self._weld_maps, self.remarks, self.unit
+        )
 
     @property
     def _weld_maps(self) -> tuple[np.ndarray, np.ndarray]:
@@ -273,9 +279,9 @@ class DerivedOrigin:
         """Texture of the file."""
         return self.origin.texture(mesh)
 
-    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3)."""
-        return self.origin.rewritten(mesh, U)
+        return self.origin.rewritten_content(mesh, U)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,9 +309,9 @@ class BakedOrigin(DerivedOrigin):
         """Texture of the file."""
         return self.mesh.texture[0]
 
-    def rewritten(self, _: Mesh, U: np.ndarray) -> bytes:
+    def rewritten_content(self, _: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3); unmoved vertices as written."""
-        return self.origin.rewritten(self.mesh, U)
+        return self.origin.rewritten_content(self.mesh, U)
 
 
 class Texture(NamedTuple):

@@ -208,7 +208,7 @@ _STEEPEST = 1e8
 _NEEDLE = 1e4
 
 
-def well_shaped(cot: np.ndarray) -> np.ndarray:
+def is_well_shaped(cot: np.ndarray) -> np.ndarray:
     """Mask (m,) of the triangles other than needles, by their cotangents (m, 3)."""
     size = np.abs(cot)
     return (size.max(axis=1) < _NEEDLE) & (size.sum(axis=1) > 0.0)
@@ -220,11 +220,11 @@ def _opposite_edges(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
-    """Symmetric matrix ``w_ij = (max(0, cot a_ij) + max(0, cot b_ij)) / 2``.
+    """Symmetric matrix of cotangent weights, negative cotangents set to zero.
 
-    Each cotangent is clamped by itself, as CGAL does; clamping the sum gives another energy. Where
-    clamping cuts a connected piece apart (needles, obtuse fans), the edges between the parts get a
-    weight that is tiny, or the Laplacian of the piece would be singular.
+    ``w_ij = (max(0, cot a_ij) + max(0, cot b_ij)) / 2``. Each cotangent is clamped by itself, as CGAL does;
+    clamping the sum gives another energy. Where clamping cuts a connected piece apart (needles, obtuse fans),
+    the edges between the parts get a weight that is tiny, or the Laplacian of the piece would be singular.
 
     Returns
     -------
@@ -281,7 +281,7 @@ def total_curvature(V: np.ndarray, F: np.ndarray) -> float:
     F : (m, 3) int array, triangles
     """
     n, cot = len(V), cotangents(V, F)
-    angles = np.where(well_shaped(cot)[:, None], np.arctan2(1.0, cot), 0.0)
+    angles = np.where(is_well_shaped(cot)[:, None], np.arctan2(1.0, cot), 0.0)
     around = np.bincount(F.ravel(), angles.ravel(), n)
     defect = np.where(around > 0.0, 2.0 * np.pi - around, 0.0)
     defect[boundary_vertices(F, n)] = 0.0

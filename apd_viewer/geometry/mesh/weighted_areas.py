@@ -7,7 +7,7 @@ import numpy as np
 from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.threads import parallel, total, totals
+from apd_viewer.geometry.linalg.threads import parallel, sum_of_portions, sums_of_portions
 
 # Rest areas below this fraction of the mean are rounding errors; their relative change is ignored.
 SLIVER = 1e-9
@@ -150,7 +150,7 @@ def total_area(U: np.ndarray, F: np.ndarray) -> float:
             x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
             double += np.sqrt(x * x + y * y + z * z)
         doubles[portion] = double
-    return 0.5 * total(doubles)
+    return 0.5 * sum_of_portions(doubles)
 
 
 def edge_lengths(V: np.ndarray, F: np.ndarray) -> np.ndarray:
@@ -217,7 +217,13 @@ def shape_readings(
     for strain in extremes:
         if abs(strain) > abs(extreme):
             extreme = strain
-    return total(areas), total(volumes) / 6.0, changes.max(), extreme, total(strains) / 3.0
+    return (
+        sum_of_portions(areas),
+        sum_of_portions(volumes) / 6.0,
+        changes.max(),
+        extreme,
+        sum_of_portions(strains) / 3.0,
+    )
 
 
 @parallel()
@@ -244,9 +250,9 @@ def _weighted_areas(
             for e in range(first[t], first[t + 1]):
                 sums[portion, which[e]] += weight[e] * (0.5 * double)
         doubles[portion] = whole
-    values = totals(sums)
+    values = sums_of_portions(sums)
     if all_areas >= 0:
-        values[all_areas] = 0.5 * total(doubles)
+        values[all_areas] = 0.5 * sum_of_portions(doubles)
     return values
 
 
@@ -322,9 +328,9 @@ def _weighted_areas_and_gradients(
                 s = supported[e]
                 g[s, i, 0], g[s, i, 1], g[s, i, 2] = part[s, 0], part[s, 1], part[s, 2]
                 part[s, 0] = part[s, 1] = part[s, 2] = 0.0
-    values = totals(sums)
+    values = sums_of_portions(sums)
     if all_areas >= 0:
-        values[all_areas] = 0.5 * total(doubles)
+        values[all_areas] = 0.5 * sum_of_portions(doubles)
     return values
 
 
@@ -351,4 +357,4 @@ def _volume_and_gradient(
             # The volume is cubic in the positions, so that the sum of u.g counts it three times.
             volume += (U[i, 0] - ox) * gx + (U[i, 1] - oy) * gy + (U[i, 2] - oz) * gz
         volumes[portion] = volume
-    return total(volumes) / 18.0
+    return sum_of_portions(volumes) / 18.0

@@ -90,7 +90,7 @@ class Weld:
 
     @cached_property
     def offset(self) -> np.ndarray | None:
-        """Offset of each file vertex from its welded position, (n, 3); None without any."""
+        """Offset of each file vertex from its welded position, (n, 3); None if all are 0."""
         return None if self.V is None else frozen(self.V - self.V[self.representative])
 
     @cached_property
@@ -106,7 +106,7 @@ class Weld:
         """Offset of the file vertices ``ids`` from their welded positions."""
         return 0.0 if self.offset is None else self.offset[ids]
 
-    def with_coincident(self, ids: np.ndarray) -> np.ndarray:
+    def with_coincident_vertices(self, ids: np.ndarray) -> np.ndarray:
         """File vertices ``ids`` and all others at their positions, ascending."""
         if len(self.first) == len(self.inverse):
             return ids
@@ -114,8 +114,8 @@ class Weld:
         covered[self.inverse[ids]] = True
         return np.flatnonzero(covered[self.inverse])
 
-    def to_file(self, U: np.ndarray) -> np.ndarray:
-        """Positions ``U`` (k, 3) of solve vertices mapped to the file vertices, (n, 3)."""
+    def to_file_vertices(self, U: np.ndarray) -> np.ndarray:
+        """Positions (n, 3) of the file vertices, from those of solve vertices (k, 3)."""
         if len(U) == len(self.inverse):
             return U.copy()
         spread = U[self.inverse]

@@ -1,4 +1,4 @@
-"""Minimal surface for drawing a mesh before the full index is loaded."""
+"""Surface for drawing a mesh before its full index is available."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class PreviewSurface:
         """The surface itself, always with smooth normals."""
         return self
 
-    def drape(
+    def write_render_arrays(
         self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Write the renderer's arrays for the shape ``U``, as ``RenderMesh`` does."""

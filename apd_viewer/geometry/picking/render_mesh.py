@@ -17,7 +17,7 @@ SHARP = np.deg2rad(30.0)  # least angle between the normals of two triangles at 
 
 @dataclass(frozen=True, eq=False)
 class RenderMesh:
-    """Invariants of a rendered mesh while it deforms, read-only.
+    """Triangles and vertices for the renderer, unchanged while a mesh deforms.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class RenderMesh:
         F, copied, source = (frozen(array.astype(np.int32)) for array in arrays)
         return replace(self, F=F, repeated_vertices=copied, source=source)
 
-    def drape(
+    def write_render_arrays(
         self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Write the renderer's arrays for the shape ``U``.
@@ -105,7 +105,7 @@ class RenderMesh:
         """
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         kept = self.joined, self.leading, self.repeated_vertices, self.source, self.used
-        drape(U, *kept, origin, points, normals, low, high)
+        write_render_arrays(U, *kept, origin, points, normals, low, high)
         if len(self.local):
             _turn_normals(points, self.leading, self.source, self.local, normals)
         return low, high
@@ -171,7 +171,7 @@ def _split_vertices(F: np.ndarray, group: np.ndarray, n: int) -> tuple[np.ndarra
 
 
 @njit(cache=True, nogil=True)
-def drape(
+def write_render_arrays(
     U: np.ndarray,
     joined: np.ndarray,
     leading: np.ndarray,
@@ -184,7 +184,10 @@ def drape(
     low: np.ndarray,
     high: np.ndarray,
 ) -> None:
-    """Write positions, normals and their bounding box, see :meth:`RenderMesh.drape`."""
+    """Write positions, normals and their bounding box.
+
+    See :meth:`RenderMesh.write_render_arrays`.
+    """
     ox, oy, oz = origin[0], origin[1], origin[2]
     lx = ly = lz = np.inf
     hx = hy = hz = -np.inf

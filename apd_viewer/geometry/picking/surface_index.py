@@ -151,7 +151,7 @@ def _blocks_segment(
 
 @dataclass(frozen=True, eq=False)
 class SurfaceIndex:
-    """Invariants of a mesh while it deforms, read-only.
+    """Index of a mesh, unchanged while it deforms.
 
     Attributes
     ----------
@@ -250,10 +250,10 @@ class SurfaceIndex:
         return is_inside_polygon(points, polygon)
 
     def visibility_tree(self, U: np.ndarray) -> BoundingVolumeHierarchy:
-        """Search tree for :meth:`visible`, built once per shape ``U``."""
+        """Search tree for :meth:`is_visible`, built once per shape ``U``."""
         return bounding_hierarchy(U, self.joined)
 
-    def visible(
+    def is_visible(
         self,
         eye: np.ndarray,
         U: np.ndarray,
@@ -281,7 +281,7 @@ class SurfaceIndex:
     def _opposite_half_edges(self) -> np.ndarray:
         return opposite_half_edges(self.joined, len(self.used))
 
-    def under_brush(
+    def vertices_under_brush(
         self, U: np.ndarray, faces: tuple[int, int], a: np.ndarray, b: np.ndarray, radius: float
     ) -> np.ndarray:
         """Vertices of ``U`` under a brush from ``a`` to ``b``, (3,) each, on two faces.

@@ -76,17 +76,17 @@ def transform(pose: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 def constraints(
     labels: np.ndarray,
-    grip: np.ndarray,
+    start: np.ndarray,
     poses: Sequence[np.ndarray],
     soft: SoftConstraints = NO_SOFT_CONSTRAINTS,
     obstacles: bool = False,
 ) -> Constraints:
-    """Constraints holding the base at ``grip``, and handles at their poses from there.
+    """Constraints holding the base at ``start``, and the handles at their poses.
 
     Parameters
     ----------
     labels : (n,) int array of BASE, FREE, and HANDLE + k for the handle number k, from 0
-    grip : (n, 3) float array
+    start : (n, 3) float array
         Positions when the labels were last changed. Measured from there and not from rest, a
         vertex that is painted after a drag stays where it is.
     poses : sequence of (4, 4) float arrays
@@ -114,14 +114,14 @@ def constraints(
             ).format(count=count, n=len(poses))
         )
     fixed = np.flatnonzero(labels != FREE)
-    targets = grip[fixed].astype(np.float64)
+    targets = start[fixed].astype(np.float64)
     handles = []
     for k in range(count):
         mine = labels[fixed] == HANDLE + k
         targets[mine] = transform(poses[k], targets[mine])
         if mine.any():
             handles.append(fixed[mine])
-    drawn = grip[soft.ids].astype(np.float64)
+    drawn = start[soft.ids].astype(np.float64)
     for k in range(count):
         mine = soft.handle == k
         drawn[mine] = transform(poses[k], drawn[mine])

@@ -45,41 +45,41 @@ class HeldPath:
         moved = np.unique(handle_of[(X != Y).any(axis=1)])
         # Single vertices have no orientation: all of them move straight at once.
         is_point = np.bincount(handle_of)[moved] == 1
-        self._parts = [_part(X, Y, np.flatnonzero(handle_of == k)) for k in moved[~is_point]]
+        self._parts = [_handle_path(X, Y, np.flatnonzero(handle_of == k)) for k in moved[~is_point]]
         if is_point.any():
-            self._parts.append(_line(X, Y, np.flatnonzero(np.isin(handle_of, moved[is_point]))))
+            self._parts.append(_straight_paths(X, Y, np.flatnonzero(np.isin(handle_of, moved[is_point]))))
         lengths = [length for _, _, length in self._parts]
         self.moves_held = len(moved) > 0
         self.moves_obstacles = bool((shifts[0] != shifts[1]).any())
         self.length = max([*lengths, *np.linalg.norm(shifts[1] - shifts[0], axis=1)], default=0.0)
 
-    def shifts_at(self, share: float) -> np.ndarray:
+    def shifts_at(self, fraction: float) -> np.ndarray:
         """Displacements (o, 3) of the obstacles at a fraction of the path, 0 to 1."""
         start, end = self._shifts
-        return end if share >= 1.0 else start + share * (end - start)
+        return end if fraction >= 1.0 else start + fraction * (end - start)
 
-    def positions_at(self, share: float) -> np.ndarray:
+    def positions_at(self, fraction: float) -> np.ndarray:
         """Positions (k, 3) of the held vertices at a fraction of the path, 0 to 1."""
-        if share >= 1.0:
+        if fraction >= 1.0:
             return self._Y
         at = self._X.copy()
         for rows, place, _ in self._parts:
-            at[rows] = place(share)
+            at[rows] = place(fraction)
         return at
 
 
 _Part = tuple[np.ndarray, Callable[[float], np.ndarray], float]
 
 
-def _line(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> _Part:
+def _straight_paths(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> _Part:
     """Rows on straight paths, their positions by path fraction, and the longest path."""
     x, y = X[rows], Y[rows]
-    return rows, lambda share: x + share * (y - x), float(np.linalg.norm(y - x, axis=1).max())
+    return rows, lambda fraction: x + fraction * (y - x), float(np.linalg.norm(y - x, axis=1).max())
 
 
-def _part(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> _Part:
-    """Rows of one handle, its positions by path fraction, and its longest path."""
-    x, y, line = X[rows], Y[rows], _line(X, Y, rows)
+def _handle_path(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> _Part:
+    """Rows of a handle, its positions by path fraction, and the longest vertex path."""
+    x, y, line = X[rows], Y[rows], _straight_paths(X, Y, rows)
     try:
         pose = fitted_motion(x, y)
         if np.abs(transform(pose, x) - y).max() > _RIGID * line[2]:
@@ -90,4 +90,4 @@ def _part(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> _Part:
     ways = np.linalg.norm(
         np.diff([transform(path.pose_at(s), x) for s in np.linspace(0, 1, 9)], axis=0), axis=2
     )
-    return rows, lambda share: transform(path.pose_at(share), x), float(ways.sum(axis=0).max())
+    return rows, lambda fraction: transform(path.pose_at(fraction), x), float(ways.sum(axis=0).max())

@@ -32,7 +32,7 @@ class HeldTurn(NamedTuple):
         With whole turns, radians; positive about the line from the base to the handle, or else about the
         largest coordinate of its axis.
     held : float or None
-        By how much the surface turns from the base to the handle. None where nobody looked: where less than 5
+        By how much the surface turns from the base to the handle. None if not measured: where less than 5
         degrees were asked, no surface leads to the handle, or handle or base is a line or a point.
     """
 
@@ -61,7 +61,7 @@ class HeldTurn(NamedTuple):
 
 
 class HandleTurns(NamedTuple):
-    """Turned handles: initial positions, labels and paths.
+    """Initial positions, labels and handle paths, for measuring held turns.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class HandleTurns(NamedTuple):
         Positions before.
     labels : (n,) int array of BASE, FREE, and HANDLE + k
     paths : tuple of tuples of (4, 4) float arrays
-        Poses of each handle on its way.
+        Poses of each handle along its path.
     """
 
     V: np.ndarray

@@ -39,7 +39,7 @@ class MirrorPlane(NamedTuple):
         images[:, self.axis] = 2.0 * self.coordinate - images[:, self.axis]
         return images
 
-    def mirrored(self, pose: np.ndarray) -> np.ndarray:
+    def mirrored_pose(self, pose: np.ndarray) -> np.ndarray:
         """Mirror image ``S P S`` (4, 4) of the motion ``P``."""
         S = self.reflection
         mirrored: np.ndarray = S @ pose @ S

@@ -48,20 +48,22 @@ class ScrewPath(NamedTuple):
     stretches: np.ndarray
     directions: np.ndarray
 
-    def pose_at(self, share: float) -> np.ndarray:
-        """Pose (4, 4) at the fraction ``share`` of the path, from 0 (rest) to 1 (end)."""
-        stretch = linear_map_about(self.pivot, (self.directions * self.stretches**share) @ self.directions.T)
+    def pose_at(self, fraction: float) -> np.ndarray:
+        """Pose (4, 4) at a fraction of the path, from 0 (rest) to 1 (end)."""
+        stretch = linear_map_about(
+            self.pivot, (self.directions * self.stretches**fraction) @ self.directions.T
+        )
         # Arc of the pivot; without rotation it is a line, with its centre at infinity.
         half = self.angle / 2
-        chord = np.sin(share * half) / np.sin(half) if half > _STRAIGHT else share
-        arc = chord * rotation_about(np.zeros(3), self.axis, (share - 1.0) * half)[:3, :3] @ self.across
-        way = translation(share * self.along + arc)
-        moved: np.ndarray = way @ rotation_about(self.pivot, self.axis, share * self.angle) @ stretch
+        chord = np.sin(fraction * half) / np.sin(half) if half > _STRAIGHT else fraction
+        arc = chord * rotation_about(np.zeros(3), self.axis, (fraction - 1.0) * half)[:3, :3] @ self.across
+        way = translation(fraction * self.along + arc)
+        moved: np.ndarray = way @ rotation_about(self.pivot, self.axis, fraction * self.angle) @ stretch
         return moved
 
     @property
     def has_motion(self) -> bool:
-        """True if the path leaves its start."""
+        """True if the end of the path differs from its start."""
         return self.angle != 0.0 or self.has_stretch or bool(self.along.any() or self.across.any())
 
     @property
@@ -87,9 +89,9 @@ class RotationPath(NamedTuple):
     axis: np.ndarray
     angle: float
 
-    def pose_at(self, share: float) -> np.ndarray:
-        """Pose (4, 4) at the fraction ``share`` of the rotation."""
-        return rotation_about(self.point, self.axis, share * self.angle)
+    def pose_at(self, fraction: float) -> np.ndarray:
+        """Pose (4, 4) at a fraction of the rotation."""
+        return rotation_about(self.point, self.axis, fraction * self.angle)
 
     @property
     def has_motion(self) -> bool:

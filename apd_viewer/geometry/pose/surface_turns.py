@@ -1,8 +1,8 @@
 """Turn of a surface from its base to a handle, counted with whole turns.
 
 A triangle turns about its neighbour by the change of the angle at their common edge, and in its plane by the
-changes of its own angles. Each of these is less than a whole turn of either sense, so that their sum over a
-way counts whole turns, however coarse or crumpled the surface is.
+changes of its own angles. Each of these is less than a whole turn of either sense, so that their sum along a
+path counts whole turns, however coarse or crumpled the surface is.
 
 The position of a handle does not distinguish a turn by 400 degrees from one by 40, but the surface does.
 After passing through itself, it holds fewer whole turns than requested.
@@ -35,9 +35,9 @@ from apd_viewer.geometry.pose.waypoint_path import (
 _NO_AREA = 1e-9
 # Cost of an edge without rotation, squared radians: keeps paths short where the surface is flat.
 _EDGE = 1e-4
-# Rounding level of one minus the cosine of half the tilt, for turns about a single axis.
+# Turns have a single axis if, for the tilt of their axis, 1 - cos(tilt / 2) is below this rounding level.
 _ONE_AXIS = 1e-6
-# Radians: this close to half a turn, both senses of rotation are equivalent.
+# Radians from half a turn within which both senses of rotation are equivalent.
 _EITHER_WAY = 1e-6
 # Radians: a handle farther from its requested rotation has been stopped by contact.
 _THERE = math.radians(5.0)
@@ -53,7 +53,7 @@ class RequestedTurn(NamedTuple):
     angle : float
         Radians, not negative.
     lifted : (4,) float array
-        Unit quaternion that follows the way without a jump: the other one of its rotation is a turn away.
+        Unit quaternion that follows the poses without a jump of sign; its negative is one turn away.
     has_one_axis : bool
         Whether all its rotations have the same axis.
     """
@@ -79,9 +79,9 @@ class RequestedTurn(NamedTuple):
 class SurfaceTurns:
     """Rotations of a shape's triangles relative to the base.
 
-    How far a rotation turns about an axis is told but for whole turns, and except where it tips the axis over
-    (swing and twist). So the sum over a way does not depend on the way, as long as that keeps clear of what
-    is tipped over.
+    The angle of a rotation about an axis is determined up to whole turns, unless the rotation reverses the
+    axis (swing and twist). So the sum along a path does not depend on the path, as long as no triangle on it
+    reverses the axis.
 
     Parameters
     ----------

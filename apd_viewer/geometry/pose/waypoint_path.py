@@ -37,7 +37,7 @@ _DIGITS = 12
 def extended_waypoints(
     waypoints: tuple[np.ndarray, ...], current_pose: np.ndarray, pose: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Waypoints after the shortest rotation from the current pose (4, 4) to another.
+    """Waypoints of a path continued by the shortest rotation to ``pose`` (4, 4).
 
     Moving back along the path removes waypoints.
     """
@@ -133,13 +133,13 @@ class WaypointPath(NamedTuple):
     segments: tuple[ScrewPath, ...]
     angle: float
 
-    def pose_at(self, share: float) -> np.ndarray:
-        """Pose (4, 4) at the fraction ``share``, with segments weighted by rotation."""
+    def pose_at(self, fraction: float) -> np.ndarray:
+        """Pose (4, 4) at a fraction of the path, with segments weighted by rotation."""
         weights = np.cumsum([max(piece.angle, _LEAST_WEIGHT) for piece in self.segments])
         ends = weights / weights[-1]
-        k = min(int(np.searchsorted(ends, share)), len(self.segments) - 1)
+        k = min(int(np.searchsorted(ends, fraction)), len(self.segments) - 1)
         start = ends[k - 1] if k else 0.0
-        moved: np.ndarray = self.segments[k].pose_at((share - start) / (ends[k] - start)) @ self.poses[k]
+        moved: np.ndarray = self.segments[k].pose_at((fraction - start) / (ends[k] - start)) @ self.poses[k]
         return moved
 
     @property

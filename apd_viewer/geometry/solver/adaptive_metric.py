@@ -19,13 +19,13 @@ _MOST_SEARCH_VERTICES = 5_000
 _PERIOD = 50
 
 
-def gains_from_hessian(elastic: ElasticSurface) -> bool:
-    """True if a surface converges sooner with its Hessian, and it is not too large.
+def gains_from_hessian(surface: ElasticSurface) -> bool:
+    """True if a surface converges sooner with its Hessian and is not too large for it.
 
     With bending K is nearly as good a metric, and the Hessian takes seven times as long to factor.
     """
-    soft = elastic.membrane is not None and elastic.material.bending == 0.0
-    return soft and len(elastic.free) <= MOST_HESSIAN_VERTICES
+    soft = surface.membrane is not None and surface.material.bending == 0.0
+    return soft and len(surface.free) <= MOST_HESSIAN_VERTICES
 
 
 class AdaptiveMetric:
@@ -33,11 +33,11 @@ class AdaptiveMetric:
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
     """
 
-    def __init__(self, elastic: ElasticSurface) -> None:
-        self._elastic = elastic
+    def __init__(self, surface: ElasticSurface) -> None:
+        self._elastic = surface
         self._age = 0
 
     @property
@@ -51,19 +51,19 @@ class AdaptiveMetric:
 
         Relative to K, a membrane is extremely soft against lateral displacement.
         """
-        elastic = self._elastic
-        if self.is_hessian or elastic.membrane is None or len(elastic.free) > _MOST_SEARCH_VERTICES:
-            return elastic.metric
-        return elastic.hessian.factor_at(elastic.U)
+        surface = self._elastic
+        if self.is_hessian or surface.membrane is None or len(surface.free) > _MOST_SEARCH_VERTICES:
+            return surface.metric
+        return surface.hessian.factor_at(surface.U)
 
     def update(self, projection: GoalProjection) -> None:
         """Switch to the Hessian at the current shape, or renew it when due."""
-        elastic = self._elastic
+        surface = self._elastic
         if self.is_hessian and self._age < _PERIOD:
             self._age += 1
             return
-        elastic.metric, self._age = elastic.hessian.factor_at(elastic.U), 1
-        projection.refresh_directions(elastic.U)
+        surface.metric, self._age = surface.hessian.factor_at(surface.U), 1
+        projection.refresh_directions(surface.U)
 
     def reset(self) -> None:
         """Switch back to K."""

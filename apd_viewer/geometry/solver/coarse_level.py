@@ -39,7 +39,7 @@ class CoarseLevel:
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
         The fine surface.
     goals : tuple of Goal
     make_solver : callable
@@ -55,28 +55,28 @@ class CoarseLevel:
 
     def __init__(
         self,
-        elastic: ElasticSurface,
+        surface: ElasticSurface,
         goals: tuple[Goal, ...],
         make_solver: Callable[[ElasticSurface, tuple[Goal, ...]], LevelSolver],
     ) -> None:
-        rest, fixed = elastic.rest, elastic.fixed
+        rest, fixed = surface.rest, surface.fixed
         thinning = rest.decimation
         self.vertices = with_held_vertices(rest.V, rest.component, thinning, fixed)
         self.F = thinning.F
         unchanged = np.array_equal(self.vertices, thinning.vertices)
         self._shape = rest.coarse_mesh if unchanged else SolveMesh(rest.V[self.vertices], self.F)
         held = np.flatnonzero(np.isin(self.vertices, fixed))
-        soft, own = elastic.soft, np.full(len(rest.V), -1)
+        soft, own = surface.soft, np.full(len(rest.V), -1)
         own[self.vertices] = np.arange(len(self.vertices))
         has = own[soft.ids] >= 0
         self._which = np.concatenate(
             [np.searchsorted(fixed, self.vertices[held]), len(fixed) + np.flatnonzero(has)]
         )
         drawn = soft.subset(has)._replace(ids=own[soft.ids[has]])
-        self._elastic = ElasticSurface(self._shape, held, elastic.material, soft=drawn)
+        self._elastic = ElasticSurface(self._shape, held, surface.material, soft=drawn)
         self._solver = make_solver(self._elastic, self._coarse_goals(goals))
         self._near, self._weight = thinning.coarse_neighbours, thinning.weight
-        self._fine = elastic
+        self._fine = surface
         self.steps, self._paces = 0, deque[float](maxlen=_PACES)
         self._set_reference()
 
@@ -108,9 +108,9 @@ class CoarseLevel:
         self._solver.restore(shapes)
         self._set_reference()
 
-    def aim(self, targets: np.ndarray) -> None:
+    def set_targets(self, targets: np.ndarray) -> None:
         """Set the targets of held and soft vertices from the fine ones (k + s, 3)."""
-        self._solver.aim(targets[self._which])
+        self._solver.set_targets(targets[self._which])
         self.steps = 0
 
     def iterate(self, iterations: int) -> None:
@@ -159,18 +159,18 @@ class CoarseLevel:
         moved = self._elastic.U - self._reference[1]
         U = self._prolongation.moved_positions(U, U[self.vertices], self._relative_rotations(), moved)
         U[fixed] = targets[: len(fixed)]
-        return self._collar.smoothed(U)
+        return self._collar.smoothed_positions(U)
 
     def response(self, b: np.ndarray) -> np.ndarray:
         """Response of the free fine vertices to forces ``b``, both (f, 3).
 
         ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
         """
-        forces = self._prolongation.restricted(b, self._fine.free)
+        forces = self._prolongation.restricted_values(b, self._fine.free)
         own = self._elastic.free
         given = np.zeros_like(forces)
         given[own] = self._elastic.solve(forces[own])
-        return self._prolongation.prolonged(given, self._fine.free)
+        return self._prolongation.prolonged_values(given, self._fine.free)
 
     @cached_property
     def _prolongation(self) -> Prolongation:
@@ -214,24 +214,24 @@ class Collar:
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
         The whole surface; it is not touched.
     width : float
         The distance, mesh units.
     """
 
-    def __init__(self, elastic: ElasticSurface, width: float) -> None:
-        V, F = elastic.rest.V, elastic.rest.F
+    def __init__(self, surface: ElasticSurface, width: float) -> None:
+        V, F = surface.rest.V, surface.rest.F
         held = np.zeros(len(V), dtype=bool)
-        held[elastic.fixed] = True
+        held[surface.fixed] = True
         border = np.unique(F[held[F].any(axis=1) & ~held[F].all(axis=1)])
         away = KDTree(V[border[held[border]]]).query(V, distance_upper_bound=width, workers=-1)[0]
         solved = np.isfinite(away) & ~held
         self._part = self._vertices = None
         if 0 < solved.sum() <= _MOST:
-            self._part, self._vertices = _subsurface(elastic, solved)
+            self._part, self._vertices = _subsurface(surface, solved)
 
-    def smoothed(self, U: np.ndarray) -> np.ndarray:
+    def smoothed_positions(self, U: np.ndarray) -> np.ndarray:
         """Positions ``U`` (n, 3) after an iteration of the collar."""
         if self._part is None:
             return U
@@ -243,9 +243,9 @@ class Collar:
         return smoothed
 
 
-def _subsurface(elastic: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSurface, np.ndarray]:
+def _subsurface(surface: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSurface, np.ndarray]:
     """Surface around the vertices ``solved`` (n,) bool, and its vertex indices."""
-    rest, near = elastic.rest, solved.copy()
+    rest, near = surface.rest, solved.copy()
     F = rest.F
     for _ in range(_RINGS):
         near[F[near[F].any(axis=1)]] = True
@@ -253,6 +253,6 @@ def _subsurface(elastic: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSur
     vertices, corners = np.unique(F, return_inverse=True)
     shape = SolveMesh(rest.V[vertices], corners.reshape(-1, 3))
     # Bending and coupling energies scale with the total area of the mesh.
-    growth, material = rest.vertex_areas.sum() / shape.vertex_areas.sum(), elastic.material
+    growth, material = rest.vertex_areas.sum() / shape.vertex_areas.sum(), surface.material
     material = replace(material, bending=growth * material.bending, coupling=growth * material.coupling)
     return ElasticSurface(shape, np.flatnonzero(~solved[vertices]), material), vertices

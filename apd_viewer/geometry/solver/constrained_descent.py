@@ -19,7 +19,7 @@ from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjec
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.adaptive_metric import AdaptiveMetric, gains_from_hessian
 from apd_viewer.geometry.solver.iterative_solver import SolverProgress
-from apd_viewer.geometry.solver.quasi_newton import Equilibrium, QuasiNewton
+from apd_viewer.geometry.solver.quasi_newton_descent import Equilibrium, QuasiNewtonDescent
 
 # The directions y become outdated as the shape rotates: recomputed after this many iterations.
 _REFRESH = 100
@@ -55,7 +55,7 @@ class ConstrainedDescent:
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
     goals : tuple of Goal
     tolerance : float
         Converged once ten steps together reduce the energy by at most this part of it.
@@ -74,16 +74,16 @@ class ConstrainedDescent:
 
     def __init__(
         self,
-        elastic: ElasticSurface,
+        surface: ElasticSurface,
         goals: tuple[Goal, ...] = (),
         tolerance: float = ENERGY_TOLERANCE,
         plain: bool = False,
     ) -> None:
-        self.elastic = elastic
+        self.surface = surface
         self._tolerance = tolerance
         self._plain = plain
-        self._metric = AdaptiveMetric(elastic)
-        self._edge = float(np.sqrt(elastic.rest.vertex_areas.mean()))
+        self._metric = AdaptiveMetric(surface)
+        self._edge = float(np.sqrt(surface.rest.vertex_areas.mean()))
         self.goals: tuple[Goal, ...] = ()
         self.multipliers = np.zeros(0)
         self.set_goals(goals)
@@ -93,7 +93,7 @@ class ConstrainedDescent:
         """Current shape and readings; plain iterations converge by step lengths only."""
         projection = self._projection
         return SolverProgress(
-            self.elastic.U,
+            self.surface.U,
             self.held_positions,
             projection.values,
             projection.has_met_goals,
@@ -124,23 +124,23 @@ class ConstrainedDescent:
     @property
     def ready(self) -> bool:
         """True if a step need not wait for a factorization."""
-        return self.elastic.factor.ready
+        return self.surface.factor.ready
 
     @property
     def energy(self) -> float:
         """Energy of the current shape."""
-        return self._quasi_newton.energy if self._quasi_newton else self.elastic.energy
+        return self._quasi_newton.energy if self._quasi_newton else self.surface.energy
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Surface at rest, for the stability search; None in plain iterations."""
+        """Surface in equilibrium, for the stability search; None in plain iterations."""
         if self._plain:
             return None
         solve = self._metric.search_metric.solve
-        return Equilibrium(self.elastic, self._projection, self.multipliers, self.held_positions, solve)
+        return Equilibrium(self.surface, self._projection, self.multipliers, self.held_positions, solve)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Set the tolerance on the relative energy reduction by ten steps."""
+        """Set the tolerance on the relative energy decrease over ten steps."""
         self._tolerance = tolerance
 
     def has_stalled(self, tolerance: float) -> bool:
@@ -153,13 +153,13 @@ class ConstrainedDescent:
         if [goal.name for goal in goals] != [goal.name for goal in self.goals]:
             self.multipliers = np.zeros(len(goals))
         self.goals = goals
-        self._projection = GoalProjection(self.elastic, goals)
+        self._projection = GoalProjection(self.surface, goals)
         self._age = 0
         self._reset()
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
-        self.elastic.restart(U)
+        self.surface.restart(U)
         self._projection.evaluate(U)
         self.multipliers = np.zeros(len(self.goals))
         self._age = 0
@@ -167,23 +167,23 @@ class ConstrainedDescent:
 
     def shapes(self) -> list[np.ndarray]:
         """The current shape."""
-        return [self.elastic.U]
+        return [self.surface.U]
 
     def restore(self, shapes: list[np.ndarray]) -> None:
         """Continue from the result of an earlier :meth:`shapes`."""
         self.restart(shapes[0])
 
-    def aim(self, targets: np.ndarray) -> None:
+    def set_targets(self, targets: np.ndarray) -> None:
         """Set the target positions (k + s, 3) of the held and soft vertices."""
         self.held_positions = targets
         self._reset()
 
     def _reset(self) -> None:
         """Forget the progress made towards other goals or targets."""
-        self._nearest = (np.inf, self.elastic.U)
+        self._nearest = (np.inf, self.surface.U)
         self._waited = 0
         self.stuck = False
-        self._quasi_newton: QuasiNewton | None = None
+        self._quasi_newton: QuasiNewtonDescent | None = None
         self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
         self._by_hessian: deque[float] = deque(maxlen=_HESSIAN_WINDOW + 1)
         self._at_minimum = False
@@ -202,7 +202,7 @@ class ConstrainedDescent:
         elif self._quasi_newton is None:
             self.iterate()
             if self._projection.has_met_goals and not self.stuck:
-                self._quasi_newton = QuasiNewton(self.elastic, self._projection)
+                self._quasi_newton = QuasiNewtonDescent(self.surface, self._projection)
         else:
             self._update_metric()
             self._at_minimum = not self._quasi_newton.step(self.held_positions)
@@ -223,33 +223,33 @@ class ConstrainedDescent:
         """Use the Hessian as the metric near the minimum."""
         metric = self._metric
         late = self._tolerance < _FINE and self.has_stalled(LATE_TOLERANCE)
-        if metric.is_hessian or (late and gains_from_hessian(self.elastic)):
+        if metric.is_hessian or (late and gains_from_hessian(self.surface)):
             metric.update(self._projection)
 
     def iterate(self) -> None:
         """Do a global step, the projection onto the goals, and the local step."""
         if self.stuck:
             return
-        elastic, projection = self.elastic, self._projection
+        surface, projection = self.surface, self._projection
         if not self.goals:
-            elastic.local_step(elastic.global_step(self.held_positions))
+            surface.local_step(surface.global_step(self.held_positions))
             return
         met_before, pressure = self._projection.has_met_goals, self._pressure(self.multipliers)
         self._update_directions(pressure)
-        start, end = elastic.U, elastic.global_step(self.held_positions, self.multipliers, projection.g)
+        start, end = surface.U, surface.global_step(self.held_positions, self.multipliers, projection.g)
         steady = 1.0 / max(1.0, _STEADY + pressure)
         for damping in _DAMPINGS if met_before else _DAMPINGS[:1]:
-            share = damping * steady
-            U, mu = projection.project(end if share == 1.0 else self._blend(start, end, share))
+            fraction = damping * steady
+            U, mu = projection.project(end if fraction == 1.0 else self._blend(start, end, fraction))
             if self._projection.has_met_goals:
                 break
-        self.multipliers = self._next_multipliers(share, mu)
-        elastic.local_step(U)
+        self.multipliers = self._next_multipliers(fraction, mu)
+        surface.local_step(U)
         self._give_up_stalled()
 
     def _update_directions(self, pressure: float) -> None:
         """Update gradients and directions of the goals when due."""
-        projection, U = self._projection, self.elastic.U
+        projection, U = self._projection, self.surface.U
         if self._age % _REFRESH == 0 or projection.has_outdated_directions:
             projection.refresh_directions(U)
             self._age = 0
@@ -258,14 +258,14 @@ class ConstrainedDescent:
         self._age += 1
         self._lag += 1
 
-    def _blend(self, start: np.ndarray, end: np.ndarray, share: float) -> np.ndarray:
-        U = start + share * (end - start)
-        U[self.elastic.fixed] = self.held_positions[: len(self.elastic.fixed)]
+    def _blend(self, start: np.ndarray, end: np.ndarray, fraction: float) -> np.ndarray:
+        U = start + fraction * (end - start)
+        U[self.surface.fixed] = self.held_positions[: len(self.surface.fixed)]
         return U
 
-    def _next_multipliers(self, share: float, mu: np.ndarray) -> np.ndarray:
-        """Multipliers plus ``share`` times ``mu``, with bounded growth and pressure."""
-        updated = self.multipliers + share * mu / max(1.0, self._pressure(mu) / _LARGEST_GROWTH)
+    def _next_multipliers(self, fraction: float, mu: np.ndarray) -> np.ndarray:
+        """Multipliers plus ``fraction`` times ``mu``, with bounded growth and pressure."""
+        updated = self.multipliers + fraction * mu / max(1.0, self._pressure(mu) / _LARGEST_GROWTH)
         return updated / max(1.0, self._pressure(updated) / _LARGEST_PRESSURE)
 
     def _pressure(self, multipliers: np.ndarray) -> float:
@@ -275,10 +275,10 @@ class ConstrainedDescent:
         """Give up the goals after a long stall, and restore the best shape."""
         worst = self._projection.largest_violation
         if worst <= GOAL_TOLERANCE or worst < _REDUCTION * self._nearest[0]:
-            self._nearest, self._waited = (worst, self.elastic.U), 0
+            self._nearest, self._waited = (worst, self.surface.U), 0
             return
         self._waited += 1
         if self._waited >= _PATIENCE:
             self.stuck = True
-            self.elastic.local_step(self._nearest[1])
-            self._projection.evaluate(self.elastic.U)
+            self.surface.local_step(self._nearest[1])
+            self._projection.evaluate(self.surface.U)

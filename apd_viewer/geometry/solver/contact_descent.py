@@ -30,11 +30,11 @@ from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver, SolverProgress
 from apd_viewer.geometry.solver.loose_components import LooseComponents
 from apd_viewer.geometry.solver.methods import Method
-from apd_viewer.geometry.solver.quasi_newton import Equilibrium
+from apd_viewer.geometry.solver.quasi_newton_descent import Equilibrium
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
 from apd_viewer.geometry.solver.touching_surface import (
     CollisionFreeProjection,
-    TouchingElastic,
+    TouchingElasticSurface,
     TouchingSurface,
 )
 from apd_viewer.geometry.solver.touching_wall import TouchingWall
@@ -45,7 +45,7 @@ _PART, _STEPS = 0.05, 10
 # Stiffness of the gaps of a thin wall, by its thickness in mesh sizes: stiffer gaps would hardly close under
 # small bending forces, softer ones would vanish under denting forces.
 _SOFTNESS = 10.0
-# Substeps of blocked steps taken as a sign of contact; the first shapes after a motion may be rough.
+# Number of blocked substeps taken as a sign of contact: the first shapes after a motion may be rough.
 _PATIENCE = 60
 
 
@@ -71,22 +71,22 @@ def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
         raise InputError(tr("Obstacles need contact; switch it on, or remove the obstacles."))
 
 
-def stop_sentence(share: float, contact: ContactDescent | None = None) -> str:
+def stop_sentence(fraction: float, contact: ContactDescent | None = None) -> str:
     """Sentence on the handle or obstacle stopped by contact at a fraction of its path."""
     moves = (contact.path.moves_held, contact.path.moves_obstacles) if contact else (True, False)
     said = {
         (True, True): tr("Contact stops handle and obstacle at {percent:.0f} % of the path."),
         (False, True): tr("Contact stops the obstacle at {percent:.0f} % of the path."),
     }.get(moves, tr("Contact stops the handle at {percent:.0f} % of the path."))
-    return said.format(percent=math.floor(100.0 * share))
+    return said.format(percent=math.floor(100.0 * fraction))
 
 
 def whole_path_frame(frame: Frame, leg: int, legs: int, contact: ContactDescent | None) -> Frame:
-    """Frame of a path's ``leg``, with fraction and stop sentence of the whole path."""
-    share = (leg + (1.0 if contact is None else contact.share)) / legs
+    """Frame of a path segment, with fraction and stop sentence of the whole path."""
+    fraction = (leg + (1.0 if contact is None else contact.path_fraction)) / legs
     stopped = frame.share_reached < 1.0 and frame.unreached is not None
-    said = stop_sentence(share, contact) if stopped else frame.unreached
-    return replace(frame, share_reached=share, unreached=said)
+    said = stop_sentence(fraction, contact) if stopped else frame.unreached
+    return replace(frame, share_reached=fraction, unreached=said)
 
 
 def contact_descent(
@@ -122,13 +122,13 @@ def contact_descent(
     touches : bool
         Without, the surface passes through itself; only a wall can.
     """
-    elastic = inner if isinstance(inner, WallSurface) else inner.elastic
-    shape, fixed = rest.solve_mesh, elastic.fixed
+    surface = inner if isinstance(inner, WallSurface) else inner.surface
+    shape, fixed = rest.solve_mesh, surface.fixed
     if len(fixed) and not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
     softness = 1.0
     if isinstance(inner, WallSurface):
-        softness = min(1.0, _SOFTNESS * elastic.material.thickness / rest.diagonal)
+        softness = min(1.0, _SOFTNESS * surface.material.thickness / rest.diagonal)
     held = shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness
     contact = mesh_contact(*held, loose, softness=softness, touches=touches)
     return ContactDescent(inner, goals, contact, handle_of, obstacles, gas)
@@ -155,18 +155,18 @@ class ContactDescent:
 
     Attributes
     ----------
-    elastic : HeldSurface
+    surface : HeldSurface
     contact : Contact
     held_positions : (k + s, 3) float array
         Positions that the held vertices have reached, then the targets of the soft ones.
     path : HeldPath
         Path to the targets.
-    share : float
+    path_fraction : float
         Completed fraction of the path.
     shifts : (o, 3) float array
         Displacements reached by the obstacles.
     target_shifts : (o, 3) float array
-        Displacements of the obstacles at the targets of :meth:`aim`.
+        Displacements of the obstacles at the targets of :meth:`set_targets`.
     start_shifts : (o, 3) float array or None
         Displacements at the shape of the next :meth:`restart`; None for the current ones.
     """
@@ -181,22 +181,22 @@ class ContactDescent:
         gas: EnclosedGas | None = None,
     ) -> None:
         self._inner = None if isinstance(inner, WallSurface) else inner
-        self.elastic: HeldSurface = inner if isinstance(inner, WallSurface) else inner.elastic
+        self.surface: HeldSurface = inner if isinstance(inner, WallSurface) else inner.surface
         self.contact, self.gas = contact, gas
-        softened = gas or self.elastic.creases
-        self._always_touches = not (self._inner and len(self.elastic.fixed)) or bool(softened)
+        softened = gas or self.surface.creases
+        self._always_touches = not (self._inner and len(self.surface.fixed)) or bool(softened)
         self._goals, self._handle_of = goals, handle_of
         self._tolerance = ENERGY_TOLERANCE
         self._touching: TouchingDescent | None = None
-        self._U = V = self.elastic.rest.V
+        self._U = V = self.surface.rest.V
         self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
-        self._at_rest = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
+        self._at_rest = np.concatenate([V[self.surface.fixed], V[self.surface.soft.ids]])
         self.held_positions = self._targets = self._at_rest
         self.replace_obstacles(obstacles)
 
     @property
     def progress(self) -> SolverProgress:
-        """Shape and readings; hidden and unconverged before the end of the path.
+        """Shape and readings, marked as not to be displayed before the end of the path.
 
         No time left is estimated before contact.
         """
@@ -214,7 +214,7 @@ class ContactDescent:
     @property
     def energy(self) -> float | None:
         """Elastic energy of the displayed shape, without contact; None if unknown."""
-        return self.elastic.energy if self._touching or self._inner is None else self._inner.energy
+        return self.surface.energy if self._touching or self._inner is None else self._inner.energy
 
     @property
     def energy_in_contact(self) -> float:
@@ -223,10 +223,10 @@ class ContactDescent:
 
     @property
     def _touching_surface(self) -> TouchingSurface:
-        if isinstance(self.elastic, WallSurface):
-            return TouchingWall(self.elastic, self.contact, self.gas)
-        assert isinstance(self.elastic, ElasticSurface)
-        return TouchingElastic(self.elastic, self.contact, self.gas)
+        if isinstance(self.surface, WallSurface):
+            return TouchingWall(self.surface, self.contact, self.gas)
+        assert isinstance(self.surface, ElasticSurface)
+        return TouchingElasticSurface(self.surface, self.contact, self.gas)
 
     @property
     def load_imbalance(self) -> float:
@@ -241,7 +241,7 @@ class ContactDescent:
     @property
     def share_reached(self) -> float:
         """Completed fraction of the path from rest to the targets."""
-        left = (1.0 - self.share) * self.path.length
+        left = (1.0 - self.path_fraction) * self.path.length
         return 1.0 - left / max(self._whole, left) if left else 1.0
 
     @property
@@ -252,11 +252,11 @@ class ContactDescent:
     @property
     def is_on_its_way(self) -> bool:
         """True if held vertices or obstacles are still moving along their path."""
-        return self.share < 1.0 and not self.is_stopped
+        return self.path_fraction < 1.0 and not self.is_stopped
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Surface in contact at rest, for the stability search."""
+        """Surface in contact and in equilibrium, for the stability search; None if none."""
         if self._touching or self._inner is None:
             return self._touching.equilibrium if self._touching else None
         inner = self._inner.equilibrium
@@ -268,7 +268,7 @@ class ContactDescent:
         return inner._replace(surface=surface, projection=projection)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Set the tolerance on the relative energy reduction by ten steps."""
+        """Set the tolerance on the relative energy decrease over ten steps."""
         self._tolerance = tolerance
         if self._inner:
             self._inner.set_tolerance(tolerance)
@@ -305,13 +305,13 @@ class ContactDescent:
         Raises
         ------
         InputError
-            If not even the shape at rest is clear of obstacles at their places.
+            If not even the rest shape is clear of obstacles at their initial positions.
         """
         shifts, self.start_shifts = self.start_shifts, None
         if shifts is None:
             # U may be the previous shape, with shifts of its own.
             shifts = self._before[1] if U is self._before[0] else self.shifts
-        rest, places = self.elastic.rest.V, self._places
+        rest, places = self.surface.rest.V, self._places
         ways = [(U, shifts), (U, places), (rest, places)]
         found = next((way for way in ways if self.contact.can_start_at(*way)), None)
         if found is None and len(places) and not self.contact.is_clear(rest, places):
@@ -319,11 +319,11 @@ class ContactDescent:
         U, self.shifts = found or (rest, places)
         self.contact.start_at(U, self.shifts)
         self._U, self._is_inside = U, True
-        self.held_positions = np.concatenate([U[self.elastic.fixed], U[self.elastic.soft.ids]])
+        self.held_positions = np.concatenate([U[self.surface.fixed], U[self.surface.soft.ids]])
         self._end_contact()
         self._set_path()
 
-    def aim(self, targets: np.ndarray) -> None:
+    def set_targets(self, targets: np.ndarray) -> None:
         """Set the targets (k + s, 3) of held and soft vertices, with a path to them."""
         self._targets, self.start_shifts = targets, None
         if self._touching and not self.contact.may_touch:
@@ -335,65 +335,65 @@ class ContactDescent:
         self.path = HeldPath(self.held_positions, self._targets, self._handle_of, ends)
         ends = np.array([self._places, self.target_shifts])
         self._whole = HeldPath(self._at_rest, self._targets, self._handle_of, ends).length
-        self.share = 0.0 if self.path.length else 1.0
+        self.path_fraction = 0.0 if self.path.length else 1.0
         self._part = _PART * self._size / max(self.path.length, _PART * self._size)
-        self._ahead = max(self.share, self._part)
+        self._ahead = max(self.path_fraction, self._part)
         self._steps = self._refused = 0
         if self._touching:
-            self._touching.follow_path(self.path, self.share)
+            self._touching.follow_path(self.path, self.path_fraction)
         elif self._inner:
-            self._inner.aim(self.path.positions_at(self._ahead))
+            self._inner.set_targets(self.path.positions_at(self._ahead))
 
     def step(self) -> None:
         """Do a collision-free step; see :meth:`restart`."""
         if not self._is_inside:
             self.start_shifts = self._places
-            self.restart(self.elastic.rest.V)
+            self.restart(self.surface.rest.V)
         self._before = self._U, self.shifts
         if self._touching is None:
             self._step_freely()
         else:
             self._touching.step()
-            self._U, self.share, self.held_positions = (
+            self._U, self.path_fraction, self.held_positions = (
                 self._touching.U,
-                self._touching.share,
+                self._touching.path_fraction,
                 self._touching.held_positions,
             )
-            self.shifts = self.path.shifts_at(self.share)
+            self.shifts = self.path.shifts_at(self.path_fraction)
 
     def _step_freely(self) -> None:
         """Accept the inner solver's next shape if the step to it is collision-free."""
         assert self._inner is not None
-        assert isinstance(self.elastic, ElasticSurface)
+        assert isinstance(self.surface, ElasticSurface)
         self._steps += 1
         self._inner.step()
         progress, shifts = self._inner.progress, self.path.shifts_at(self._ahead)
         W = progress.U
-        stands = W is self._U and (self.path.moves_held or self.share == self._ahead)
+        stands = W is self._U and (self.path.moves_held or self.path_fraction == self._ahead)
         if stands or self.contact.move_to(W, shifts):
             if not stands:
-                self._U, self.share, self.held_positions, self._refused = (
+                self._U, self.path_fraction, self.held_positions, self._refused = (
                     W,
                     self._ahead,
                     progress.held_positions,
                     0,
                 )
                 self.shifts = shifts
-        elif self.elastic.factor.ready:  # contact steps need the factor
+        elif self.surface.factor.ready:  # contact steps need the factor
             self._refused += self.contact.examined_parts
             if self._refused >= _PATIENCE or progress.converged:
                 self._begin_contact()
                 self.step()
                 return
         # Without the factor, previews may stop improving; move on before the usual number of steps.
-        if self.share == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
+        if self.path_fraction == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
             self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
-            self._inner.aim(self.path.positions_at(self._ahead))
+            self._inner.set_targets(self.path.positions_at(self._ahead))
 
     def _begin_contact(self) -> None:
         """Continue with contact from the last shape."""
         self._touching = self._touching_descent()
-        self._touching.follow_path(self.path, self.share)
+        self._touching.follow_path(self.path, self.path_fraction)
 
     def _touching_descent(self) -> TouchingDescent:
         surface = self._touching_surface

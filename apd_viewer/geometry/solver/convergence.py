@@ -125,7 +125,7 @@ def stability_text(frame: Frame, descends: bool) -> str:
 
 
 def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:
-    """Larger of last step and remaining distance, in step tolerances.
+    """Larger of the last step and the remaining distance, in step tolerances.
 
     None before there are enough ``steps``, or while they do not become shorter.
     """
@@ -133,7 +133,7 @@ def step_ratio(steps: Sequence[float], tolerance: float) -> float | None:
         return None
     last, first = steps[-1], steps[0]
     rate = (last / first) ** (1.0 / MEMORY)
-    if rate == 1.0:  # equal lengths up to rounding
+    if rate == 1.0:  # all steps equally long, up to rounding
         return None
     return max(last, min(last / _CREEP, last * rate / (1.0 - rate) / _REMAINING)) / tolerance
 
@@ -159,7 +159,7 @@ class StepConvergence:
         return self.has_steps and self._steps[-1] <= _ROUNDING
 
     def convergence_ratio(self, convergence: Convergence) -> float | None:
-        """Larger of last step and remaining distance, in step tolerances."""
+        """Larger of the last step and the remaining distance, in step tolerances."""
         return step_ratio(self._steps, convergence.step_tolerance)
 
     def has_converged(self, convergence: Convergence) -> bool:

@@ -1,4 +1,4 @@
-"""Deform a mesh one iteration at a time: factor once, aim, step."""
+"""Deformation of a mesh, one iteration at a time."""
 
 import time
 from collections.abc import Sequence
@@ -210,8 +210,8 @@ class Deformation:
                 check_wall_size(len(rest.solve_mesh.V))
                 inner = WallSurface(rest.solve_mesh, held, thin, self._soft)
             else:
-                elastic = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
-                inner = make_solver(elastic, goals, self._traits, of, plain or needs_contact)
+                surface = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
+                inner = make_solver(surface, goals, self._traits, of, plain or needs_contact)
             self.contact: ContactDescent | None = None
             if contact or self._traits.is_wall:
                 check_contact(self._traits, plain)
@@ -222,7 +222,7 @@ class Deformation:
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
         self._begin()
-        self.aim(rest.from_local(rest.V[self.fixed]))
+        self.aim(rest.to_mesh_coordinates(rest.V[self.fixed]))
 
     def __reduce_ex__(self, _: object) -> NoReturn:
         """Raise InputError instead of copying or pickling the object."""
@@ -240,7 +240,7 @@ class Deformation:
 
     @property
     def tolerance(self) -> float:
-        """Relative error of the total area accepted by "paper"."""
+        """Relative error of the total area accepted by the method "paper"."""
         return self._kept.tolerance
 
     @tolerance.setter
@@ -327,23 +327,23 @@ class Deformation:
         begin = shifts if begin is None else checked_shifts(begin, count)
         with cores_for(len(self.rest.solve_mesh.V)):
             self._held.set_targets(targets)
-            elastic = self.solver.elastic
-            if elastic.creases and self.contact and (self.contact.is_stopped or self.settled):
-                elastic.commit_creases()
+            surface = self.solver.surface
+            if surface.creases and self.contact and (self.contact.is_stopped or self.settled):
+                surface.commit_creases()
             if self._kept.restore_calm_goals():
                 self.solver.set_goals(self._kept.goals)
             if self.contact is not None:
                 self.contact.target_shifts, self.contact.start_shifts = shifts, begin
             if U is not None:
-                if elastic.creases:
-                    elastic.creases.clear_flow()
+                if surface.creases:
+                    surface.creases.clear_flow()
                 self.solver.restart(
-                    self.loose.with_loose_at_rest(np.ascontiguousarray(U[self.rest.weld.first]))
+                    self.loose.with_loose_parts_at_rest(np.ascontiguousarray(U[self.rest.weld.first]))
                 )
-                elastic.commit_creases()
+                surface.commit_creases()
             drawn = checked_soft_targets(soft_targets, self.rest, self._soft, *self._drawn)
             asked = self._held.targets
-            self.solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
+            self.solver.set_targets(np.concatenate([asked, drawn]) if len(drawn) else asked)
             self._begin()
 
     def _begin(self) -> None:
@@ -357,11 +357,11 @@ class Deformation:
         return self.frame()
 
     def iterate(self) -> None:
-        """Do one iteration, without readings; at rest, examine the stability."""
+        """Do one iteration, without readings; in equilibrium, examine the stability."""
         with cores_for(len(self.rest.solve_mesh.V)):
-            at_rest = self._is_at_rest and self.share_reached == 1.0
-            if self._stability.is_due(at_rest, self._iteration):
-                if self._stability.step(at_rest):
+            in_equilibrium = self._is_in_equilibrium and self.share_reached == 1.0
+            if self._stability.is_due(in_equilibrium, self._iteration):
+                if self._stability.step(in_equilibrium):
                     self._steps = StepConvergence()
             else:
                 self._descend()
@@ -393,11 +393,11 @@ class Deformation:
         """True if further iterations would change nothing."""
         # Stability is examined only at the targets, not where contact stops the handles on the way.
         looked = not self._stability.is_pending or self.share_reached < 1.0
-        return self.solver.progress.stuck or (self._is_at_rest and looked)
+        return self.solver.progress.stuck or (self._is_in_equilibrium and looked)
 
     @property
-    def _is_at_rest(self) -> bool:
-        """True if the shape is at rest, stable or not."""
+    def _is_in_equilibrium(self) -> bool:
+        """True if the shape is in equilibrium, stable or not."""
         return self._has_settled(self.solver.progress) and not self._kept.may_retry_calm_goals
 
     def _has_settled(self, progress: SolverProgress) -> bool:
@@ -416,7 +416,7 @@ class Deformation:
             regions = self._kept.region_areas(progress.U)
             energy = self.solver.energy
         return Frame(
-            U=frozen(self.rest.from_local(self._file_positions(progress))),
+            U=frozen(self.rest.to_mesh_coordinates(self._file_positions(progress))),
             iteration=self._iteration,
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
@@ -449,7 +449,7 @@ class Deformation:
 
     def _file_positions(self, progress: SolverProgress) -> np.ndarray:
         """Local positions of all vertices of the file."""
-        spread = self.rest.weld.to_file(self.loose.with_followers(progress.U))
+        spread = self.rest.weld.to_file_vertices(self.loose.with_followers(progress.U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
             self._held.write_positions(spread, progress.held_positions)
         return spread
@@ -459,7 +459,7 @@ class Deformation:
         """Warnings about loose parts, a missing volume and open seams, a sentence each."""
         why = None if self.rest.volume_capped else self.rest.missing_volume_reason
         said = self.loose.warning, tr("There is no volume: {why}.").format(why=why) if why else None
-        joints = joints_sentence(self.solver.elastic)
+        joints = joints_sentence(self.solver.surface)
         return tuple(sentence for sentence in (*said, joints, *self.rest.seams.sentences) if sentence)
 
     def readings(self, frame: Frame) -> tuple[RegionReading, ...]:
@@ -477,6 +477,6 @@ class Deformation:
 
     def _unreached_sentence(self, progress: SolverProgress) -> str | None:
         stopped = self.contact is not None and self.contact.is_stopped
-        if stopped and progress.has_met_goals:  # otherwise the goals stop the handles
+        if stopped and progress.has_met_goals:  # otherwise goals, not contact, stop the handles
             return stop_sentence(self.share_reached, self.contact)
         return self._kept.out_of_reach_sentence(progress.goal_values if stopped or progress.stuck else None)

@@ -1,4 +1,4 @@
-"""Deform a mesh in one call."""
+"""Deformation of a mesh in one call, and its result."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -265,7 +265,7 @@ def _stops(path: np.ndarray, shifts: np.ndarray | None) -> Iterator[PathStop]:
 def _turns(
     solver: Deformation, handle: np.ndarray | Sequence[np.ndarray] | None, places: np.ndarray
 ) -> Callable[[np.ndarray], tuple[HeldTurn, ...]]:
-    """Function returning a shape's held turns after a path ``places`` (s, k, 3)."""
+    """Function that returns the held turns of a shape after a path (s, k, 3)."""
     rest, held = solver.rest, HeldVertices(solver.fixed, handle, solver.rest)
     labels = np.full(len(rest.solve_mesh.V), FREE)
     labels[held.ids] = np.where(held.handle_of > 0, HANDLE - 1 + held.handle_of, BASE)
@@ -380,7 +380,7 @@ def deformation_result(
 
 
 def _load_excess(solver: Deformation) -> float | None:
-    """Expected excess of the loads on obstacles; None without stiffness."""
+    """Expected overestimate of the loads on obstacles; None without stiffness."""
     assert solver.contact is not None
     shape = solver.rest.solve_mesh
-    return load_excess(solver.contact.elastic.material, cell_stiffness(shape.V, shape.F))
+    return load_excess(solver.contact.surface.material, cell_stiffness(shape.V, shape.F))

@@ -56,7 +56,7 @@ class GoalSet:
     def set_targets(
         self, area: float | str | None, volume: float | str | None, regions: Sequence[Region], calm: bool
     ) -> None:
-        """Replace all goals by percentages of the values at rest.
+        """Replace all goals by percentages of the rest values.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class GoalSet:
 
     @property
     def tolerance(self) -> float:
-        """Relative error of the total area accepted by "paper"."""
+        """Relative error of the total area accepted by the method "paper"."""
         return self._tolerance
 
     @tolerance.setter

@@ -10,7 +10,8 @@ from apd_viewer.geometry.mesh.arrays import check_type, checked_floats, checked_
 from apd_viewer.geometry.pose.constraints import SoftConstraints
 from apd_viewer.language import tr
 
-# In bounding-box diagonals; farther away, squared lengths leave no digits for the mesh.
+# Largest distance of a target, in bounding-box diagonals; farther away, squared lengths leave no digits for
+# the mesh.
 _FARTHEST = 1e6
 # Roles of vertex ids: the array's name, and the error sentence for a missing vertex.
 _SAID = {
@@ -135,7 +136,7 @@ def checked_rest_mesh(rest: RestMesh | None, V: np.ndarray, F: np.ndarray, weld:
 def soft_solve_constraints(
     soft: SoftConstraints, rest: RestMesh, solve_ids: np.ndarray
 ) -> tuple[SoftConstraints, tuple[np.ndarray, int]]:
-    """Soft vertices of the solve, with their rows in ``soft`` and its length.
+    """Soft constraints of the solve mesh, their rows in ``soft``, and its length.
 
     Held vertices and components without any held vertex are left out.
     """

@@ -6,7 +6,7 @@ import numpy as np
 
 from apd_viewer.geometry.energy.held_surface import HeldSurface
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.solver.quasi_newton import Equilibrium
+from apd_viewer.geometry.solver.quasi_newton_descent import Equilibrium
 
 
 class SolverProgress(NamedTuple):
@@ -49,8 +49,8 @@ class IterativeSolver(Protocol):
     """Iterations of an elastic surface towards goals, with some vertices held."""
 
     @property
-    def elastic(self) -> HeldSurface:
-        """Elastic surface being solved."""
+    def surface(self) -> HeldSurface:
+        """Elastic surface that is deformed."""
 
     @property
     def progress(self) -> SolverProgress:
@@ -66,15 +66,15 @@ class IterativeSolver(Protocol):
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Surface at rest, for the stability search; None without a descent."""
+        """Surface in equilibrium, for the stability search; None without a descent."""
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Set the tolerance on the relative energy reduction by ten steps."""
+        """Set the tolerance on the relative energy decrease over ten steps."""
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Replace the goals."""
 
-    def aim(self, targets: np.ndarray) -> None:
+    def set_targets(self, targets: np.ndarray) -> None:
         """Set the target positions (k + s, 3) of the held and soft vertices."""
 
     def restart(self, U: np.ndarray) -> None:

@@ -24,7 +24,7 @@ class LiHui:
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
     handle_of : (k,) int array
         For each held vertex the number of its handle, from 1; 0 is base. Each handle moves as one.
     goals : (Goal,)
@@ -35,16 +35,16 @@ class LiHui:
     KAPPA = 1.0
     ITERATIONS_A_ROUND = 20
 
-    def __init__(self, elastic: ElasticSurface, handle_of: np.ndarray, goals: tuple[Goal, ...]) -> None:
-        self.elastic = elastic
+    def __init__(self, surface: ElasticSurface, handle_of: np.ndarray, goals: tuple[Goal, ...]) -> None:
+        self.surface = surface
         self._base = np.flatnonzero(handle_of == 0)
         self._handles = [np.flatnonzero(handle_of == k) for k in np.unique(handle_of[handle_of > 0])]
-        self._m = elastic.rest.masses[elastic.free][:, None]
-        self._blend = elastic.factorizer(
-            lambda: (diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr(),
-            elastic.rest.V[elastic.free],
+        self._m = surface.rest.masses[surface.free][:, None]
+        self._blend = surface.factorizer(
+            lambda: (diags_array(self._m[:, 0]) + self.KAPPA * surface.K_ff).tocsr(),
+            surface.rest.V[surface.free],
         )
-        self.U = elastic.U
+        self.U = surface.U
         self.set_goals(goals)
 
     @property
@@ -60,16 +60,16 @@ class LiHui:
     @property
     def ready(self) -> bool:
         """True if a step need not wait for a factorization."""
-        return self.elastic.factor.ready and self._blend.ready
+        return self.surface.factor.ready and self._blend.ready
 
     @property
     def energy(self) -> float:
         """Energy of the current shape ``U``, near its minimiser."""
-        return self.elastic.energy_at(self.U)
+        return self.surface.energy_at(self.U)
 
     @property
     def equilibrium(self) -> None:
-        """None: the correction of the area is no descent."""
+        """None: the method descends in no energy, so stability cannot be examined."""
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Set another target or tolerance of the total area."""
@@ -83,34 +83,34 @@ class LiHui:
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
-        self.elastic.restart(U)
+        self.surface.restart(U)
         self.U = U
 
-    def aim(self, targets: np.ndarray) -> None:
+    def set_targets(self, targets: np.ndarray) -> None:
         """Fix the base at ``targets`` (k, 3), and start the handles from their targets."""
         self._h = self.held_positions = targets
         self._iteration = 0
 
     def step(self) -> None:
         """Do an ARAP iteration, corrected and blended; end a round when due."""
-        self.elastic.local_step(self.elastic.global_step(self._h))
+        self.surface.local_step(self.surface.global_step(self._h))
         self._correct_and_blend()
         self._iteration += 1
         if self._iteration % self.ITERATIONS_A_ROUND == 0 and not self._has_met_goals:
             self._h = self.held_positions
 
     def _correct_and_blend(self) -> None:
-        elastic, target = self.elastic, self._area.target
+        surface, target = self.surface, self._area.target
         # Bounded, since a collapsed shape cannot be scaled back to its area.
-        s = np.sqrt(target / max(area(elastic.U, elastic.rest.F), 1e-6 * target))
+        s = np.sqrt(target / max(area(surface.U, surface.rest.F), 1e-6 * target))
         base_centroid = self._h[self._base].mean(axis=0)
         self.held_positions = self._h.copy()
         for handle in self._handles:
             self.held_positions[handle] += (s - 1.0) * (self._h[handle].mean(axis=0) - base_centroid)
 
-        c = base_centroid + s * (elastic.U[elastic.free] - base_centroid)
-        pull = elastic.right_hand_side(self.held_positions)
-        self.U = elastic.all_positions(
-            self._blend.refined(self._m * c + self.KAPPA * pull), self.held_positions
+        c = base_centroid + s * (surface.U[surface.free] - base_centroid)
+        pull = surface.right_hand_side(self.held_positions)
+        self.U = surface.all_positions(
+            self._blend.solve_refined(self._m * c + self.KAPPA * pull), self.held_positions
         )
         self.goal_values = self._measures.values(self.U)

@@ -68,23 +68,23 @@ class LooseComponents:
         # If nothing is held, all parts deform.
         self._is_held[piece[held] if len(held) else slice(None)] = True
         self._vertices = np.flatnonzero(~self._is_held[piece])
-        self._stays = self._left_at_rest(loose)
+        self._stays = self._stays_at_rest(loose)
 
-    def set_loose_parts(self, loose: str | Sequence[int] | np.ndarray) -> None:
-        """Choose the loose parts to move along or to stay at rest; see the class.
+    def set_loose_motion(self, loose: str | Sequence[int] | np.ndarray) -> None:
+        """Choose which loose parts follow the nearest surface and which stay in place.
 
         Raises
         ------
         InputError
             If others would stay in contact: there might be no collision-free path to their positions.
         """
-        stays = self._left_at_rest(loose)
+        stays = self._stays_at_rest(loose)
         if self._contact and not np.array_equal(stays[~self._is_held], self._stays[~self._is_held]):
             raise InputError(tr("In contact other loose parts cannot stay; make another Deformation."))
         self._stays = stays
 
-    def _left_at_rest(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
-        """Mask of the components left at rest."""
+    def _stays_at_rest(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
+        """Mask of the components that stay in their rest positions."""
         if not isinstance(loose, str):
             return self._containing(loose)
         if loose in (GO, STAY):
@@ -102,7 +102,7 @@ class LooseComponents:
 
     @property
     def warning(self) -> str | None:
-        """Sentences about parts without base; None without such parts."""
+        """Sentences about parts without a base; None if there are none."""
         shape = self._rest.solve_mesh
         loose = np.zeros(len(shape.component), dtype=bool)
         loose[shape.component[shape.F[:, 0]]] = True
@@ -114,8 +114,8 @@ class LooseComponents:
         said.append(_sentence_on_handles(self._without_base))
         return " ".join(filter(None, said)) or None
 
-    def with_loose_at_rest(self, U: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3) with all loose parts at rest."""
+    def with_loose_parts_at_rest(self, U: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) with all loose parts in their rest positions."""
         if len(self._vertices):
             U = U.copy()
             U[self._vertices] = self._rest.solve_mesh.V[self._vertices]
@@ -127,14 +127,16 @@ class LooseComponents:
             return U
         out, piece = U.copy(), self._rest.solve_mesh.component
         with cores_for(len(U)):
-            _carry(U, self._rest.solve_mesh.V, *self._binding[:-1], self._stays[piece[self._vertices]], out)
+            _write_carried_positions(
+                U, self._rest.solve_mesh.V, *self._binding[:-1], self._stays[piece[self._vertices]], out
+            )
         return out
 
     @property
     def exempt_groups(self) -> np.ndarray:
-        """Row (1, n) of groups: carried parts, and their carriers as negative numbers.
+        """Contact exemption groups (1, n): carried parts; carriers as negative numbers.
 
-        Parts that share some of it are in one group. No row without such parts.
+        Parts with a common carrier are in one group. No row without such parts.
         """
         shape, n = self._rest.solve_mesh, len(self._rest.solve_mesh.V)
         binding = self._binding if len(self._vertices) else None
@@ -156,16 +158,16 @@ class LooseComponents:
     def transfer_gradient(self, g: np.ndarray) -> None:
         """Add the gradient (n, 3) of loose parts to their carriers, rotations ignored."""
         if len(self._vertices) and self._binding is not None:
-            part, corner, share = self._carriers(self._binding)
+            part, corner, point_weight = self._carriers(self._binding)
             force = np.add.reduceat(g[self._binding.member], self._binding.member_start[:-1])
-            np.add.at(g, corner, share[:, None] * force[part])
+            np.add.at(g, corner, point_weight[:, None] * force[part])
 
-    def limit_shares(self, shares: np.ndarray) -> None:
+    def limit_step_fractions(self, fractions: np.ndarray) -> None:
         """Limit the step fractions (n,) of carriers to those of the carried parts."""
         if len(self._vertices) and self._binding is not None:
             part, corner, _ = self._carriers(self._binding)
-            least = np.minimum.reduceat(shares[self._binding.member], self._binding.member_start[:-1])
-            np.minimum.at(shares, corner, least[part])
+            least = np.minimum.reduceat(fractions[self._binding.member], self._binding.member_start[:-1])
+            np.minimum.at(fractions, corner, least[part])
 
     def _carriers(
         self, binding: LooseBinding, among: np.ndarray | bool = True
@@ -174,14 +176,14 @@ class LooseComponents:
         leader = binding.member[binding.member_start[:-1]]
         part = np.repeat(np.arange(len(leader)), np.diff(binding.start))
         goes = among & ~self._stays[self._rest.solve_mesh.component[leader]][part]
-        return part[goes], binding.corner[goes], binding.share[goes]
+        return part[goes], binding.corner[goes], binding.point_weight[goes]
 
     @cached_property
     def _binding(self) -> LooseBinding | None:
         shape = self._rest.solve_mesh
         F = shape.F[self._is_held[shape.component[shape.F[:, 0]]]]
         F = F[face_areas(shape.V, F) > 0.0]
-        return _bound(shape.V, F, shape.component, self._vertices) if len(F) else None
+        return _bind_parts(shape.V, F, shape.component, self._vertices) if len(F) else None
 
 
 class LooseBinding(NamedTuple):
@@ -195,7 +197,7 @@ class LooseBinding(NamedTuple):
     start : (p + 1,) int array
         Its corners are ``corner[start[k]:start[k + 1]]``.
     corner : (c,) int array
-    share : (c,) float array
+    point_weight : (c,) float array
         Weights of the point between the triangles, by part, with sum one.
     weight : (c,) float array
         Weights of the fit.
@@ -207,20 +209,20 @@ class LooseBinding(NamedTuple):
     member: np.ndarray
     start: np.ndarray
     corner: np.ndarray
-    share: np.ndarray
+    point_weight: np.ndarray
     weight: np.ndarray
     is_close: np.ndarray
 
 
-def _bound(V: np.ndarray, F: np.ndarray, component: np.ndarray, vertices: np.ndarray) -> LooseBinding:
-    """Bind the parts of ``vertices`` (l,) to the triangles ``F`` (m, 3)."""
+def _bind_parts(V: np.ndarray, F: np.ndarray, component: np.ndarray, vertices: np.ndarray) -> LooseBinding:
+    """Binding of the loose parts of ``vertices`` (l,) to the triangles ``F`` (m, 3)."""
     vertices = vertices[np.argsort(component[vertices], kind="stable")]
     _, first, part = np.unique(component[vertices], return_index=True, return_inverse=True)
     away, T = nearest_triangles(V[vertices], V, F)
     reach = _reach(V[vertices], away, first)[part]
     near = _nearness(away, reach, part)
-    share = near[:, None] * _barycentric(V[T], V[vertices])
-    weight = share + _AROUND * near[:, None]
+    point_weight = near[:, None] * _barycentric(V[T], V[vertices])
+    weight = point_weight + _AROUND * near[:, None]
     key, which = np.unique((part[:, None] * len(V) + T).ravel(), return_inverse=True)
     part_of_corner, corner = np.divmod(key, len(V))
     start = np.searchsorted(part_of_corner, np.arange(len(first) + 1))
@@ -229,7 +231,7 @@ def _bound(V: np.ndarray, F: np.ndarray, component: np.ndarray, vertices: np.nda
         vertices,
         start,
         corner,
-        np.bincount(which, share.ravel()),
+        np.bincount(which, point_weight.ravel()),
         np.bincount(which, weight.ravel()),
         np.bincount(which, np.repeat(away <= reach, 3)) > 0,
     )
@@ -239,7 +241,7 @@ def _reach(points: np.ndarray, away: np.ndarray, first: np.ndarray) -> np.ndarra
     """Distance (p,) from the surface at which a point of a part has half weight."""
     extent = np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
     reach = np.minimum.reduceat(away, first) + _REACH * np.linalg.norm(extent, axis=1)
-    reach[reach == 0.0] = 1.0  # a single vertex lying on the surface
+    reach[reach == 0.0] = 1.0  # the part is a single vertex lying on the surface
     return reach
 
 
@@ -261,19 +263,19 @@ def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 @parallel()
-def _carry(
+def _write_carried_positions(
     U: np.ndarray,
     V: np.ndarray,
     member_start: np.ndarray,
     member: np.ndarray,
     start: np.ndarray,
     corner: np.ndarray,
-    share: np.ndarray,
+    point_weight: np.ndarray,
     weight: np.ndarray,
     stays: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Write moved members (l,) of parts, unless ``stays`` (l,), into ``out`` (n, 3)."""
+    """Write positions of carried members (l,), unless ``stays`` (l,), into ``out``."""
     for p in prange(len(start) - 1):
         # A part keeps its positions to the last bit if its carriers have not moved.
         moved = False
@@ -285,8 +287,8 @@ def _carry(
         before, after = np.zeros(3), np.zeros(3)
         for e in range(start[p], start[p + 1]):
             for axis in range(3):
-                before[axis] += share[e] * V[corner[e], axis]
-                after[axis] += share[e] * U[corner[e], axis]
+                before[axis] += point_weight[e] * V[corner[e], axis]
+                after[axis] += point_weight[e] * U[corner[e], axis]
         scratch, q = np.zeros((3, 4, 4)), np.zeros((1, 4))
         S, q[0, 0] = scratch[0], 1.0
         for e in range(start[p], start[p + 1]):

@@ -12,7 +12,8 @@ from apd_viewer.language import tr
 
 DEFAULT_METHOD = "exact"
 DEFAULT_TOLERANCE = 1e-3
-# Relative to the cells of Eq. 1, of which "local" keeps a tenth to hold the corners together.
+# Stiffnesses relative to that of the ARAP cells (Eq. 1 of the paper). The method "local" keeps a tenth of the
+# cells, which connects the triangles.
 DEFAULT_AREA_STIFFNESS = 20.0
 DEFAULT_SHEAR_STIFFNESS = 0.1
 DEFAULT_POISSON = 0.4

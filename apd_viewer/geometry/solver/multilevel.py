@@ -16,7 +16,7 @@ from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE, ConstrainedDescent
 from apd_viewer.geometry.solver.iterative_solver import LevelSolver, SolverProgress
-from apd_viewer.geometry.solver.quasi_newton import Equilibrium
+from apd_viewer.geometry.solver.quasi_newton_descent import Equilibrium
 
 # Number of free vertices below which a surface converges as fast without a coarse level.
 _ALONE = 4 * FEWEST_COARSE_VERTICES
@@ -33,29 +33,31 @@ _SMOOTHING, _SMOOTHING_OF_FABRIC = 6, 3
 _MOST_AHEAD = 8
 
 
-def gains_from_coarse_level(elastic: ElasticSurface) -> bool:
+def gains_from_coarse_level(surface: ElasticSurface) -> bool:
     """True if a surface converges sooner with a coarse level."""
-    if len(elastic.free) < _ALONE:
+    if len(surface.free) < _ALONE:
         return False
     # Thousands of loose triangles cannot be decimated, and the held vertices may leave the coarse mesh no
     # freedom.
-    vertices = elastic.rest.decimation.vertices
-    return _shrinks(elastic.rest) and bool(np.isin(vertices, elastic.free).sum() > FEWEST_COARSE_VERTICES / 2)
-
-
-def multilevel_descent(
-    elastic: ElasticSurface, goals: tuple[Goal, ...], tolerance: float = ENERGY_TOLERANCE
-) -> MultilevelDescent:
-    """Solver of a surface with all useful coarse levels."""
-    return MultilevelDescent(
-        ConstrainedDescent(elastic, goals, tolerance), CoarseLevel(elastic, goals, _coarse)
+    vertices = surface.rest.decimation.vertices
+    return _is_well_decimated(surface.rest) and bool(
+        np.isin(vertices, surface.free).sum() > FEWEST_COARSE_VERTICES / 2
     )
 
 
-def _coarse(elastic: ElasticSurface, goals: tuple[Goal, ...]) -> LevelSolver:
-    if gains_from_coarse_level(elastic):
-        return multilevel_descent(elastic, goals, _COARSE_TOLERANCE)
-    return ConstrainedDescent(elastic, goals, _COARSE_TOLERANCE)
+def multilevel_descent(
+    surface: ElasticSurface, goals: tuple[Goal, ...], tolerance: float = ENERGY_TOLERANCE
+) -> MultilevelDescent:
+    """Solver of a surface with all useful coarse levels."""
+    return MultilevelDescent(
+        ConstrainedDescent(surface, goals, tolerance), CoarseLevel(surface, goals, _coarse)
+    )
+
+
+def _coarse(surface: ElasticSurface, goals: tuple[Goal, ...]) -> LevelSolver:
+    if gains_from_coarse_level(surface):
+        return multilevel_descent(surface, goals, _COARSE_TOLERANCE)
+    return ConstrainedDescent(surface, goals, _COARSE_TOLERANCE)
 
 
 def compute_decimations(rest: RestMesh) -> tuple[Decimation, ...]:
@@ -68,13 +70,13 @@ def compute_decimations(rest: RestMesh) -> tuple[Decimation, ...]:
     with cores_for(len(shape.V)):
         while len(shape.V) >= _ALONE:
             found.append(shape.decimation)
-            if not _shrinks(shape):
+            if not _is_well_decimated(shape):
                 break
             shape = shape.coarse_mesh
     return tuple(found)
 
 
-def _shrinks(rest: SolveMesh) -> bool:
+def _is_well_decimated(rest: SolveMesh) -> bool:
     """True if decimation removes at least half of the vertices."""
     return len(rest.decimation.vertices) < len(rest.V) / 2
 
@@ -95,17 +97,17 @@ class MultilevelDescent:
 
     Attributes
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
         The fine surface.
     forecast : PreviewForecast
     """
 
     def __init__(self, fine: ConstrainedDescent, coarse: CoarseLevel) -> None:
-        self.elastic = fine.elastic
+        self.surface = fine.surface
         self.fine, self.coarse = fine, coarse
         self._coarse_iterations = 1 if len(coarse.shapes()) > 1 else _COARSEST_ITERATIONS
         self._preview: CoarsePreview | None = None
-        self.forecast = PreviewForecast(self.elastic, coarse)
+        self.forecast = PreviewForecast(self.surface, coarse)
         self._reset()
 
     @property
@@ -145,11 +147,11 @@ class MultilevelDescent:
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Fine surface at rest, for the stability search."""
+        """Fine surface in equilibrium, for the stability search."""
         return self.fine.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Set the tolerance on the relative energy reduction by ten fine steps."""
+        """Set the tolerance on the relative energy decrease over ten fine-level steps."""
         self.fine.set_tolerance(tolerance)
 
     def has_stalled(self, tolerance: float) -> bool:
@@ -163,10 +165,10 @@ class MultilevelDescent:
         self.fine.set_goals(goals)
         self._reset()
 
-    def aim(self, targets: np.ndarray) -> None:
+    def set_targets(self, targets: np.ndarray) -> None:
         """Set the target positions (k + s, 3) of the held and soft vertices."""
-        self.coarse.aim(targets)
-        self.fine.aim(targets)
+        self.coarse.set_targets(targets)
+        self.fine.set_targets(targets)
         self._reset()
 
     def restart(self, U: np.ndarray) -> None:
@@ -178,7 +180,7 @@ class MultilevelDescent:
 
     def follow_coarse_again(self) -> None:
         """Follow the coarse level again from the current fine shape, without previews."""
-        self.restart(self.elastic.U)
+        self.restart(self.surface.U)
         self._previews = False
 
     def shapes(self) -> list[np.ndarray]:
@@ -195,14 +197,14 @@ class MultilevelDescent:
     def _reset(self) -> None:
         self._ahead = 1
         self.forecast.reset()
-        self._previews = self.elastic.factor.is_in_other_process
+        self._previews = self.surface.factor.is_in_other_process
 
     def step(self) -> None:
         """Prolong the coarse level's rotations; descend once it has converged."""
         if self._previews and not (self.coarse.converged and self.fine.ready):
             self._advance_coarse()
-            self.coarse.smooth(_SMOOTHING_OF_FABRIC if self.elastic.membrane else _SMOOTHING)
-            self._preview = self._preview or CoarsePreview(self.elastic, self.coarse, self.fine.goals)
+            self.coarse.smooth(_SMOOTHING_OF_FABRIC if self.surface.membrane else _SMOOTHING)
+            self._preview = self._preview or CoarsePreview(self.surface, self.coarse, self.fine.goals)
             self._preview.follow_coarse(self.fine.held_positions)
             self.forecast.expect_factor()
         elif self._previews:
@@ -212,7 +214,7 @@ class MultilevelDescent:
             self.forecast.count_iteration()
         else:
             self._advance_coarse()
-            self.elastic.rotate_projections(self.coarse.take_rotations())
+            self.surface.rotate_projections(self.coarse.take_rotations())
             self.fine.iterate()
 
     def smooth(self, iterations: int) -> None:
@@ -226,9 +228,9 @@ class MultilevelDescent:
     def _end_previews(self) -> None:
         """End the previews, and iterate from the last preview."""
         self.forecast.begin_descent()
-        self.elastic.rotate_projections(self.coarse.take_rotations())
+        self.surface.rotate_projections(self.coarse.take_rotations())
         if self._preview is not None:
-            self.elastic.U, self._preview = self._preview.U, None
+            self.surface.U, self._preview = self._preview.U, None
         self._previews = False
         self.fine.iterate()
         self.forecast.count_iteration()
@@ -249,7 +251,7 @@ class CoarsePreview:
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
         The fine surface; it is not touched.
     coarse : CoarseLevel
     goals : tuple of Goal
@@ -264,15 +266,15 @@ class CoarsePreview:
         Its goals.
     """
 
-    def __init__(self, elastic: ElasticSurface, coarse: CoarseLevel, goals: tuple[Goal, ...]) -> None:
-        self._elastic, self._coarse = elastic, coarse
-        self.free = elastic.free
-        self.U = elastic.U
+    def __init__(self, surface: ElasticSurface, coarse: CoarseLevel, goals: tuple[Goal, ...]) -> None:
+        self._elastic, self._coarse = surface, coarse
+        self.free = surface.free
+        self.U = surface.U
         self.projection = GoalProjection(self, goals)
         self.projection.refresh_directions(self.U)
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
-        """Smooth response (f, 3) to forces ``b_f`` (f, 3), for meeting goals."""
+        """Smooth response (f, 3) to forces ``b_f`` (f, 3), used to meet the goals."""
         return self._coarse.response(b_f)
 
     def follow_coarse(self, targets: np.ndarray) -> None:
@@ -288,13 +290,13 @@ class PreviewForecast:
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
         The fine surface.
     coarse : CoarseLevel
     """
 
-    def __init__(self, elastic: ElasticSurface, coarse: CoarseLevel) -> None:
-        self._elastic, self._coarse = elastic, coarse
+    def __init__(self, surface: ElasticSurface, coarse: CoarseLevel) -> None:
+        self._elastic, self._coarse = surface, coarse
         self.reset()
 
     @property

@@ -128,9 +128,9 @@ class PlatePress:
         return self.solver.contact
 
     @property
-    def share(self) -> float:
+    def travel_fraction(self) -> float:
         """Fraction of the plates' travel completed."""
-        return self._from + self._contact.share * (self._to - self._from)
+        return self._from + self._contact.path_fraction * (self._to - self._from)
 
     @property
     def is_stopped(self) -> bool:
@@ -139,9 +139,9 @@ class PlatePress:
 
     @property
     def load_excess(self) -> float | None:
-        """Expected excess of the loads, see :func:`load_excess`."""
+        """Expected overestimate of the loads; see :func:`load_excess`."""
         shape = self._rest.solve_mesh
-        return load_excess(self._contact.elastic.material, cell_stiffness(shape.V, shape.F))
+        return load_excess(self._contact.surface.material, cell_stiffness(shape.V, shape.F))
 
     def steps(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
         """Press the mesh; yield the equilibrium shapes from the first contact on.
@@ -151,8 +151,8 @@ class PlatePress:
         Parameters
         ----------
         tick : callable
-            Called after every iteration with the share of the work that is done, at a guess; what it raises
-            ends the work.
+            Called after every iteration with the estimated fraction of the work done; an exception raised by
+            it ends the work.
         """
         if self._relaxes:
             self.settle_at(0.0, partial(_tick_at, tick, 0, self._count))
@@ -163,7 +163,7 @@ class PlatePress:
             U = self._contact.progress.U
             self._contact.replace_obstacles(self._plates_around(U))
             self._contact.restart(U)
-            self.aim(0.0)
+            self.set_target(0.0)
         yield self._step(settled=True)
         for k in range(self._count):
             self.settle_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
@@ -179,11 +179,11 @@ class PlatePress:
         tick : callable
             As of :meth:`steps`.
         """
-        share, k = self.share, 0
+        fraction, k = self.travel_fraction, 0
         touching = _TOUCHES * self._largest_load
-        while share > 0.0 and self._largest_load > touching:
-            share = max(0.0, share - 1.0 / self._count)
-            self.settle_at(share, partial(_tick_at, tick, k, self._count))
+        while fraction > 0.0 and self._largest_load > touching:
+            fraction = max(0.0, fraction - 1.0 / self._count)
+            self.settle_at(fraction, partial(_tick_at, tick, k, self._count))
             k += 1
             yield self._step(self.solver.settled)
 
@@ -191,25 +191,25 @@ class PlatePress:
     def _largest_load(self) -> float:
         return float(np.abs(self.solver.frame().loads).max())
 
-    def settle_at(self, share: float, tick: Callable[[float], object] = lambda _: None) -> None:
+    def settle_at(self, fraction: float, tick: Callable[[float], object] = lambda _: None) -> None:
         """Move the plates to a fraction of their travel, and iterate to equilibrium.
 
         Walls in the way of the plates may give way once they have come to rest.
         """
-        self._go_to(share, tick)
+        self._go_to(fraction, tick)
         for _ in range(_RETRIES):
             if not self.is_stopped:
                 return
-            self._go_to(self.share, tick)
-            self._go_to(share, tick)
+            self._go_to(self.travel_fraction, tick)
+            self._go_to(fraction, tick)
 
-    def aim(self, share: float) -> None:
+    def set_target(self, fraction: float) -> None:
         """Set the plates' next target, a fraction of their travel."""
-        self._from, self._to = self.share, share
-        self.solver.aim(self._targets, shifts=share * self._shifts)
+        self._from, self._to = self.travel_fraction, fraction
+        self.solver.aim(self._targets, shifts=fraction * self._shifts)
 
-    def _go_to(self, share: float, tick: Callable[[float], object]) -> None:
-        self.aim(share)
+    def _go_to(self, fraction: float, tick: Callable[[float], object]) -> None:
+        self.set_target(fraction)
         solver, count = self.solver, 0
         while not solver.settled and count < self._iterations and not self.is_stopped:
             solver.iterate()
@@ -220,7 +220,7 @@ class PlatePress:
         frame, rest = self.solver.frame(), self._rest
         crossed = crossings(self._contact.progress.U, rest.solve_mesh.F)
         low, high = frame.loads @ self.travel.axis
-        gone = self.share * self.travel.length
+        gone = self.travel_fraction * self.travel.length
         return PressStep(
             U=frame.U,
             distance=self.travel.first_distance - gone,
@@ -241,18 +241,18 @@ class PlatePress:
     @property
     def _stretching(self) -> float:
         """Fraction of the elastic energy due to stretching, 0 to 1."""
-        elastic = self._contact.elastic
-        if isinstance(elastic, WallSurface):
-            return elastic.stretching_share
-        if elastic.energy <= _NO_ENERGY * self._rest.area:
+        surface = self._contact.surface
+        if isinstance(surface, WallSurface):
+            return surface.stretching_fraction
+        if surface.energy <= _NO_ENERGY * self._rest.area:
             return 0.0
-        self._membrane.local_step(elastic.U)
-        return min(1.0, self._membrane.energy / elastic.energy)
+        self._membrane.local_step(surface.U)
+        return min(1.0, self._membrane.energy / surface.energy)
 
     @cached_property
     def _membrane(self) -> Membrane:
         """Membrane with the wall's stretching energy alone, without bending."""
-        shape, material = self._rest.solve_mesh, self._contact.elastic.material
+        shape, material = self._rest.solve_mesh, self._contact.surface.material
         return Membrane(shape.V, shape.all_triangles, 2.0 * material.rigidity + material.shear, material.area)
 
 

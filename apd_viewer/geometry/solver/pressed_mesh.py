@@ -1,4 +1,4 @@
-"""Press a mesh between two plates in one call.
+"""Pressing of a mesh between two plates in one call.
 
 The words are those of the column crush test [ASTM D2659, Standard test method for column crush properties
 of blown thermoplastic containers]: crushing yield load, deflection at it, apparent stiffness.
@@ -190,7 +190,7 @@ def press_between(
 def pressed_mesh(
     steps: Sequence[PressStep], released: Sequence[PressStep], is_stopped: bool, excess: float | None
 ) -> Pressed:
-    """Pressed mesh from its steps, with the readings of its load curve."""
+    """Result of pressing from its steps, with the readings of its load curve."""
     loads = [0.5 * (step.load_low + step.load_high) for step in steps]
     curve = load_curve(np.array([step.deflection for step in steps]), np.array(loads))
     return Pressed(tuple(steps), tuple(released), curve, is_stopped, excess)

@@ -73,12 +73,12 @@ class Prolongation:
         B = _expansions(X, q, moved, start, ring, self._degree, self._held)
         return _carried(U, rows, node, weight, B)
 
-    def prolonged(self, values: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """``P values`` (f, 3) at the fine vertices ``rows`` for ``values`` (c, 3)."""
+    def prolonged_values(self, values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Interpolation ``P values`` (f, 3) of ``values`` (c, 3) to the fine ``rows``."""
         return _interpolated(values, rows, *self._weights)
 
-    def restricted(self, b: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """``P^T b`` (c, 3) for ``b`` (f, 3) at the fine vertices ``rows``."""
+    def restricted_values(self, b: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Restriction ``P^T b`` (c, 3) of ``b`` (f, 3) at the fine vertices ``rows``."""
         return _gathered(b, rows, *self._weights, len(self._held))
 
 
@@ -118,7 +118,7 @@ def _weights(
     ring: np.ndarray,
     radius: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of the weights ``(1 - d^2 / radius^2)^3``, each with the sum one."""
+    """Sparse rows of the weights ``(1 - d^2 / radius^2)^3``, each with the sum one."""
     n = len(V)
     rows = np.zeros(n + 1, dtype=np.int64)
     node, weight = np.empty(24 * n + 64, dtype=np.int32), np.empty(24 * n + 64, dtype=np.float32)
@@ -158,7 +158,7 @@ def _expansions(
     degree: np.ndarray,
     held: np.ndarray,
 ) -> np.ndarray:
-    """``moved_k - G_k x_k / 2``, ``G_k`` and ``x_k``, (c, 15).
+    """Expansions of the coarse motion, ``moved_k - G_k x_k / 2, G_k, x_k``, (c, 15).
 
     Gradients are fitted to the neighbours by least squares; those of held vertices to held ones alone, for
     these are not bent.
@@ -192,7 +192,7 @@ def _expansions(
 def _carried(
     U: np.ndarray, start: np.ndarray, node: np.ndarray, weight: np.ndarray, B: np.ndarray
 ) -> np.ndarray:
-    """``U`` (n, 3) moved by the blended expansions ``B`` (c, 15)."""
+    """Positions ``U`` (n, 3) moved by the blended expansions ``B`` (c, 15)."""
     out = np.empty_like(U)
     for portion in prange((len(U) + _PORTION - 1) // _PORTION):
         f = np.empty(_COMPONENTS)

@@ -21,7 +21,7 @@ from apd_viewer.geometry.solver.multilevel import (
     gains_from_coarse_level,
     multilevel_descent,
 )
-from apd_viewer.geometry.solver.quasi_newton import Equilibrium
+from apd_viewer.geometry.solver.quasi_newton_descent import Equilibrium
 
 # Smallest relative energy reduction for a minimum to count as better and be shown.
 _GAIN = 1e-3
@@ -39,21 +39,24 @@ _SAME = 5e-3
 
 
 def make_solver(
-    elastic: ElasticSurface, goals: tuple[Goal, ...], method: Method, handle_of: np.ndarray, plain: bool
+    surface: ElasticSurface, goals: tuple[Goal, ...], method: Method, handle_of: np.ndarray, plain: bool
 ) -> IterativeSolver:
-    """Solver of a method, with handle numbers (k + s,) from 1 and 0 for the base."""
+    """Solver of a method.
+
+    ``handle_of`` (k + s,) is the handle of each held or soft vertex, counted from 1; 0 for the base.
+    """
     if method.moves_handles:
-        return LiHui(elastic, handle_of, goals)
-    if plain or method.is_plain_only or not len(elastic.fixed):
-        return ConstrainedDescent(elastic, goals, plain=True)
-    return minimizer(elastic, goals)
+        return LiHui(surface, handle_of, goals)
+    if plain or method.is_plain_only or not len(surface.fixed):
+        return ConstrainedDescent(surface, goals, plain=True)
+    return minimizer(surface, goals)
 
 
-def minimizer(elastic: ElasticSurface, goals: tuple[Goal, ...]) -> IterativeSolver:
+def minimizer(surface: ElasticSurface, goals: tuple[Goal, ...]) -> IterativeSolver:
     """Minimising solver, with coarse levels and restarts where useful."""
-    if gains_from_coarse_level(elastic):
-        return Restarts(multilevel_descent(elastic, goals))
-    return ConstrainedDescent(elastic, goals)
+    if gains_from_coarse_level(surface):
+        return Restarts(multilevel_descent(surface, goals))
+    return ConstrainedDescent(surface, goals)
 
 
 class Restarts:
@@ -65,15 +68,15 @@ class Restarts:
 
     Attributes
     ----------
-    elastic : ElasticSurface
+    surface : ElasticSurface
         The fine surface.
     inner : MultilevelDescent
     """
 
     def __init__(self, inner: MultilevelDescent) -> None:
-        self.elastic = inner.elastic
+        self.surface = inner.surface
         self.inner = inner
-        self._by_hessian = gains_from_hessian(inner.elastic)
+        self._by_hessian = gains_from_hessian(inner.surface)
         self._patience = _PATIENCE_BY_HESSIAN if self._by_hessian else _PATIENCE
         self._reset()
 
@@ -104,11 +107,11 @@ class Restarts:
 
     @property
     def equilibrium(self) -> Equilibrium | None:
-        """Fine surface at rest, for the stability search."""
+        """Fine surface in equilibrium, for the stability search."""
         return self.inner.equilibrium
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Set the tolerance of a minimum on the relative energy reduction by ten steps."""
+        """Set the tolerance of minima on the relative energy decrease over ten steps."""
         self._end_trial()
         self.inner.set_tolerance(tolerance)
         self._reset()
@@ -119,10 +122,10 @@ class Restarts:
         self.inner.set_goals(goals)
         self._reset()
 
-    def aim(self, targets: np.ndarray) -> None:
+    def set_targets(self, targets: np.ndarray) -> None:
         """Set the target positions (k + s, 3) of the held and soft vertices."""
         self._end_trial()
-        self.inner.aim(targets)
+        self.inner.set_targets(targets)
         self._reset()
 
     def restart(self, U: np.ndarray) -> None:
@@ -143,7 +146,7 @@ class Restarts:
         inner = self.inner.fine if self._finishing else self.inner
         inner.step()
         progress = inner.progress
-        energy = self.elastic.energy if self._on_trial else np.inf
+        energy = self.surface.energy if self._on_trial else np.inf
         gain = 0.0 if self._finishing else _GAIN
         # Once shown, the shape of a trial stays: switching back would flicker.
         self._on_trial = self._on_trial and not energy < (1.0 - gain) * self._best[0]
@@ -188,7 +191,7 @@ class Restarts:
 
     def _begin_trial(self) -> None:
         """Follow the coarse level from the minimum; show the best shape meanwhile."""
-        inner, energy, best, minima = self.inner, self.elastic.energy, self._best, self._minima
+        inner, energy, best, minima = self.inner, self.surface.energy, self._best, self._minima
         if energy < best[0]:
             best = energy, inner.shapes(), inner.fine.multipliers
         inner.follow_coarse_again()

@@ -268,7 +268,7 @@ class Settings:
         return self.contact and self.traits.may_use_contact
 
     @property
-    def in_effect(self) -> Settings:
+    def effective_settings(self) -> Settings:
         """Settings, with inapplicable ones reset to their defaults."""
         idle = {name for name, setting in SETTINGS.items() if not setting.applies(self)}
         return replace(self, **{name: getattr(DEFAULT_SETTINGS, name) for name in idle})

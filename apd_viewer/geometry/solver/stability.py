@@ -1,4 +1,4 @@
-"""Stability of a shape at rest, and the descent from a saddle of the energy.
+"""Stability of a shape in equilibrium, and descent from a saddle of the energy.
 
 The gradient also vanishes at saddles: a flat sheet compressed in its plane stays flat under any load. The
 Lanczos process [Lanczos 1950] finds the lowest curvature of the energy from differences of gradients,
@@ -11,7 +11,7 @@ from scipy.linalg import eigh_tridiagonal
 
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
-from apd_viewer.geometry.solver.quasi_newton import Equilibrium
+from apd_viewer.geometry.solver.quasi_newton_descent import Equilibrium
 
 # Displacement for a difference of gradients, in mesh sizes.
 _DIFFERENCE = 1e-7
@@ -35,27 +35,28 @@ _NO_ENERGY = 1e-16
 
 
 class StabilitySearch:
-    """Search for a direction in which the energy of a shape at rest falls.
+    """Search for a direction in which the energy of an equilibrium shape falls.
 
     It starts from the response to random forces, dominated by soft directions.
 
     Parameters
     ----------
-    at : Equilibrium
-        Equilibrium, restored to the bit after each step.
+    equilibrium : Equilibrium
+        Restored to the bit after each step.
     size : float
         Of the mesh, mesh units.
 
     Attributes
     ----------
-    at : Equilibrium
+    equilibrium : Equilibrium
     lowest : float
         Lowest curvature found, relative to that of K.
     has_ended : bool
     """
 
-    def __init__(self, at: Equilibrium, size: float) -> None:
-        self.at, self._difference = at, _DIFFERENCE * size
+    def __init__(self, equilibrium: Equilibrium, size: float) -> None:
+        at = self.equilibrium = equilibrium
+        self._difference = _DIFFERENCE * size
         free = at.surface.free
         self._most = int(np.clip(_VERTICES_IN_ALL // len(free), _LEAST_DIRECTIONS, _MOST_DIRECTIONS))
         self._goal_values = at.projection.values.copy()
@@ -87,14 +88,16 @@ class StabilitySearch:
         # Three-term recurrence; `dual` is K times the direction.
         forces = forces - self._diagonal[-1] * dual - self._norm_before * self._before
         self._before, self._forces = dual, forces
-        self._response = self.at.solve(forces)
+        self._response = self.equilibrium.solve(forces)
         self._norm = _norm(self._response, forces)
         self._values, self._vectors = eigh_tridiagonal(self._diagonal, self._beside)
         self._beside.append(self._norm)
         self.lowest = float(self._values[0])
         error = self._norm * abs(float(self._vectors[-1, 0]))
         known = _KNOWN_FALLING if self.lowest < 0.0 else _KNOWN_RISING
-        found = error <= known * abs(self.lowest) and (self.lowest < 0.0 or self.at.is_definite is None)
+        found = error <= known * abs(self.lowest) and (
+            self.lowest < 0.0 or self.equilibrium.is_definite is None
+        )
         self.has_ended = found or len(self._directions) >= self._most
 
     @property
@@ -103,13 +106,13 @@ class StabilitySearch:
 
     def _hessian_product(self, direction: np.ndarray) -> np.ndarray:
         """Hessian of the Lagrangian times ``direction`` (f, 3), within the goals."""
-        at, small = self.at, self._difference / max(float(np.abs(direction).max()), 1e-300)
+        at, small = self.equilibrium, self._difference / max(float(np.abs(direction).max()), 1e-300)
         change = (at.quarter_gradient(at.moved_along(small * direction)) - self._slope) / small
         at.projection.evaluate(at.surface.U)
         at.projection.values = self._goal_values.copy()
         return self._within_goals(change)
 
-    def falling_direction(self, seed: int) -> np.ndarray | None:
+    def descent_direction(self, seed: int) -> np.ndarray | None:
         """Direction (f, 3) in which the energy falls, at most 1 long; None if none.
 
         The lowest one for seed 0, else a random combination of all falling ones.
@@ -118,11 +121,11 @@ class StabilitySearch:
         if not len(falling):
             return None
         random = np.random.default_rng(seed)
-        shares = random.normal(size=len(falling)) if seed else np.eye(len(falling))[0]
-        way = np.zeros(self._before.shape)
-        for part, direction in zip(self._vectors[:, falling] @ shares, self._directions, strict=True):
-            way += part * direction
-        return way / np.abs(way).max()
+        weights = random.normal(size=len(falling)) if seed else np.eye(len(falling))[0]
+        found = np.zeros(self._before.shape)
+        for part, direction in zip(self._vectors[:, falling] @ weights, self._directions, strict=True):
+            found += part * direction
+        return found / np.abs(found).max()
 
 
 def _norm(response: np.ndarray, forces: np.ndarray) -> float:
@@ -130,16 +133,16 @@ def _norm(response: np.ndarray, forces: np.ndarray) -> float:
     return float(np.sqrt(max(np.einsum("ij,ij->", response, forces), 0.0)))
 
 
-def lower_energy_shape(at: Equilibrium, way: np.ndarray) -> np.ndarray | None:
-    """Shape (n, 3) of lower energy along plus or minus ``way`` (f, 3), or None.
+def lower_energy_shape(at: Equilibrium, direction: np.ndarray) -> np.ndarray | None:
+    """Shape (n, 3) of lower energy along plus or minus ``direction`` (f, 3), or None.
 
-    The displacement is doubled for as long as the energy falls. The surface stays at rest.
+    The displacement is doubled for as long as the energy falls. The surface keeps its current positions.
     """
     surface, projection, start = at.surface, at.projection, at.surface.U
     best, lowest = None, surface.energy
     for sign in (1.0, -1.0):
         for doubling in range(_DOUBLINGS):
-            U, _ = projection.project(at.moved_along(sign * 2.0**doubling * way))
+            U, _ = projection.project(at.moved_along(sign * 2.0**doubling * direction))
             energy = surface.energy_after_local_step(U)
             met = projection.has_met_goals
             surface.local_step(start)
@@ -187,7 +190,7 @@ class Stability:
     @property
     def _lies_flat(self) -> bool:
         """True if the shape is a small flat sheet."""
-        U, free = self._solver.elastic.U, self._solver.elastic.free
+        U, free = self._solver.surface.U, self._solver.surface.free
         if len(free) > _MOST_OF_FLAT:
             return False
         X = U - U.mean(axis=0)
@@ -210,17 +213,17 @@ class Stability:
     def _is_descent(self) -> bool:
         return self._solver.progress.converged is not None
 
-    def is_due(self, at_rest: bool, iteration: int) -> bool:
-        """True if a step is due: at rest, and at the beginning of a flat sheet's descent.
+    def is_due(self, in_equilibrium: bool, iteration: int) -> bool:
+        """True if a step is due: in equilibrium, or early in a flat sheet's descent.
 
         A sheet compressed in its plane, not along the axes, would buckle into an arbitrary fold by rounding
         errors.
         """
         if self._begins_flat is None and iteration == _FIRST_ITERATIONS:
             self._begins_flat = self._lies_flat
-        return (at_rest or bool(self._begins_flat)) and self.is_pending
+        return (in_equilibrium or bool(self._begins_flat)) and self.is_pending
 
-    def step(self, at_rest: bool) -> bool:
+    def step(self, in_equilibrium: bool) -> bool:
         """Examine one more direction; return True after a step to lower energy."""
         if self._search is None:
             at = self._solver.equilibrium
@@ -230,17 +233,17 @@ class Stability:
             self._search.step()
             return False
         search, self._search = self._search, None
-        at, way = search.at, search.falling_direction(self.seed)
+        at, direction = search.equilibrium, search.descent_direction(self.seed)
         self._begins_flat = False
         may_leave = self.imperfection > 0.0 and self.saddle_escapes < _MOST_ESCAPES
         lower = None
-        if way is not None and may_leave:
-            lower = lower_energy_shape(at, self.imperfection * self._size * way)
+        if direction is not None and may_leave:
+            lower = lower_energy_shape(at, self.imperfection * self._size * direction)
         if lower is None:
-            if at_rest:
+            if in_equilibrium:
                 # Stable if no displacement of that size lowers the energy, or contact blocks it.
                 known_to_fall = at.is_definite is False and not len(at.multipliers)
-                self._is_stable = may_leave if way is not None else not known_to_fall
+                self._is_stable = may_leave if direction is not None else not known_to_fall
             return False
         self.saddle_escapes += 1
         self._solver.restart(lower)

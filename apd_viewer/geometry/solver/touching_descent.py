@@ -14,7 +14,7 @@ from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import SolverProgress
-from apd_viewer.geometry.solver.quasi_newton import Equilibrium, QuasiNewton
+from apd_viewer.geometry.solver.quasi_newton_descent import Equilibrium, QuasiNewtonDescent
 from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
 # Path increments in mesh sizes: the first, the longest, and the least initial one of a later path.
@@ -52,7 +52,7 @@ class TouchingDescent:
     ----------
     held_positions : (k + s, 3) float array
         Positions that the held vertices have reached.
-    share : float
+    path_fraction : float
         Completed fraction of the path.
     """
 
@@ -65,14 +65,14 @@ class TouchingDescent:
         tolerance: float = ENERGY_TOLERANCE,
     ) -> None:
         self._surface, self.held_positions, self.tolerance = surface, held, tolerance
-        surface.elastic.restart(U)
+        surface.elastic_surface.restart(U)
         surface.local_step(U)
         self._projection = CollisionFreeProjection(surface, goals)
         self._projection.refresh_directions(U)
         self._size = float(np.linalg.norm(np.ptp(surface.rest.V, axis=0)))
         longest = surface.longest_step * self._size
-        self._quasi_newton = QuasiNewton(surface, self._projection, surface.growth, longest)
-        self.share, self._steps, self._last = 1.0, 0, _FIRST
+        self._quasi_newton = QuasiNewtonDescent(surface, self._projection, surface.growth, longest)
+        self.path_fraction, self._steps, self._last = 1.0, 0, _FIRST
         self._begin_to_converge()
 
     @property
@@ -82,7 +82,7 @@ class TouchingDescent:
 
     @property
     def progress(self) -> SolverProgress:
-        """Current shape and readings; hidden after a step along the path.
+        """Shape and readings, marked as not to be displayed after a step along the path.
 
         It is stuck if no collision-free step leads to shapes meeting the goals.
         """
@@ -99,7 +99,7 @@ class TouchingDescent:
 
     @property
     def equilibrium(self) -> Equilibrium:
-        """Surface in contact at rest, for the stability search."""
+        """Surface in contact and in equilibrium, for the stability search."""
         multipliers, surface = self._quasi_newton.multipliers, self._surface
         if surface.request_new_metric():
             surface.renew_metric(self._projection.goals, multipliers)
@@ -114,12 +114,12 @@ class TouchingDescent:
     @property
     def is_stopped(self) -> bool:
         """True if contact keeps the held vertices from moving any further."""
-        return self.share < 1.0 and self._waited >= _PATIENCE
+        return self.path_fraction < 1.0 and self._waited >= _PATIENCE
 
     @property
     def is_on_its_way(self) -> bool:
         """True while the held vertices are moving along their path."""
-        return self.share < 1.0 and not self.is_stopped
+        return self.path_fraction < 1.0 and not self.is_stopped
 
     @property
     def converged(self) -> bool:
@@ -144,7 +144,7 @@ class TouchingDescent:
         0 with held vertices, which balance the loads.
         """
         contact = self._surface.contact
-        if len(self._surface.elastic.fixed) or not contact.obstacles:
+        if len(self._surface.elastic_surface.fixed) or not contact.obstacles:
             return 0.0
         contact.quarter_gradient(self.U)
         total = float(np.linalg.norm(contact.loads, axis=1).sum())
@@ -156,18 +156,18 @@ class TouchingDescent:
         E = self._energies
         return float(E[0] - E[-1]) / (self.tolerance * float(E[-1])) if len(E) > _WINDOW else None
 
-    def follow_path(self, path: HeldPath, share: float) -> None:
-        """Follow ``path`` from ``share``, the held vertices' current fraction of it."""
-        self._path, self.share = path, share
-        if share < 1.0:
-            self._surface.thicken()
+    def follow_path(self, path: HeldPath, fraction: float) -> None:
+        """Follow ``path`` from ``fraction``, the part that held vertices have completed."""
+        self._path, self.path_fraction = path, fraction
+        if fraction < 1.0:
+            self._surface.make_thick()
         least = self._surface.least_part
         part = self._size / max(path.length, least * self._size)
         self._longest, self._no_part = _LONGEST * part, least * part
         self._goes_at_once = self._surface.follows_at_once
         self._part = part * (max(self._last, _LEAST_FIRST) if self._goes_at_once else _FIRST)
         self._per_part = 1.0 / part
-        self._steps, self._waited, self._mark = 0, 0, share
+        self._steps, self._waited, self._mark = 0, 0, fraction
         self._begin_to_converge()
         self._quasi_newton.resume()
 
@@ -193,7 +193,7 @@ class TouchingDescent:
         self._energies.append(self._quasi_newton.energy)
         self._unbalanced = self._unbalanced + 1 if self._gains_little else 0
         stands = largest_difference(self.U, before) <= _ROUNDING * self._size
-        if (self.converged or (stands and not self.is_on_its_way)) and self._surface.thin():
+        if (self.converged or (stands and not self.is_on_its_way)) and self._surface.make_thinner():
             self._steps = 0
             self._begin_to_converge()
             self._quasi_newton.resume()
@@ -209,29 +209,29 @@ class TouchingDescent:
         """Move the held vertices along the next collision-free part of the path."""
         self._steps = 0
         for _ in range(_TRIES):
-            share = min(1.0, self.share + self._part)
-            if self._move_held_vertices(share):
-                self.share = share
+            fraction = min(1.0, self.path_fraction + self._part)
+            if self._move_held_vertices(fraction):
+                self.path_fraction = fraction
                 self._part = min(self._longest, _MORE * self._part)
                 break
             self._part = max(_LESS * self._part, self._no_part)
         self._last = self._part * self._per_part
-        if self.share - self._mark > _PATIENCE * self._no_part:
-            self._mark, self._waited = self.share, 0
+        if self.path_fraction - self._mark > _PATIENCE * self._no_part:
+            self._mark, self._waited = self.path_fraction, 0
         self._waited += 1
         self._surface.attach_springs(self.held_positions)
         self._begin_to_converge()
         self._quasi_newton.resume()
 
-    def _move_held_vertices(self, share: float) -> bool:
+    def _move_held_vertices(self, fraction: float) -> bool:
         """Move held vertices and obstacles, free vertices following; False if blocked."""
         surface, projection, start = self._surface, self._projection, self._surface.U
-        held = self._path.positions_at(share)
-        surface.contact.aim_obstacles(self._path.shifts_at(share))
+        held = self._path.positions_at(fraction)
+        surface.contact.set_obstacle_targets(self._path.shifts_at(fraction))
         if not self._move_to(
             surface.all_positions(surface.following_positions(self.held_positions, held), held)
         ):
-            surface.contact.aim_obstacles(self._path.shifts_at(self.share))
+            surface.contact.set_obstacle_targets(self._path.shifts_at(self.path_fraction))
             projection.evaluate(start)
             return False
         self.held_positions = held

@@ -3,7 +3,7 @@
 Both replace the wrapped objects, so that contact is transparent to a quasi-Newton descent: energy and forces
 include gaps, and every shape is reached by a collision-free step.
 
-A shape is free of overall rotation if it preserves ``sum_i m_i a_i x u_i``, a the initial positions about
+A shape is free of net rotation if it preserves ``sum_i m_i a_i x u_i``, a the initial positions about
 their centre [Eckart 1935, Some studies concerning rotating axes and polyatomic molecules]. This constrains
 each shape: applied from step to step, with changing positions, surfaces could turn like a falling cat. The
 constraint does no work, so that loads stay derivatives of the energy.
@@ -35,7 +35,7 @@ class TouchingSurface(ABC):
 
     Parameters
     ----------
-    elastic : HeldSurface
+    elastic_surface : HeldSurface
     contact : Contact
     gas : EnclosedGas, optional
 
@@ -57,28 +57,30 @@ class TouchingSurface(ABC):
     longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False
     most_imbalance = 2e-3
 
-    def __init__(self, elastic: HeldSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
-        self.elastic, self.contact, self.gas = elastic, contact, gas
-        self.rest, self.free = elastic.rest, elastic.free
+    def __init__(
+        self, elastic_surface: HeldSurface, contact: Contact, gas: EnclosedGas | None = None
+    ) -> None:
+        self.elastic_surface, self.contact, self.gas = elastic_surface, contact, gas
+        self.rest, self.free = elastic_surface.rest, elastic_surface.free
 
     @property
     def U(self) -> np.ndarray:
         """Current positions, (n, 3) float array."""
-        return self.elastic.U
+        return self.elastic_surface.U
 
     @property
     def energy(self) -> float:
         """Energy of the current positions."""
-        return self._total_energy(self.elastic.energy)
+        return self._total_energy(self.elastic_surface.energy)
 
-    def _total_energy(self, elastic: float) -> float:
-        """Total energy of the current positions, given the ``elastic`` energy."""
-        gas = self.gas.energy(self.elastic.U) if self.gas else 0.0
-        return elastic + self.contact.energy_at(self.elastic.U) + gas
+    def _total_energy(self, elastic_energy: float) -> float:
+        """Total energy of the current positions, given the ``elastic_energy``."""
+        gas = self.gas.energy(self.elastic_surface.U) if self.gas else 0.0
+        return elastic_energy + self.contact.energy_at(self.elastic_surface.U) + gas
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
-        return self._with_contact(self.elastic.residual(targets), self.elastic.U)
+        return self._with_contact(self.elastic_surface.residual(targets), self.elastic_surface.U)
 
     def _with_contact(self, residual: np.ndarray, U: np.ndarray) -> np.ndarray:
         """Elastic ``residual`` (f, 3) plus those of gaps and gas at ``U`` (n, 3)."""
@@ -87,29 +89,29 @@ class TouchingSurface(ABC):
             residual += 0.25 * self.gas.gradient(U)[self.free]
         return residual
 
-    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3); the current positions stay."""
-        residual = self._with_contact(self.elastic.residual_near(U, targets), U)
-        self.contact.quarter_gradient(self.U)  # contact readings belong to the last gradient of the contact
+    def residual_at(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3); the current positions are unchanged."""
+        residual = self._with_contact(self.elastic_surface.residual_at(U, targets), U)
+        self.contact.quarter_gradient(self.U)  # contact readings come from the last gradient
         return residual
 
     def all_positions(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """Positions (n, 3), with free vertices at ``X`` and held ones at ``targets``."""
-        return self.elastic.all_positions(X, targets)
+        return self.elastic_surface.all_positions(X, targets)
 
     def positions_along(
-        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
+        self, U: np.ndarray, fraction: float, direction: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
-        """Positions ``U`` plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
-        return self.elastic.positions_along(U, share, direction, targets)
+        """``U`` (n, 3) plus a fraction of ``direction`` (f, 3); held ones at ``targets``."""
+        return self.elastic_surface.positions_along(U, fraction, direction, targets)
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""
-        self.elastic.local_step(U)
+        self.elastic_surface.local_step(U)
 
     def energy_after_local_step(self, U: np.ndarray) -> float:
         """Make ``U`` (n, 3) current; return its energy."""
-        return self._total_energy(self.elastic.energy_after_local_step(U))
+        return self._total_energy(self.elastic_surface.energy_after_local_step(U))
 
     @property
     def is_definite(self) -> bool | None:
@@ -145,10 +147,10 @@ class TouchingSurface(ABC):
         """Request a new metric for the next step; False if it would not change."""
         return False
 
-    def thicken(self) -> None:  # noqa: B027 (optional)
+    def make_thick(self) -> None:  # noqa: B027 (optional)
         """Restart with a material that easily follows handles and obstacles."""
 
-    def thin(self) -> bool:
+    def make_thinner(self) -> bool:
         """Continue with a material closer to the requested one; False if already reached."""
         return False
 
@@ -162,52 +164,54 @@ class TouchingSurface(ABC):
     def without_rotation(self, U: np.ndarray, _: np.ndarray) -> np.ndarray:
         """``U`` (n, 3) without rotation from the initial shape, if it must not turn.
 
-        What contact pushes along or stops has turned the whole a little. The others turn it back, each by as
-        much as the second argument, (n,), has it.
+        Vertices pushed or stopped by contact have turned the surface a little. The others turn it back, each
+        by as much as its weight, the second argument (n,).
         """
         return U
 
 
-class TouchingElastic(TouchingSurface):
+class TouchingElasticSurface(TouchingSurface):
     """Elastic surface with a constant matrix and gap energy.
 
     Parameters
     ----------
-    elastic : ElasticSurface
+    elastic_surface : ElasticSurface
     contact : Contact
     gas : EnclosedGas, optional
     """
 
-    elastic: ElasticSurface
+    elastic_surface: ElasticSurface
 
-    def __init__(self, elastic: ElasticSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
-        super().__init__(elastic, contact, gas)
-        self._metric: Factor = elastic.factor
+    def __init__(
+        self, elastic_surface: ElasticSurface, contact: Contact, gas: EnclosedGas | None = None
+    ) -> None:
+        super().__init__(elastic_surface, contact, gas)
+        self._metric: Factor = elastic_surface.factor
         self._to_held: sp.csr_array | None = None
         self._age = _RENEWED
-        self._first = parallel_ops.gathered_rows(elastic.U, elastic.free)
+        self._first = parallel_ops.gathered_rows(elastic_surface.U, elastic_surface.free)
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Response to forces ``b_f``, both (f, 3), with the contact springs.
 
-        Where nothing is held it has no turn of the whole against the shape at first: between plates without
-        friction all would topple.
+        Without held vertices it has no net rotation relative to the initial shape: between plates without
+        friction, any shape would topple.
         """
-        if len(self.elastic.fixed):
+        if len(self.elastic_surface.fixed):
             return self._metric.solve(b_f)
-        turns = OverallRotation(parallel_ops.gathered_rows(self.U, self.free), self._masses, self._first)
+        turns = NetRotationFilter(parallel_ops.gathered_rows(self.U, self.free), self._masses, self._first)
         return turns.without_rotation(self._metric.solve(turns.without_torque(b_f)))
 
     def without_rotation(self, U: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """``U`` (n, 3) without rotation from the initial shape, if nothing is held.
 
-        What contact pushes along or stops has turned the whole a little. The others turn it back, each by as
-        much as ``weight``, (n,), has it.
+        Vertices pushed or stopped by contact have turned the surface a little. The others turn it back, each
+        by as much as its ``weight`` (n,).
         """
-        if len(self.elastic.fixed):
+        if len(self.elastic_surface.fixed):
             return U
         X, free = parallel_ops.gathered_rows(U, self.free), self.free
-        turns = OverallRotation(X, self._masses, self._first, weight[free])
+        turns = NetRotationFilter(X, self._masses, self._first, weight[free])
         return self.all_positions(turns.without_rotation(X), U[:0])
 
     @property
@@ -222,14 +226,16 @@ class TouchingElastic(TouchingSurface):
         held, held_after : (k + s, 3) float arrays
             Held and soft vertices before and after it; obstacles go ahead as they are told.
         """
-        pull = self.elastic.held_contribution(held) - self.elastic.held_contribution(held_after)
+        pull = self.elastic_surface.held_contribution(held) - self.elastic_surface.held_contribution(
+            held_after
+        )
         if self._to_held is not None:
-            k = len(self.elastic.fixed)
+            k = len(self.elastic_surface.fixed)
             moves = [pairs.points_ahead[0] - pairs.points[0] for pairs in self.contact.obstacles]
             pull -= self._to_held @ np.vstack([held_after[:k] - held[:k], *moves])
         start = parallel_ops.gathered_rows(self.U, self.free)
         W = self.all_positions(start + self.solve(pull), held_after)
-        carried = self.contact.pushed_by_obstacles(self.U, W)
+        carried = self.contact.positions_pushed_by_obstacles(self.U, W)
         return parallel_ops.gathered_rows(
             self.without_rotation(carried, (carried == W).all(axis=1)), self.free
         )
@@ -240,13 +246,13 @@ class TouchingElastic(TouchingSurface):
         if self._age <= _RENEWED:
             return False
         if not self.contact.may_touch:
-            was, self._metric, self._to_held = self._metric, self.elastic.factor, None
+            was, self._metric, self._to_held = self._metric, self.elastic_surface.factor, None
             return was is not self._metric
-        springs = self.contact.springs(self.elastic.U)[self.free]
-        # Order the unknowns by current positions: touching parts may be far apart at rest.
-        matrix = self.elastic.factored_matrix + springs[:, self.free]
-        self._metric = LinearSolver(matrix.tocsr(), self.elastic.U[self.free])
-        others = np.concatenate([self.elastic.fixed, np.arange(len(self.U), springs.shape[1])])
+        springs = self.contact.springs(self.elastic_surface.U)[self.free]
+        # Order the unknowns by current positions: touching parts may be far apart in the rest shape.
+        matrix = self.elastic_surface.factored_matrix + springs[:, self.free]
+        self._metric = LinearSolver(matrix.tocsr(), self.elastic_surface.U[self.free])
+        others = np.concatenate([self.elastic_surface.fixed, np.arange(len(self.U), springs.shape[1])])
         self._to_held, self._age = springs[:, others], 0
         return True
 
@@ -263,7 +269,7 @@ class CollisionFreeProjection(GoalProjection):
     def __init__(self, surface: TouchingSurface, goals: tuple[Goal, ...]) -> None:
         super().__init__(surface, goals)
         self._surface = surface
-        self._contact, self._held = surface.contact, surface.elastic.fixed
+        self._contact, self._held = surface.contact, surface.elastic_surface.fixed
         self._is_free = True
 
     @property
@@ -272,29 +278,29 @@ class CollisionFreeProjection(GoalProjection):
         return self._is_free and super().has_met_goals
 
     def project(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Collision-free positions near ``U`` (n, 3) meeting the goals, and steps."""
+        """Collision-free positions near ``U`` (n, 3) meeting the goals, and steps (g,)."""
         start, self._is_free = self._contact.start, False
         W, mu = super().project(U)
         for attempt in range(_ATTEMPTS + 1):
             if self.largest_violation > GOAL_TOLERANCE:
                 break
-            shares = self._contact.trial_shares(W)
-            self._is_free = shares is None
-            if shares is None or attempt == _ATTEMPTS:
+            fractions = self._contact.trial_fractions(W)
+            self._is_free = fractions is None
+            if fractions is None or attempt == _ATTEMPTS:
                 break
             if attempt >= _LOCAL:
-                shares[:] = min(_MOST_AT_ONCE, float(shares.min()))
-            nearer = start + shares[:, None] * (W - start)
+                fractions[:] = min(_MOST_AT_ONCE, float(fractions.min()))
+            nearer = start + fractions[:, None] * (W - start)
             nearer[self._held] = W[self._held]
-            W, mu = super().project(self._surface.without_rotation(nearer, shares))
+            W, mu = super().project(self._surface.without_rotation(nearer, fractions))
         return W, mu
 
 
 _AXES = np.eye(3)
 
 
-class OverallRotation:
-    """Projection removing overall rotation, or torque, about the centre of a shape.
+class NetRotationFilter:
+    """Projection removing net rotation, or net torque, about the centre of a shape.
 
     Parameters
     ----------
@@ -318,12 +324,12 @@ class OverallRotation:
         self._per_moment = np.linalg.pinv(np.trace(second) * _AXES - second)
 
     def without_rotation(self, step: np.ndarray) -> np.ndarray:
-        """``step`` (n, 3), or the shape itself, without its overall rotation."""
+        """``step`` (n, 3), or the shape itself, without its net rotation."""
         turn = self._per_moment @ _moment(self._first, step)
         return step - self._away @ _cross_matrix(turn)
 
     def without_torque(self, force: np.ndarray) -> np.ndarray:
-        """``force`` (n, 3) without its torque: transpose of :meth:`without_rotation`."""
+        """``force`` (n, 3) without its net torque: transpose of :meth:`without_rotation`."""
         turn = self._per_moment.T @ _moment(self._away, force)
         return force - self._first @ _cross_matrix(turn)
 

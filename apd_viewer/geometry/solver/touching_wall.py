@@ -37,22 +37,24 @@ class TouchingWall(TouchingSurface):
 
     Parameters
     ----------
-    elastic : WallSurface
+    elastic_surface : WallSurface
     contact : Contact
     gas : EnclosedGas, optional
     """
 
-    elastic: WallSurface
+    elastic_surface: WallSurface
     longest_step, growth, least_part, follows_at_once = 0.05, 4.0, 1e-7, True
     most_imbalance = 3e-4  # with 2e-3, loads of a thick ring can be off by 1 %
 
-    def __init__(self, elastic: WallSurface, contact: Contact, gas: EnclosedGas | None = None) -> None:
-        super().__init__(elastic, contact, gas)
+    def __init__(
+        self, elastic_surface: WallSurface, contact: Contact, gas: EnclosedGas | None = None
+    ) -> None:
+        super().__init__(elastic_surface, contact, gas)
         self._pattern: BlockPattern | None = None
-        self._springs = contact.directed_springs(elastic.U)
+        self._springs = contact.directed_springs(elastic_surface.U)
         self._age = _RENEWED
-        self._size = float(np.linalg.norm(np.ptp(elastic.rest.V, axis=0)))
-        self._tensions, self._pressure = np.zeros(len(elastic.rest.F)), 0.0
+        self._size = float(np.linalg.norm(np.ptp(elastic_surface.rest.V, axis=0)))
+        self._tensions, self._pressure = np.zeros(len(elastic_surface.rest.F)), 0.0
         self._factored: Metric | None = None
         self._is_definite: bool | None = None
 
@@ -62,16 +64,16 @@ class TouchingWall(TouchingSurface):
             self._factored = self._factor()
         return self._factored.solve(b_f)
 
-    def thicken(self) -> None:
+    def make_thick(self) -> None:
         """Restart with a wall thick enough to follow handles and obstacles."""
-        last, thin = self.elastic.material.thickness, _THIN * self._size
+        last, thin = self.elastic_surface.material.thickness, _THIN * self._size
         thickness = _EASY * self._size if last < thin else last
-        if thickness != self.elastic.thickness:
-            self.elastic.thickness, self._age = thickness, _RENEWED
+        if thickness != self.elastic_surface.thickness:
+            self.elastic_surface.thickness, self._age = thickness, _RENEWED
 
-    def thin(self) -> bool:
+    def make_thinner(self) -> bool:
         """Continue with a thinner wall; False if already at the requested thickness."""
-        wall, last = self.elastic, self.elastic.material.thickness
+        wall, last = self.elastic_surface, self.elastic_surface.material.thickness
         if wall.thickness <= last:
             return False
         wall.thickness = max(last, _THINNER * wall.thickness)
@@ -80,7 +82,7 @@ class TouchingWall(TouchingSurface):
 
     def attach_springs(self, targets: np.ndarray) -> None:
         """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
-        self.elastic.attach_springs(targets)
+        self.elastic_surface.attach_springs(targets)
 
     @property
     def is_definite(self) -> bool | None:
@@ -89,7 +91,7 @@ class TouchingWall(TouchingSurface):
 
     def has_wide_gaps(self, W: np.ndarray) -> bool:
         """True if the gaps at ``W`` (n, 3) are wide enough to continue from there."""
-        allowed = max(_MOST_RISE * self.energy, _LEAST_RISE * self.elastic.plate_rigidity)
+        allowed = max(_MOST_RISE * self.energy, _LEAST_RISE * self.elastic_surface.plate_rigidity)
         return self.contact.energy_at(W) <= allowed
 
     def request_new_metric(self) -> bool:
@@ -103,12 +105,12 @@ class TouchingWall(TouchingSurface):
         self._age += 1
         if self._age <= _RENEWED:
             return False
-        self._tensions, self._pressure = np.zeros(len(self.elastic.rest.F)), 0.0
+        self._tensions, self._pressure = np.zeros(len(self.elastic_surface.rest.F)), 0.0
         for goal, multiplier in zip(goals, -4.0 * multipliers, strict=True):
             if goal.is_volume:
                 self._pressure += multiplier
             else:
-                self._tensions += multiplier * goal.triangle_shares
+                self._tensions += multiplier * goal.triangle_fractions
         self._springs = self.contact.directed_springs(self.U)
         self._factored, self._age = self._factor(), 0
         return True
@@ -116,8 +118,8 @@ class TouchingWall(TouchingSurface):
     def _factor(self) -> Metric:
         pattern = self._pattern_with(self._springs.ids)
         for share, firmer in _ATTEMPTS:
-            blocks = self.elastic.blocks(pattern, self._tensions, self._pressure, share)
-            _add_springs(self._springs, np.append(self.elastic.rows, -1), pattern, blocks)
+            blocks = self.elastic_surface.blocks(pattern, self._tensions, self._pressure, share)
+            _add_springs(self._springs, np.append(self.elastic_surface.rows, -1), pattern, blocks)
             mean = np.trace(blocks[pattern.diagonal].mean(axis=0)) / 3.0
             blocks[pattern.diagonal] += firmer * mean * np.eye(3)
             try:
@@ -130,8 +132,8 @@ class TouchingWall(TouchingSurface):
 
     def _pattern_with(self, ids: np.ndarray) -> BlockPattern:
         """Pattern that also couples the vertices ``ids`` (p, 4) of each pair."""
-        couplings, f = self.elastic.couplings, len(self.free)
-        rows = np.append(self.elastic.rows, -1)[np.minimum(ids, len(self.U))]
+        couplings, f = self.elastic_surface.couplings, len(self.free)
+        rows = np.append(self.elastic_surface.rows, -1)[np.minimum(ids, len(self.U))]
         a, b = np.repeat(rows, 4, axis=1).ravel(), np.tile(rows, 4).ravel()
         inside = (a >= 0) & (b >= 0)
         more = sp.coo_array((np.ones(inside.sum(), np.float32), (a[inside], b[inside])), shape=(f, f)).tocsr()
@@ -143,7 +145,7 @@ class TouchingWall(TouchingSurface):
                 return self._pattern
         whole = (couplings + more).tocsr()
         whole.sort_indices()
-        # Order the unknowns by current positions: touching parts may be far apart at rest.
+        # Order the unknowns by current positions: touching parts may be far apart in the rest shape.
         X = self.U[self.free]
         self._pattern = BlockPattern(X, whole.indptr.astype(np.int64), whole.indices.astype(np.int64))
         return self._pattern
@@ -168,10 +170,10 @@ class TouchingWall(TouchingSurface):
         longest = float(np.abs(move).max(initial=0.0))
         if longest == 0.0:
             return np.zeros((len(self.free), 3))
-        wall, small = self.elastic, _MOVED * self._size / longest
+        wall, small = self.elastic_surface, _MOVED * self._size / longest
         moved = held + small * move
         there = wall.all_positions(self.U[self.free], moved)
-        change = wall.residual_near(there, moved) - wall.residual_near(self.U, held)
+        change = wall.residual_at(there, moved) - wall.residual_at(self.U, held)
         return change / -small
 
     def _pull_of_obstacles(self) -> np.ndarray:

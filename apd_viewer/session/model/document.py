@@ -215,7 +215,7 @@ class Document:
         Locked parts stay as they are.
         """
         labels = _painted_codes(
-            self.labels, self.mesh.weld.with_coincident(ids), label, self.flags.locked.labels
+            self.labels, self.mesh.weld.with_coincident_vertices(ids), label, self.flags.locked.labels
         )
         return self if labels is self.labels else replace(self, labels=labels)
 
@@ -225,7 +225,7 @@ class Document:
         Locked regions stay as they are.
         """
         member = _painted_codes(
-            self.member, self.mesh.weld.with_coincident(ids), number, self.flags.locked.regions
+            self.member, self.mesh.weld.with_coincident_vertices(ids), number, self.flags.locked.regions
         )
         return self if member is self.member else replace(self, member=member)
 

@@ -194,7 +194,7 @@ def welded_state(state: State) -> State:
 
     def beside(X: np.ndarray) -> np.ndarray:
         """Positions (n, 3) with both sides of each seam at the position of the first side."""
-        return X if X is mesh.V else frozen(mesh.weld.to_file(X[mesh.weld.first]))
+        return X if X is mesh.V else frozen(mesh.weld.to_file_vertices(X[mesh.weld.first]))
 
     document = replace(
         before,
@@ -224,4 +224,4 @@ def _shared_codes(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
 def load_excess_of(document: Document) -> float | None:
     """Expected relative overestimate of the obstacle loads; None without stiffness."""
     cells = memo.cell_stiffness(document.mesh.V, document.mesh.joined_F)
-    return load_excess(document.settings.in_effect.material, cells)
+    return load_excess(document.settings.effective_settings.material, cells)

@@ -123,4 +123,6 @@ def mirrored_handle(document: Document, handle: Handle, other: Handle) -> Handle
     assert document.mirror_axis is not None
     plane = mirror_plane(document.mesh, document.mirror_axis)
     whole = handle.relative_to_rest
-    return other.with_pose_from_rest(plane.mirrored(whole.pose), tuple(map(plane.mirrored, whole.waypoints)))
+    return other.with_pose_from_rest(
+        plane.mirrored_pose(whole.pose), tuple(map(plane.mirrored_pose, whole.waypoints))
+    )

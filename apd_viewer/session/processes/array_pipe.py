@@ -163,7 +163,9 @@ class ArrayUnpacker:
     def _mesh(self, description: _Mesh) -> Mesh:
         known = self._known
         weld = (known[description.weld[0]], known[description.weld[1]]) if description.weld else None
-        return Mesh.from_checked(known[description.V], known[description.F], description.path, weld=weld)
+        return Mesh.from_checked_arrays(
+            known[description.V], known[description.F], description.path, weld=weld
+        )
 
 
 def pickled(value: object, number_of: Callable[[object], int | None]) -> bytes:

@@ -16,7 +16,7 @@ def deformation_of(
     document: Document, held: Constraints, rest: RestMesh | None = None, factored: Factorizer | None = None
 ) -> Deformation:
     """Deformation of a document, without handle targets yet."""
-    settings = {**vars(document.settings.in_effect), **targets_of(document)._asdict()}
+    settings = {**vars(document.settings.effective_settings), **targets_of(document)._asdict()}
     del settings["hold_area"]
     return Deformation(
         document.mesh.V,

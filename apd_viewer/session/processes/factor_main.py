@@ -43,5 +43,5 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     while (refined := array_pipe.read_message(source)) and (
         message := array_pipe.read_message(source)
     ) is not None:
-        solve = factor.refined if refined[0] else factor.solve
+        solve = factor.solve_refined if refined[0] else factor.solve
         array_pipe.write_message(sink, solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))

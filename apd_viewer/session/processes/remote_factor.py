@@ -86,7 +86,7 @@ class RemoteFactor:
         """
         return self._solution(B, refined=False)
 
-    def refined(self, B: np.ndarray) -> np.ndarray:
+    def solve_refined(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` for ``B`` (n, 3) to about ten digits; raises as :meth:`solve`."""
         return self._solution(B, refined=True)
 

@@ -228,7 +228,7 @@ class RequestSolver:
             document.settings.tolerance,
             document.settings.convergence,
         )
-        self._solver.loose.set_loose_parts(document.staying_components)
+        self._solver.loose.set_loose_motion(document.staying_components)
         self._warning = self._solver.loose.warning
         jumps = request.generation != self._generation
         elsewhere = jumps or not request_and_reply.are_same_keys(around, self._placed)

@@ -77,9 +77,9 @@ def number_to_json(value: float | None) -> float | None:
 def handle_from_json(fields: JsonFields) -> Handle:
     """Handle from JSON."""
     pose, waypoints = _path(fields)
-    pivot = frozen(fields.numbers("pivot", 3)) if fields.has_value("pivot") else None
+    pivot = frozen(fields.array("pivot", 3)) if fields.has_value("pivot") else None
     falloff = fields.number("falloff", 0.0, LARGEST_NUMBER) if fields.has_value("falloff") else 0.0
-    line = frozen(fields.numbers("line", 3)) if fields.has_value("line") else None
+    line = frozen(fields.array("line", 3)) if fields.has_value("line") else None
     return Handle(
         fields.text("name"), pose, pivot, falloff, waypoints, flags_from_json(fields), _earlier(fields), line
     )
@@ -95,8 +95,8 @@ def pose_from_json(fields: JsonFields) -> NamedPose:
 
 def _path(fields: JsonFields) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Pose of a handle, and the waypoints to it."""
-    pose = frozen(fields.numbers("pose", 4, 4))
-    waypoints = tuple(map(frozen, fields.grids("waypoints", _MOST_WAYPOINTS, 4, 4)))
+    pose = frozen(fields.array("pose", 4, 4))
+    waypoints = tuple(map(frozen, fields.arrays("waypoints", _MOST_WAYPOINTS, 4, 4)))
     _check_affine(pose, *waypoints)
     return pose, waypoints
 
@@ -110,7 +110,7 @@ def _check_affine(*poses: np.ndarray) -> None:
 
 def _earlier(fields: JsonFields) -> tuple[np.ndarray, ...]:
     """Poses of a handle before it was gripped."""
-    poses = tuple(map(frozen, fields.grids("earlier", _MOST_WAYPOINTS, 4, 4)))
+    poses = tuple(map(frozen, fields.arrays("earlier", _MOST_WAYPOINTS, 4, 4)))
     _check_affine(*poses)
     if any(not np.linalg.det(each) for each in poses):
         raise ValueError(tr("an “earlier” pose of a handle flattens it"))
@@ -169,7 +169,7 @@ def _measurement_from_json(fields: JsonFields, faces: int) -> Measurement:
 
 
 def _point(fields: JsonFields, faces: int) -> SurfacePoint:
-    face, weights = fields.count("face"), fields.numbers("weights", 3)
+    face, weights = fields.count("face"), fields.array("weights", 3)
     if face >= faces or weights.min() < 0.0 or abs(weights.sum() - 1.0) > _ROUNDING:
         raise ValueError(tr("its “points” are damaged"))
     a, b, c = weights.tolist()
@@ -177,7 +177,7 @@ def _point(fields: JsonFields, faces: int) -> SurfacePoint:
 
 
 def _plane(fields: JsonFields) -> Plane:
-    normal = fields.numbers("normal", 3)
+    normal = fields.array("normal", 3)
     if abs(np.linalg.norm(normal) - 1.0) > _ROUNDING:
         raise ValueError(tr("its “plane” is damaged"))
     x, y, z = normal.tolist()
@@ -215,10 +215,10 @@ def obstacle_from_json(fields: JsonFields, name: str = "") -> NamedObstacle:
     found = NamedObstacle(
         fields.text("name") if fields.has_value("name") or not name else name,
         of_kind,
-        frozen(fields.numbers("place", 3)),
+        frozen(fields.array("place", 3)),
         radius=0.0 if plate else fields.number("radius", LEAST_POSITIVE),
         length=fields.number("length", LEAST_POSITIVE) if cylinder else 0.0,
-        **{key: frozen(fields.numbers(key, 3)) for key in ("axis", "shift") if fields.has_value(key)},
+        **{key: frozen(fields.array(key, 3)) for key in ("axis", "shift") if fields.has_value(key)},
     )
     try:
         found.to_obstacle(1.0)
@@ -231,7 +231,7 @@ def vectors_from_json(fields: JsonFields, key: str, count: int) -> np.ndarray:
     """Vectors (o, 3) of ``count`` obstacles; (0, 3) if the field is missing."""
     if not fields.has_value(key):
         return frozen(np.zeros((0, 3)))
-    return frozen(fields.numbers(key, count, 3))
+    return frozen(fields.array(key, count, 3))
 
 
 def read_obstacles(path: Path) -> tuple[NamedObstacle, ...]:

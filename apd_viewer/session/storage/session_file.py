@@ -191,7 +191,7 @@ def _check_version(fields: JsonFields, path: Path) -> None:
 
 def _weld(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
     """Mesh with its seams welded as in the session."""
-    if _WELD not in fields.texts("arrays", most=100):
+    if _WELD not in fields.texts("arrays", max_count=100):
         return mesh
     n = len(mesh.V)
     to = archive.array(_WELD, "<i8", (n,))
@@ -202,7 +202,7 @@ def _weld(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
 
 def _arrays(fields: JsonFields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
     """Labels, regions and positions of all vertices, by array name."""
-    there, n = fields.texts("arrays", most=100), len(mesh.V)
+    there, n = fields.texts("arrays", max_count=100), len(mesh.V)
     arrays = {name: archive.array(name, "|u1", (n,)) for name in _CODES}
     for name in _POSITIONS:
         arrays[name] = archive.array(name, "<f8", (n, 3)) if name in there else mesh.V
@@ -344,5 +344,5 @@ def with_target(document: Document, fields: JsonFields, path: Path, archive: Arc
     try:
         target = TargetShape(mesh_location.find_mesh(told, path, archive, _OF_TARGET))
     except InputError as error:
-        return replace(document, missing_target_shape=MissingMesh(told.raw, str(error)))
+        return replace(document, missing_target_shape=MissingMesh(told.raw_object, str(error)))
     return replace(document, target_shape=target)

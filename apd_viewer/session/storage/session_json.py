@@ -204,7 +204,7 @@ def view_from_json(fields: JsonFields) -> View:
     if not fields.has_value("camera"):
         return View(None, unit, wall, overlay, up_axis)
     camera = fields.nested_fields("camera")
-    position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
+    position, focal, up = (camera.array(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
     if not across > part_json.LEAST_POSITIVE * np.linalg.norm(focal - position) * np.linalg.norm(up):
         raise ValueError(tr("its “camera” has no direction"))

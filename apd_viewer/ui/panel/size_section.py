@@ -118,7 +118,7 @@ class SizeSection(Section):
 
     def _show_boxes(self) -> None:
         found, rest = self._found, self._at_rest
-        rows = (self.box, self.box_change, "box"), (self.packed, self.packed_change, "packed")
+        rows = (self.box, self.box_change, "box"), (self.packed, self.packed_change, "packed_box")
         for reading, changed, what in rows:
             said = readings.box_volume(getattr(found, what, None), getattr(rest, what, None), self._unit)
             reading.setText(said[0])

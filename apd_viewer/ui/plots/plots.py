@@ -271,7 +271,7 @@ class Plots(QWidget):
         state = self._store.state
         assert state is not None
         octaves = np.concatenate([[-np.inf], np.log2(_FINE), [np.inf]])
-        shares = self._local_change(state).shares(octaves)
+        shares = self._local_change(state).surface_fractions(octaves)
         edges = np.concatenate([[0.0], _FINE, [np.nan]])
         write_table(path, _HISTOGRAM, np.column_stack([edges[:-1], edges[1:], shares]))
 

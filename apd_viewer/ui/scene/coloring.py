@@ -79,7 +79,7 @@ class Coloring:
         document, before = self._document, self.previewed_ids
         if document is None or (ids is None and before is None):
             return
-        self.previewed_ids = None if ids is None else document.mesh.weld.with_coincident(ids)
+        self.previewed_ids = None if ids is None else document.mesh.weld.with_coincident_vertices(ids)
         if before is not None:
             self._restore(before)
         if self.previewed_ids is not None:
@@ -97,7 +97,9 @@ class Coloring:
         if vertices is None:
             return
         every = np.arange(len(document.mesh.V))
-        self._marks.show(document.mesh.weld.with_coincident(vertices) if len(vertices) else every, vertices)
+        self._marks.show(
+            document.mesh.weld.with_coincident_vertices(vertices) if len(vertices) else every, vertices
+        )
         self._surface.set_colors(self._marks.colors(), self._marks.ids)
 
 

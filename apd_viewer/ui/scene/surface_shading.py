@@ -301,7 +301,7 @@ class SurfaceArrays:
     def set_points(self, U: np.ndarray, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Update points and normals to the shape ``U`` (n, 3), relative to ``origin``."""
         points, normals = self.data.points, self.data.point_data["Normals"]
-        box = self._rendered.drape(U, origin, np.asarray(points), np.asarray(normals))
+        box = self._rendered.write_render_arrays(U, origin, np.asarray(points), np.asarray(normals))
         points.VTKObject.Modified()
         normals.VTKObject.Modified()
         return box

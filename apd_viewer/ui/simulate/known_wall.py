@@ -66,7 +66,7 @@ class KnownWall:
         return None if wall is None else self._conversion(state, wall)
 
     def _conversion(self, state: State, wall: Wall) -> NewtonConversion | None:
-        settings, mesh = state.document.settings.in_effect, state.document.mesh
+        settings, mesh = state.document.settings.effective_settings, state.document.mesh
         if self._mesh is not mesh:
             self._mesh, self._conversions = mesh, {}
         if (settings, wall) not in self._conversions:

@@ -168,7 +168,7 @@ class BrushTool(SelectionTool):
     def _vertices_under(self, last: Hit, hit: Hit) -> np.ndarray:
         skin = self._surface.picking_index
         assert skin is not None
-        return skin.under_brush(
+        return skin.vertices_under_brush(
             self._surface.U, (hit.face, last.face), last.point, hit.point, self.size.radius_on_mesh(hit)
         )
 

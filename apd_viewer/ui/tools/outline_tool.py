@@ -188,7 +188,7 @@ class OutlineTool(SelectionTool):
         new = vertices[known[vertices] < 0]
         if len(new):
             eye = self._viewport.camera_controller.camera
-            known[new] = skin.visible(
+            known[new] = skin.is_visible(
                 eye.position, self._surface.U, new, sights, _TOUCHING * eye.pixel_height
             )
         return known[vertices] == 1

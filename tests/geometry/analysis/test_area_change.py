@@ -43,7 +43,7 @@ def test_local_change_shares_are_those_of_a_histogram_weighted_by_the_area_at_re
     reach = 1.1 * np.abs(ratio).max()
     edges = np.linspace(-reach, reach, 12)
     expected = np.histogram(ratio, edges, weights=REST)[0] / REST.sum()
-    shares = local_change(U, F, REST).shares(edges)
+    shares = local_change(U, F, REST).surface_fractions(edges)
     np.testing.assert_allclose(shares, expected, atol=0.01)
     assert shares.sum() == pytest.approx(1.0, abs=1e-12)
 
@@ -51,16 +51,16 @@ def test_local_change_shares_are_those_of_a_histogram_weighted_by_the_area_at_re
 def test_local_change_of_what_is_only_turned_is_none_but_for_rounding():
     found = local_change(V @ rotation([1, 2, 3], 0.7).T + [5.0, 0.0, 1.0], F, REST)
     assert found.largest < 1e-12
-    assert found.shares(np.array([-1e-9, 1e-9]))[0] == pytest.approx(1.0, abs=1e-12)
+    assert found.surface_fractions(np.array([-1e-9, 1e-9]))[0] == pytest.approx(1.0, abs=1e-12)
     still = local_change(V, F, REST)
     assert (still.mean, still.p99, still.largest) == (0.0, 0.0, 0.0)
-    assert still.shares(np.array([-1e-9, 1e-9]))[0] == pytest.approx(1.0, abs=1e-12)
+    assert still.surface_fractions(np.array([-1e-9, 1e-9]))[0] == pytest.approx(1.0, abs=1e-12)
 
 
 def test_local_change_puts_halved_and_doubled_equally_far_from_unchanged():
     edges = np.linspace(-2.55, 2.55, 52)  # none of them at one
-    doubled = local_change(np.sqrt(2.0) * V, F, REST).shares(edges)
-    halved = local_change(np.sqrt(0.5) * V, F, REST).shares(edges)
+    doubled = local_change(np.sqrt(2.0) * V, F, REST).surface_fractions(edges)
+    halved = local_change(np.sqrt(0.5) * V, F, REST).surface_fractions(edges)
     np.testing.assert_allclose(doubled, halved[::-1], atol=1e-9)
     assert doubled[np.searchsorted(edges, 1.0) - 1] == pytest.approx(1.0)
 
@@ -77,7 +77,7 @@ def test_local_change_shares_are_of_the_area_at_rest_and_of_nothing_else():
     U[:4] *= np.sqrt(2.0)
     found = local_change(U, faces, face_areas(X, faces))
     edges = np.array([-3.0, -0.5, 0.5, 3.0])
-    np.testing.assert_allclose(found.shares(edges), [0.0, 2 / 3, 1 / 3], atol=1e-12)
+    np.testing.assert_allclose(found.surface_fractions(edges), [0.0, 2 / 3, 1 / 3], atol=1e-12)
     assert found.mean == pytest.approx(1 / 3)
     assert found.largest == pytest.approx(1.0)
     assert found.p99 == pytest.approx(1.0, rel=1 / 64)
@@ -91,7 +91,7 @@ def test_local_change_counts_collapsed_and_huge_triangles_and_no_slivers():
     assert flat.mean == pytest.approx(2 / 3)
     huge = local_change(1e9 * V, F, face_areas(V, F))
     assert huge.largest == pytest.approx(1e18)
-    assert huge.shares(np.array([0.0, np.inf]))[0] == pytest.approx(1.0)
+    assert huge.surface_fractions(np.array([0.0, np.inf]))[0] == pytest.approx(1.0)
     needle = np.vstack([F, [[0, 0, 1]]])
     moved = V @ rotation((3, -1, 2), 2.0).T
     assert local_change(moved, needle, face_areas(V, needle)).largest < 1e-12

@@ -40,13 +40,13 @@ def test_hull_readings_and_check_shape_give_what_is_flat_no_room():
     V, F = meshes.grid(4, 3)
     assert hull_readings(V @ meshes.rotation([1, 2, 3], 0.8).T).box == 0.0
     found = check_shape(V, F)
-    assert found.packed == 0.0
+    assert found.packed_box == 0.0
     assert len(found.crossing) == 0
 
 
 def test_check_shape_gives_a_vertex_without_a_face_no_room():
     V, F = meshes.box(1, 2, 3)
-    assert check_shape(np.vstack([V, [[90, 90, 90]]]), F).packed == pytest.approx(6.0, rel=1e-9)
+    assert check_shape(np.vstack([V, [[90, 90, 90]]]), F).packed_box == pytest.approx(6.0, rel=1e-9)
 
 
 def test_compactness_is_greatest_of_a_ball():

@@ -21,7 +21,7 @@ def test_contact_stands_where_it_is_and_not_where_it_has_looked():
     energy, force = contact.energy_at(U), contact.quarter_gradient(U)
     assert energy > 0.0
     assert np.abs(force).max() > 0.0
-    assert contact.trial_shares(apart(0.15)) is None
-    assert contact.trial_shares(apart(-0.1)) is not None
+    assert contact.trial_fractions(apart(0.15)) is None
+    assert contact.trial_fractions(apart(-0.1)) is not None
     assert contact.energy_at(U) == pytest.approx(energy, rel=1e-12)
     assert np.allclose(contact.quarter_gradient(U), force, rtol=1e-12)

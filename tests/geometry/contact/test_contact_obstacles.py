@@ -96,11 +96,11 @@ def test_contact_lets_no_way_lead_into_an_obstacle(seed):
         assert gone + refused < 60
         W = V + rng.normal(size=3) * 0.05 + 0.02 * np.sin(3 * V @ rng.normal(size=(3, 3)))
         ahead = shifts + 0.03 * rng.normal(size=(3, 3))
-        contact.aim_obstacles(ahead)
-        shares = contact.trial_shares(W)
+        contact.set_obstacle_targets(ahead)
+        shares = contact.trial_fractions(W)
         if shares is not None:
             refused += 1
-            contact.aim_obstacles(shifts)
+            contact.set_obstacle_targets(shifts)
             continue
         contact.accept_shape(W)
         gone += 1
@@ -115,29 +115,29 @@ def test_contact_lets_no_way_lead_into_an_obstacle(seed):
         assert contact.touching_pairs >= sum((found < REACH).sum() for found in near) > -1
 
 
-def test_pushed_by_obstacles_takes_what_is_pushed_along():
+def test_positions_pushed_by_obstacles_takes_what_is_pushed_along():
     """Vertices next to a plate keep their distance from it, far ones stay."""
     V, _, contact = touching("plate")
     contact.start_at(V)
     normal = contact.obstacles[0].obstacle.distances_and_directions(KINDS["plate"].points, V[:1])[1][0]
-    contact.aim_obstacles(np.array([0.02 * normal]))
-    W = contact.pushed_by_obstacles(V, V)
+    contact.set_obstacle_targets(np.array([0.02 * normal]))
+    W = contact.positions_pushed_by_obstacles(V, V)
     before = KINDS["plate"].distances_and_directions(KINDS["plate"].points, V)[0]
     after = KINDS["plate"].distances_and_directions(KINDS["plate"].points + 0.02 * normal, W)[0]
     near = before < REACH
     assert near.any()
     assert np.allclose(after[near], before[near], atol=1e-12)
     assert np.array_equal(W[before > 0.5], V[before > 0.5])
-    assert contact.trial_shares(W) is None
+    assert contact.trial_fractions(W) is None
 
 
-def test_pushed_by_obstacles_lets_no_plate_push_back_what_another_pushes():
+def test_positions_pushed_by_obstacles_lets_no_plate_push_back_what_another_pushes():
     V, F = sphere(3)
     plates = [plate([0, 0, s * (1.0 + 0.5 * REACH)], [0, 0, -s], 2.0) for s in (-1.0, 1.0)]
     contact = Contact(V, F, np.zeros(len(V), np.int64), 1.0, REACH, obstacles=plates)
     contact.start_at(V)
-    contact.aim_obstacles(np.array([[0.0, 0.0, 0.02], [0.0, 0.0, -0.02]]))
-    moved = contact.pushed_by_obstacles(V, V) - V
+    contact.set_obstacle_targets(np.array([[0.0, 0.0, 0.02], [0.0, 0.0, -0.02]]))
+    moved = contact.positions_pushed_by_obstacles(V, V) - V
     assert moved[np.argmin(V[:, 2]), 2] == pytest.approx(0.02)
     assert moved[np.argmax(V[:, 2]), 2] == pytest.approx(-0.02)
 

@@ -61,13 +61,13 @@ def test_elastic_surface_iterate_reduces_the_energy_without_the_area_penalty(ben
     """Half of a crumpled sphere is held: on the way back nothing sends the other half to and fro."""
     rng = np.random.default_rng(0)
     held, U = np.flatnonzero(rng.random(len(V)) < 0.5), crumpled(0.25)
-    elastic, penalty = ElasticSurface(SolveMesh(V, F), held, Material(bending=bending)), AreaPenalty(V, F)
-    elastic.local_step(U)
+    surface, penalty = ElasticSurface(SolveMesh(V, F), held, Material(bending=bending)), AreaPenalty(V, F)
+    surface.local_step(U)
     energies = []
     for _ in range(20):
-        elastic.local_step(elastic.global_step(U[held]))
-        energies.append(elastic.energy - bending * penalty.energy(elastic.U))
-    assert penalty.energy(elastic.U) > 0.0
+        surface.local_step(surface.global_step(U[held]))
+        energies.append(surface.energy - bending * penalty.energy(surface.U))
+    assert penalty.energy(surface.U) > 0.0
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
 
 

@@ -15,9 +15,9 @@ MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "spher
 
 def bent(rest, U):
     """The bending energy of ``U`` with the rotations that are optimal for its cells."""
-    elastic = ElasticSurface(rest, np.array([0]), Material(bending=1.0))
-    elastic.restart(U)
-    return rest.bending.energy(U, elastic.q)
+    surface = ElasticSurface(rest, np.array([0]), Material(bending=1.0))
+    surface.restart(U)
+    return rest.bending.energy(U, surface.q)
 
 
 def equilateral(n):
@@ -152,21 +152,21 @@ def test_elastic_surface_with_bending_never_raises_the_energy_and_its_slope_is_t
     V, F = MESHES[mesh]
     base, handle = ends(V)
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.5), [0.3, 0, 0.2])])
-    elastic = ElasticSurface(SolveMesh(V, F), np.concatenate([base, handle]), Material(bending=stiffness))
+    surface = ElasticSurface(SolveMesh(V, F), np.concatenate([base, handle]), Material(bending=stiffness))
     energies = []
     for _ in range(50):
-        elastic.local_step(elastic.global_step(targets))
-        energies.append(elastic.energy)
+        surface.local_step(surface.global_step(targets))
+        energies.append(surface.energy)
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
     assert energies[-1] < energies[0]
 
     direction = np.zeros_like(V)
-    direction[elastic.free] = np.random.default_rng(0).normal(size=(len(elastic.free), 3))
-    U, slope = elastic.U, 4 * (elastic.residual(targets) * direction[elastic.free]).sum()
+    direction[surface.free] = np.random.default_rng(0).normal(size=(len(surface.free), 3))
+    U, slope = surface.U, 4 * (surface.residual(targets) * direction[surface.free]).sum()
     values = []
     for h in (1e-6, -1e-6):
-        elastic.local_step(U + h * direction)
-        values.append(elastic.energy)
+        surface.local_step(U + h * direction)
+        values.append(surface.energy)
     assert (values[0] - values[1]) / 2e-6 == pytest.approx(slope, rel=1e-5, abs=1e-6 * energies[-1])
 
 

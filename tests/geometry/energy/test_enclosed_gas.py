@@ -68,7 +68,7 @@ def test_plate_press_has_the_load_as_the_slope_of_the_energy_with_that_of_the_ga
     plates = PlatePress(RestMesh(V, F), Z, 1.5, 1, method="arap", stiffness=0.002, gas=0.5)
     solver, found = plates.solver, []
     for share in (0.995, 1.0):
-        plates.aim(share)
+        plates.set_target(share)
         while not solver.settled:
             solver.iterate()
             assert solver.frame().iteration < 4000

@@ -115,11 +115,11 @@ def test_elastic_surface_with_a_membrane_never_raises_the_energy(mesh, material)
     V, F = MESHES[mesh]
     base, handle = ends(V)
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 2.0), [0.3, 0, 0.2])])
-    elastic = ElasticSurface(SolveMesh(V, F), np.concatenate([base, handle]), material)
+    surface = ElasticSurface(SolveMesh(V, F), np.concatenate([base, handle]), material)
     energies = []
     for _ in range(60):
-        elastic.local_step(elastic.global_step(targets))
-        energies.append(elastic.energy)
+        surface.local_step(surface.global_step(targets))
+        energies.append(surface.energy)
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
     assert energies[-1] < energies[0]
 

@@ -33,16 +33,16 @@ def elastic_of(mesh, material=LOCAL, **options):
 @pytest.mark.parametrize(("shear", "area"), [(0.1, 20.0), (1.0, 0.0), (0.0, 3.0)])
 @pytest.mark.parametrize("mesh", MESHES)
 def test_projected_hessian_unclamped_is_the_derivative_of_the_gradient(mesh, shear, area, size):
-    elastic = elastic_of(mesh, Material(0.5, shear, area))
-    V, free, membrane = elastic.rest.V, elastic.free, elastic.membrane
+    surface = elastic_of(mesh, Material(0.5, shear, area))
+    V, free, membrane = surface.rest.V, surface.free, surface.membrane
     U, h = crumpled(V, size), 1e-6
 
     def gradient(U):
         membrane.local_step(U)
         return (membrane.K @ U - membrane.right_hand_side())[free].ravel()
 
-    of_cells = np.kron((0.5 * elastic.rest.L)[free][:, free].toarray(), np.eye(3))
-    found = dense(elastic.hessian, U, -np.inf) - of_cells
+    of_cells = np.kron((0.5 * surface.rest.L)[free][:, free].toarray(), np.eye(3))
+    found = dense(surface.hessian, U, -np.inf) - of_cells
     for column in np.random.default_rng(1).choice(3 * len(free), 25, replace=False):
         step = np.zeros_like(V)
         step[free[column // 3], column % 3] = h
@@ -52,9 +52,9 @@ def test_projected_hessian_unclamped_is_the_derivative_of_the_gradient(mesh, she
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_projected_hessian_clamped_is_positive_definite_and_no_smaller(mesh):
-    elastic = elastic_of(mesh)
-    U = crumpled(elastic.rest.V, 0.9)
-    exact, clamped = dense(elastic.hessian, U, -np.inf), dense(elastic.hessian, U)
+    surface = elastic_of(mesh)
+    U = crumpled(surface.rest.V, 0.9)
+    exact, clamped = dense(surface.hessian, U, -np.inf), dense(surface.hessian, U)
     assert np.linalg.eigvalsh(exact).min() < 0.0
     assert np.linalg.eigvalsh(clamped).min() > 0.0
     assert np.abs(clamped - clamped.T).max() <= 1e-12
@@ -63,19 +63,19 @@ def test_projected_hessian_clamped_is_positive_definite_and_no_smaller(mesh):
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_projected_hessian_at_rest_is_not_clamped_and_k_is_larger(mesh):
-    elastic = elastic_of(mesh)
-    V = elastic.rest.V
-    hessian = dense(elastic.hessian, V)
-    assert np.abs(hessian - dense(elastic.hessian, V, -np.inf)).max() <= 1e-9
-    assert np.linalg.eigvalsh(np.kron(elastic.K_ff.toarray(), np.eye(3)) - hessian).min() >= -1e-9
+    surface = elastic_of(mesh)
+    V = surface.rest.V
+    hessian = dense(surface.hessian, V)
+    assert np.abs(hessian - dense(surface.hessian, V, -np.inf)).max() <= 1e-9
+    assert np.linalg.eigvalsh(np.kron(surface.K_ff.toarray(), np.eye(3)) - hessian).min() >= -1e-9
 
 
 def test_projected_hessian_turns_with_the_shape():
-    elastic = elastic_of("box")
-    U, R = crumpled(elastic.rest.V), rotation([1, 2, 3], 1.1)
-    turns = np.kron(np.eye(len(elastic.free)), R)
-    turned = turns @ dense(elastic.hessian, U) @ turns.T
-    assert np.abs(dense(elastic.hessian, U @ R.T) - turned).max() <= 1e-10
+    surface = elastic_of("box")
+    U, R = crumpled(surface.rest.V), rotation([1, 2, 3], 1.1)
+    turns = np.kron(np.eye(len(surface.free)), R)
+    turned = turns @ dense(surface.hessian, U) @ turns.T
+    assert np.abs(dense(surface.hessian, U @ R.T) - turned).max() <= 1e-10
 
 
 def test_projected_hessian_has_the_constant_matrices_of_bending_and_springs():
@@ -88,17 +88,17 @@ def test_projected_hessian_has_the_constant_matrices_of_bending_and_springs():
 
 
 def test_projected_hessian_stays_positive_definite_with_collapsed_triangles():
-    elastic = elastic_of("sphere")
-    V = elastic.rest.V
+    surface = elastic_of("sphere")
+    V = surface.rest.V
     for U in (np.zeros_like(V), V * [1.0, 1.0, 0.0], V * [1.0, 0.0, 0.0], 2.0 * V):
-        assert np.linalg.eigvalsh(dense(elastic.hessian, U)).min() > 0.0
+        assert np.linalg.eigvalsh(dense(surface.hessian, U)).min() > 0.0
 
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_projected_hessian_factored_at_a_shape_solves(mesh):
-    elastic = elastic_of(mesh)
-    U = crumpled(elastic.rest.V)
-    b = np.random.default_rng(2).normal(size=(len(elastic.free), 3))
-    x = elastic.hessian.factor_at(U).solve(b)
-    expected = np.linalg.solve(dense(elastic.hessian, U), b.ravel()).reshape(-1, 3)
+    surface = elastic_of(mesh)
+    U = crumpled(surface.rest.V)
+    b = np.random.default_rng(2).normal(size=(len(surface.free), 3))
+    x = surface.hessian.factor_at(U).solve(b)
+    expected = np.linalg.solve(dense(surface.hessian, U), b.ravel()).reshape(-1, 3)
     assert np.abs(x - expected).max() <= 1e-5 * np.abs(expected).max()

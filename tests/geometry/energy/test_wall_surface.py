@@ -44,7 +44,7 @@ def test_wall_surface_rolls_a_sheet_into_a_tube_for_the_energy_of_a_plate():
     U = np.column_stack([np.sin(V[:, 0]), V[:, 1], 1.0 - np.cos(V[:, 0])])
     expected = 0.5 * MATERIAL.plate_rigidity * 2 * np.pi * 1.2
     # Chords are shorter than arcs, which stretches; what is free to curl at the sides gives way a little.
-    assert surface.energy_after_local_step(U) * (1.0 - surface.stretching_share) == pytest.approx(
+    assert surface.energy_after_local_step(U) * (1.0 - surface.stretching_fraction) == pytest.approx(
         expected, rel=0.06
     )
 
@@ -77,7 +77,7 @@ def test_wall_surface_has_the_derivatives_of_its_energy_and_of_goals(mesh):
         np.add.at(area, F, 0.5 * tensions[:, None, None] * np.cross(normals[:, None], edges))
         np.add.at(volume, F, np.cross(corners[:, [1, 2, 0]], corners[:, [2, 0, 1]]) / 6.0)
         goals = 0.25 * (area + pressure * volume)[surface.free]
-        return surface.residual_near(X, targets) + goals
+        return surface.residual_at(X, targets) + goals
 
     change = (slope(U + step * way) - slope(U - step * way)) / (2 * step)
     found = (hessian(surface, tensions, pressure) @ way[surface.free].ravel()).reshape(-1, 3)

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from apd_viewer.geometry.linalg import block_cholesky
 from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
-from apd_viewer.geometry.linalg.nested_dissection import dissect
+from apd_viewer.geometry.linalg.nested_dissection import elimination_order
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 
 MESHES = {
@@ -74,10 +74,10 @@ def test_block_factor_has_a_symmetric_response():
 
 
 @pytest.mark.parametrize("mesh", MESHES)
-def test_dissect_couples_no_group_with_another_branch(mesh):
+def test_elimination_order_couples_no_group_with_another_branch(mesh):
     V, F = two_apart(*MESHES[mesh])
     start, column = graph(F, len(V))
-    order, first, parent = dissect(V, start, column)
+    order, first, parent = elimination_order(V, start, column)
     assert np.array_equal(np.sort(order), np.arange(len(V)))
     groups = len(parent)
     assert ((parent > np.arange(groups)) | (parent < 0)).all()

@@ -67,7 +67,7 @@ def test_deform_twists_a_welded_tube_as_a_whole_one(method):
 def test_weld_spread_leaves_what_does_not_move_where_it_was_to_the_bit():
     V, F = halves(3.3e-5)
     weld = Mesh(V + [1e-4, 3e-5, 1e-3], F).welded().weld
-    assert np.array_equal(weld.to_file(weld.V[weld.first]), weld.V)
+    assert np.array_equal(weld.to_file_vertices(weld.V[weld.first]), weld.V)
 
 
 def test_seams_beyond_the_tolerance_are_neither_said_nor_welded():

@@ -20,7 +20,7 @@ def drawn(V, F, N, normal_of, U):
     skin = SurfaceIndex.from_triangles(F, len(V), V=V, normals=CornerNormals.from_normals(N, normal_of, V, F))
     rendered = skin.render_mesh(sharp=True, with_file_normals=True)
     points, normals = np.full((2, len(V) + len(rendered.repeated_vertices), 3), np.nan, dtype=np.float32)
-    rendered.drape(frozen(np.array(U, dtype=float)), np.zeros(3), points, normals)
+    rendered.write_render_arrays(frozen(np.array(U, dtype=float)), np.zeros(3), points, normals)
     return points[rendered.F], normals[rendered.F]
 
 

@@ -19,7 +19,7 @@ def corners(mesh, rendered, U):
     """Points and normals at the corners of the triangles, (m, 3, 3) each."""
     count = len(mesh.V) + len(rendered.repeated_vertices)
     points, normals = np.full((2, count, 3), np.nan, dtype=np.float32)
-    rendered.drape(frozen(np.array(U, dtype=float)), np.zeros(3), points, normals)
+    rendered.write_render_arrays(frozen(np.array(U, dtype=float)), np.zeros(3), points, normals)
     return points[rendered.F], normals[rendered.F]
 
 

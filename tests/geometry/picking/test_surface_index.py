@@ -8,14 +8,14 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
-from apd_viewer.geometry.picking.render_mesh import drape
+from apd_viewer.geometry.picking.render_mesh import write_render_arrays
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 from apd_viewer.geometry.warmup import warm_up
 
 
 def draped(skin, U, origin=(0.0, 0.0, 0.0)):
     points, normals = np.full((2, *np.shape(U)), np.nan, dtype=np.float32)
-    low, high = skin.render_mesh(False).drape(
+    low, high = skin.render_mesh(False).write_render_arrays(
         frozen(np.array(U, dtype=float)), np.array(origin), points, normals
     )
     return points, normals, low, high
@@ -47,7 +47,7 @@ def test_surface_index_normals_are_alike_on_both_sides_of_a_seam():
     np.testing.assert_array_equal(torn, whole[F.ravel()])
 
 
-def test_drape_shows_points_from_the_origin_and_gives_the_box_of_the_triangles():
+def test_write_render_arrays_shows_points_from_the_origin_and_gives_the_box_of_the_triangles():
     """Far away single precision would be coarser than the mesh; a vertex without a face is not drawn."""
     V, F = grid(3, 3)
     V = np.vstack([V, [[-50.0, 70.0, 10.0]]]) + 1e8
@@ -68,23 +68,23 @@ def test_surface_index_keeps_a_mesh_without_seams_once():
     assert not any(each.flags.writeable for each in kept if isinstance(each, np.ndarray))
 
 
-def test_under_brush_goes_on_across_a_seam_and_names_each_place_once():
+def test_vertices_under_brush_goes_on_across_a_seam_and_names_each_place_once():
     V, F = box(2, 2, 2)
     mesh = Mesh(*soup(V, F))
     skin = SurfaceIndex.from_triangles(mesh.F, len(mesh.V), mesh.joined_F)
     centre = mesh.V[mesh.F[0]].mean(axis=0)
-    under = skin.under_brush(mesh.V, (0, 0), centre, centre, 100.0)
+    under = skin.vertices_under_brush(mesh.V, (0, 0), centre, centre, 100.0)
     assert sorted(map(tuple, mesh.V[under])) == sorted(map(tuple, V))
 
 
 def test_warm_up_compiles_what_a_window_calls():
     warm_up("window")
-    compiled = len(drape.signatures)
+    compiled = len(write_render_arrays.signatures)
     V, F = box(1, 1, 1)
     draped(SurfaceIndex.from_triangles(F, len(V)), V)
     torn = Mesh(*soup(V, F))
     draped(SurfaceIndex.from_triangles(torn.F, len(torn.V), torn.joined_F), torn.V)
-    assert len(drape.signatures) == compiled
+    assert len(write_render_arrays.signatures) == compiled
 
 
 def test_preview_surface_looks_like_what_it_stands_in_for():

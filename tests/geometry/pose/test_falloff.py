@@ -92,21 +92,21 @@ def test_elastic_surface_residual_is_a_quarter_of_the_gradient_of_the_energy(mat
     handle = np.flatnonzero(V[:, 2] == 4)
     held = np.concatenate([fixed, handle])
     soft = around(V, F, handle, held, 2.5)
-    elastic = ElasticSurface(RestMesh(V, F).solve_mesh, held, material, soft=soft)
+    surface = ElasticSurface(RestMesh(V, F).solve_mesh, held, material, soft=soft)
     targets = np.concatenate([V[held], V[soft.ids] @ rotation((0, 0, 1), 0.4).T])
     U = V + rng.normal(scale=0.05, size=V.shape)
     U[held] = V[held]
-    elastic.local_step(U)
-    found = 4.0 * elastic.residual(targets)
-    for k in rng.choice(len(elastic.free), 6, replace=False):
+    surface.local_step(U)
+    found = 4.0 * surface.residual(targets)
+    for k in rng.choice(len(surface.free), 6, replace=False):
         for axis in range(3):
             E = []
             for step in (1e-5, -1e-5):
                 X = U.copy()
-                X[elastic.free[k], axis] += step
-                elastic.local_step(X)
-                elastic.held_contribution(targets)
-                E.append(elastic.energy)
+                X[surface.free[k], axis] += step
+                surface.local_step(X)
+                surface.held_contribution(targets)
+                E.append(surface.energy)
             assert (E[0] - E[1]) / 2e-5 == pytest.approx(found[k, axis], abs=1e-5 * np.abs(found).max())
 
 

@@ -16,9 +16,9 @@ POSE = translation([0.3, -0.2, 0.9]) @ rotation_about(X[0], [1, 2, -3], 1.9) @ s
 @pytest.mark.parametrize("axis", range(3))
 def test_mirror_plane_mirrors_a_motion_to_one_that_moves_mirror_images_to_mirror_images(axis):
     plane = MirrorPlane(axis, 0.7)
-    there = transform(plane.mirrored(POSE), plane.image(X))
+    there = transform(plane.mirrored_pose(POSE), plane.image(X))
     np.testing.assert_allclose(there, plane.image(transform(POSE, X)), atol=1e-12)
-    np.testing.assert_allclose(plane.mirrored(plane.mirrored(POSE)), POSE, atol=1e-12)
+    np.testing.assert_allclose(plane.mirrored_pose(plane.mirrored_pose(POSE)), POSE, atol=1e-12)
     np.testing.assert_allclose(plane.image(X), transform(plane.reflection, X), atol=1e-12)
 
 
@@ -26,7 +26,7 @@ def test_mirror_plane_mirrors_a_motion_to_one_that_moves_mirror_images_to_mirror
 def test_mirror_plane_turns_a_mirrored_path_as_far_the_other_way_round(axis):
     plane, direction = MirrorPlane(axis, -2.0), np.array([2.0, 1.0, 2.0]) / 3.0
     way = [rotation_about(X[2], direction, a) for a in (1.5, 3.0, 4.5)]
-    vector = rotation_vector([plane.mirrored(each) for each in way[:-1]], plane.mirrored(way[-1]))
+    vector = rotation_vector([plane.mirrored_pose(each) for each in way[:-1]], plane.mirrored_pose(way[-1]))
     expected = 4.5 * direction * np.where(np.arange(3) == axis, 1.0, -1.0)
     np.testing.assert_allclose(vector, expected, atol=1e-9)
 
@@ -35,7 +35,7 @@ def test_mirror_plane_turns_a_mirrored_path_as_far_the_other_way_round(axis):
 def test_mirror_plane_has_motions_within_it_that_are_their_own_mirror_images(axis):
     plane, normal = MirrorPlane(axis, 0.4), np.eye(3)[axis]
     within = plane.symmetric_motion(POSE, X[3])
-    np.testing.assert_allclose(plane.mirrored(within), within, atol=1e-12)
+    np.testing.assert_allclose(plane.mirrored_pose(within), within, atol=1e-12)
     np.testing.assert_allclose(plane.symmetric_motion(within, X[3]), within, atol=1e-12)
     on_plane = np.where(normal > 0.0, 0.4, X[4])
     already = (
@@ -52,7 +52,7 @@ def test_mirror_plane_keeps_a_shear_within_it_and_makes_any_other_symmetric(axis
     within = shear(foot, foot + one, other, 0.7)
     np.testing.assert_allclose(plane.symmetric_motion(within, foot), within, atol=1e-12)
     made = plane.symmetric_motion(shear(foot, foot + normal + one, other, 0.7), X[3])
-    np.testing.assert_allclose(plane.mirrored(made), made, atol=1e-12)
+    np.testing.assert_allclose(plane.mirrored_pose(made), made, atol=1e-12)
 
 
 def test_mirror_plane_leaves_nothing_of_a_motion_across_it():

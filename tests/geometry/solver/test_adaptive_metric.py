@@ -25,10 +25,10 @@ def turned(angle):
 def to_the_end(solver, targets, most=6000):
     """Energy and metric after every iteration; everything kept is checked in each."""
     solver.aim(targets)
-    elastic, course = solver.solver.elastic, []
+    surface, course = solver.solver.surface, []
     while not solver.settled:
         frame = solver.step()
-        course.append((frame.energy, elastic.metric is not elastic.factor))
+        course.append((frame.energy, surface.metric is not surface.factor))
         assert np.array_equal(frame.U[FIXED], targets)
         assert solver.target("the area") is None or abs(frame.area_error) <= 1e-9
         assert len(course) < most
@@ -79,11 +79,11 @@ def test_adaptive_metric_lets_no_descent_converge_before_its_steps_gain_too_litt
         V, F, FIXED, method="local", rest=REST, convergence=Convergence(energy_tolerance=tolerance)
     )
     solver.aim(turned(1.2))
-    elastic, energies, by_hessian = solver.solver.elastic, [], []
+    surface, energies, by_hessian = solver.solver.surface, [], []
     while not solver.solver.progress.converged:
         solver.iterate()
         energies.append(solver.solver.energy)
-        if elastic.metric is not elastic.factor:
+        if surface.metric is not surface.factor:
             by_hessian.append(energies[-1])
     assert len(by_hessian) > 41, "the case decides"
     least = tolerance * energies[-1]

@@ -60,7 +60,7 @@ def test_constrained_descent_without_goals_is_the_plain_iteration(move):
         ElasticSurface(rest.solve_mesh, fixed),
         ConstrainedDescent(ElasticSurface(rest.solve_mesh, fixed)),
     )
-    method.aim(targets)
+    method.set_targets(targets)
     for _ in range(10):
         plain.local_step(plain.global_step(targets))
         method.iterate()
@@ -70,11 +70,11 @@ def test_constrained_descent_without_goals_is_the_plain_iteration(move):
 
 def kkt_residual(rest, method):
     """The part of the energy's gradient that the goals' gradients do not balance, relative to it."""
-    elastic = method.elastic
-    free = elastic.free
-    slope = 4 * elastic.residual(method.held_positions).ravel()
-    gradients = np.empty((len(method.goals), *elastic.U.shape))
-    GoalMeasures(method.goals).values_and_gradients(elastic.U, gradients)
+    surface = method.surface
+    free = surface.free
+    slope = 4 * surface.residual(method.held_positions).ravel()
+    gradients = np.empty((len(method.goals), *surface.U.shape))
+    GoalMeasures(method.goals).values_and_gradients(surface.U, gradients)
     G = gradients[:, free].reshape(len(gradients), -1).T
     multipliers = np.linalg.lstsq(G, slope, rcond=None)[0]
     return np.linalg.norm(slope - G @ multipliers) / np.linalg.norm(slope), multipliers
@@ -102,7 +102,7 @@ def test_constrained_descent_ends_where_the_conditions_of_karush_kuhn_and_tucker
     method = ConstrainedDescent(
         ElasticSurface(rest.solve_mesh, fixed), make_goals(rest, area_percent, volume_percent, [])
     )
-    method.aim(targets)
+    method.set_targets(targets)
     for _ in range(len(V)):
         method.iterate()
     assert method.progress.has_met_goals
@@ -113,14 +113,14 @@ def test_constrained_descent_ends_where_the_conditions_of_karush_kuhn_and_tucker
 
 def rest_scaled(rest, fixed, targets, iterations):
     """ARAP with its rest edges scaled by that s which gives the area at rest: the rival."""
-    elastic = ElasticSurface(rest.solve_mesh, fixed)
-    still, s = elastic.all_positions(-elastic.solve(elastic.held_contribution(targets)), targets), 1.0
+    surface = ElasticSurface(rest.solve_mesh, fixed)
+    still, s = surface.all_positions(-surface.solve(surface.held_contribution(targets)), targets), 1.0
     for _ in range(iterations):
-        grown = elastic.global_step(targets) - still
+        grown = surface.global_step(targets) - still
         excess = lambda s, grown=grown: area(still + s * grown, rest.F) - rest.area  # noqa: E731
         s = brentq(excess, 0.1, 2.0, xtol=1e-13)
-        elastic.local_step(still + s * grown)
-    return elastic.U
+        surface.local_step(still + s * grown)
+    return surface.U
 
 
 @pytest.mark.parametrize("move", ["twist", "bend", "stretch", "shear"])

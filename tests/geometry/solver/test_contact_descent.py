@@ -16,7 +16,7 @@ from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.deformation_result import deform
-from apd_viewer.geometry.solver.touching_surface import TouchingElastic
+from apd_viewer.geometry.solver.touching_surface import TouchingElasticSurface
 
 Y, Z = np.eye(3)[1:]
 
@@ -160,7 +160,7 @@ def test_touching_surface_follows_held_vertices_that_touch_it():
     inside, held = solver.contact, np.isin(np.arange(len(V)), fixed)
     while inside.is_on_its_way:
         solver.iterate()
-    surface, shift = TouchingElastic(inside.elastic, inside.contact), np.array([1.0, 2.0, 3.0])
+    surface, shift = TouchingElasticSurface(inside.surface, inside.contact), np.array([1.0, 2.0, 3.0])
     assert surface.renew_metric((), np.zeros(0))
     assert inside.contact.springs(surface.U)[~held][:, held].nnz > 0
     there = surface.following_positions(inside.held_positions, inside.held_positions + shift)
@@ -301,9 +301,9 @@ def test_contact_descent_stops_at_a_loose_piece_in_the_way_which_passes_through_
 def test_loose_components_choose_lets_no_other_pieces_stay_where_no_free_way_may_lead():
     V, F, fixed, upper = hairpin_with_ball(-0.11)
     solver = Deformation(V, F, fixed, handle=upper, contact=True, loose="go")
-    solver.loose.set_loose_parts("go")
+    solver.loose.set_loose_motion("go")
     with pytest.raises(InputError, match="make another Deformation"):
-        solver.loose.set_loose_parts("stay")
+        solver.loose.set_loose_motion("stay")
 
 
 def test_contact_descent_lets_a_loose_piece_cross_the_wall_that_carries_it():

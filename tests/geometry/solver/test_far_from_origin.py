@@ -112,7 +112,11 @@ def test_inspect_and_check_shape_read_the_same_far_from_the_origin(make):
         assert getattr(a, name) == getattr(b, name), name
     assert [each.kind for each in b.findings] == [*(each.kind for each in a.findings), "far away"]
     p, q = check_shape(W, near.joined_F), check_shape(W + FAR, far.joined_F)
-    for mine, other in ((q.packed, p.packed), (q.hull.width, p.hull.width), (q.hull.volume, p.hull.volume)):
+    for mine, other in (
+        (q.packed_box, p.packed_box),
+        (q.hull.width, p.hull.width),
+        (q.hull.volume, p.hull.volume),
+    ):
         assert mine == pytest.approx(other, rel=1e-12)
     assert q.hull.sides == pytest.approx(p.hull.sides, rel=1e-12)
 

@@ -126,7 +126,7 @@ def test_li_hui_changes_nothing_by_its_blend_where_arap_has_settled_at_the_rest_
     assert rest.energy(arap.U) > 0.1
     (goal,) = make_goals(mesh, 100.0, None, ())
     method = LiHui(arap, np.isin(fixed, handle).astype(int), (replace(goal, tolerance=1e-3),))
-    method.aim(targets)
+    method.set_targets(targets)
     method.step()
     assert method.progress.has_met_goals
     assert np.abs(method.held_positions - targets).max() <= 1e-9

@@ -227,7 +227,7 @@ def test_loose_components_let_a_shift_of_the_skin_do_the_work_of_the_forces_on_a
 def test_loose_components_limit_the_skin_to_go_no_farther_than_the_part_on_it(carried):
     shares = np.ones(len(V))
     shares[NAILS[1].start] = 0.25
-    carried.limit_shares(shares)
+    carried.limit_step_fractions(shares)
     skin = np.flatnonzero(shares[BODY] < 1.0)
     assert len(skin) >= 3
     assert (shares[skin] == 0.25).all()

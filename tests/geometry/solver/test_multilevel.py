@@ -73,7 +73,7 @@ def test_coarse_level_turns_pieces_by_themselves():
     both, faces = np.vstack([V, V + [2.01, 0, 0]]), np.vstack([F, F + n])
     fixed, _ = ends_of(V)
     coarse = coarse_of(both, faces, fixed)
-    coarse.aim(V[fixed] @ rotation([0, 0, 1], 0.7).T)
+    coarse.set_targets(V[fixed] @ rotation([0, 0, 1], 0.7).T)
     coarse.iterate(400)
     turns = coarse.take_rotations()
     half = np.array([np.cos(0.35), 0, 0, np.sin(0.35)])
@@ -92,9 +92,9 @@ def test_coarse_level_has_goals_of_the_coarse_surface():
     goals = make_goals(rest, 103.0, 97.0, (Region("upper", upper, 110.0), Region("dot", F[0], 100.0)))
     own = {}
 
-    def solver_of(elastic, goals):
+    def solver_of(surface, goals):
         own.update((goal.name, goal) for goal in goals)
-        return ConstrainedDescent(elastic, goals)
+        return ConstrainedDescent(surface, goals)
 
     CoarseLevel(ElasticSurface(rest.solve_mesh, np.arange(3)), goals, solver_of)
     assert list(own) == ["the area", "“upper”", "the volume"], "what has no triangle cannot be asked for"
@@ -125,10 +125,10 @@ def test_blended_rotations_gives_back_what_is_alone_or_alike_and_difference_from
 def test_multilevel_holds_what_is_held_and_what_is_kept_in_every_iteration(material):
     V, F = TUBE
     rest, (fixed, targets) = RestMesh(V, F), held(V)
-    elastic = ElasticSurface(rest.solve_mesh, fixed, material)
-    method = multilevel_descent(elastic, make_goals(rest, 100.0, None, ()))
+    surface = ElasticSurface(rest.solve_mesh, fixed, material)
+    method = multilevel_descent(surface, make_goals(rest, 100.0, None, ()))
     assert isinstance(method, MultilevelDescent)
-    method.aim(targets)
+    method.set_targets(targets)
     for _ in range(40):
         method.step()
         assert method.progress.has_met_goals
@@ -150,7 +150,7 @@ def test_multilevel_gets_lower_in_a_few_iterations_than_the_fine_one_alone_in_ma
         solver.aim(targets)
         for _ in range(count):
             solver.iterate()
-        return solver.solver.elastic.energy
+        return solver.solver.surface.energy
 
     assert energy(False, 12) < 0.9 * energy(True, 25)
 
@@ -210,7 +210,7 @@ def test_compute_decimations_leaves_nothing_to_be_looked_for_again(mesh, monkeyp
     V, F = mesh
     rest = RestMesh(V, F)
     compute_decimations(rest)
-    monkeypatch.delattr("apd_viewer.geometry.energy.solve_mesh.decimated")
+    monkeypatch.delattr("apd_viewer.geometry.energy.solve_mesh.decimated_mesh")
     for method in ("arap", "exact", "local"):
         assert isinstance(Deformation(V, F, ends_of(V)[0], method=method, rest=rest).solver, Restarts)
 

@@ -35,7 +35,7 @@ def settled(solver, most=4000):
 
 
 def pressed_to(plates, share):
-    plates.aim(share)
+    plates.set_target(share)
     return settled(plates.solver)
 
 
@@ -45,21 +45,21 @@ def test_plate_press_crosses_nothing_on_the_way_and_keeps_the_area():
     plates, crosses = PlatePress(rest, Z, 0.4, 4, **STIFF), CrossingCheck(rest.V, rest.F)
     solver, frames, least = plates.solver, 0, []
     for share in (0.25, 0.5, 0.75, 1.0):
-        plates.aim(share)
+        plates.set_target(share)
         while not solver.settled:
             solver.iterate()
             frames += 1
             if frames % 5:
                 continue
             frame = solver.frame()
-            U, reach = frame.U, plates.share * (plates.travel.first_distance - 0.4) / 2
+            U, reach = frame.U, plates.travel_fraction * (plates.travel.first_distance - 0.4) / 2
             assert not crosses.crosses(U)
             assert abs(frame.area_error) <= 1e-9
             assert U[:, 2].min() > -plates.travel.first_distance / 2 + reach
             assert U[:, 2].max() < plates.travel.first_distance / 2 - reach
         least.append(np.ptp(solver.frame().U[:, 2]))
     assert least[-1] < 0.4
-    assert plates.share == 1.0
+    assert plates.travel_fraction == 1.0
 
 
 def test_plate_press_loads_of_both_plates_are_the_slope_of_the_energy():

@@ -45,9 +45,9 @@ def test_prolongation_carries_rigid_motions_exactly(prolongation, thinning):
 def test_prolongation_interpolates_and_gathers_by_transposed_weights(prolongation, thinning):
     rng, rows = np.random.default_rng(0), np.arange(0, len(V), 3)
     x, b = rng.normal(size=(len(thinning.vertices), 3)), rng.normal(size=(len(rows), 3))
-    there = (prolongation.prolonged(x, rows) * b).sum()
-    assert there == pytest.approx((x * prolongation.restricted(b, rows)).sum(), rel=1e-10)
-    ones = prolongation.prolonged(np.ones_like(x), rows)
+    there = (prolongation.prolonged_values(x, rows) * b).sum()
+    assert there == pytest.approx((x * prolongation.restricted_values(b, rows)).sum(), rel=1e-10)
+    ones = prolongation.prolonged_values(np.ones_like(x), rows)
     assert np.abs(ones - 1.0).max() <= 1e-6
 
 

@@ -372,11 +372,11 @@ def test_solver_worker_keeps_what_is_known_of_a_mesh_beyond_its_process(empty, a
         from apd_viewer.geometry.energy import solve_mesh
         from apd_viewer.session.processes import request_solver
         request_solver.REMOTE_FACTOR_ROWS = 2500
-        real = solve_mesh.decimated
+        real = solve_mesh.decimated_mesh
         def thinned(V, F, count):
             print(f"thinned {len(V)}", file=sys.stderr, flush=True)
             return real(V, F, count)
-        solve_mesh.decimated = thinned
+        solve_mesh.decimated_mesh = thinned
 
         import time
         from apd_viewer.session.processes.mailbox import Mailbox

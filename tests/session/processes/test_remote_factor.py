@@ -64,7 +64,7 @@ def test_remote_factor_solves_as_one_that_is_near_does(factor):
     for k in range(3):
         assert np.array_equal(factor.solve(k * B), LinearSolver(A).solve(k * B))
     assert np.abs(A @ expected - B).max() < 1e-12
-    assert np.array_equal(factor.refined(B), LinearSolver(A).refined(B))
+    assert np.array_equal(factor.solve_refined(B), LinearSolver(A).solve_refined(B))
     solution = factor.solve(B)
     solution += 1.0  # it is the caller's own
 

@@ -52,7 +52,7 @@ def test_symmetry_controller_paints_the_partner_which_follows_the_mouse(qtbot, w
     right, left = document(winged).handles
     assert right.pose[1, 3] > 0.1
     plane = mirror_plane(document(winged).mesh, 0)
-    np.testing.assert_allclose(left.pose, plane.mirrored(right.pose), atol=1e-12)
+    np.testing.assert_allclose(left.pose, plane.mirrored_pose(right.pose), atol=1e-12)
     assert len(session.gestures.history.undo_names) == steps + 1
     winged.actions_.undo.trigger()
     assert not document(winged).is_posed

@@ -30,13 +30,13 @@ class DescentSurface(ElasticResponse, Protocol):
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
 
-    def residual_near(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Residual at ``U`` (n, 3); the current positions stay."""
+    def residual_at(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Residual at ``U`` (n, 3); the current positions are unchanged."""
 
     def positions_along(
-        self, U: np.ndarray, share: float, direction: np.ndarray, targets: np.ndarray
+        self, U: np.ndarray, fraction: float, direction: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
-        """``U`` (n, 3) plus ``share`` times ``direction`` (f, 3); held at ``targets``."""
+        """``U`` (n, 3) plus a fraction of ``direction`` (f, 3); held ones at ``targets``."""
 
     def local_step(self, U: np.ndarray) -> None:
         """Fit the rotations to ``U`` (n, 3) and make it the current shape."""
@@ -46,7 +46,7 @@ class DescentSurface(ElasticResponse, Protocol):
 
 
 class Equilibrium(NamedTuple):
-    """Surface at rest, for the stability search.
+    """Surface in equilibrium, for the stability search.
 
     Attributes
     ----------
@@ -69,21 +69,21 @@ class Equilibrium(NamedTuple):
 
     def quarter_gradient(self, U: np.ndarray) -> np.ndarray:
         """Quarter of the Lagrangian's gradient (f, 3) at ``U`` (n, 3) near the shape."""
-        G = self.surface.residual_near(U, self.held_positions)
+        G = self.surface.residual_at(U, self.held_positions)
         self.projection.evaluate(U)
         return self.projection.lagrangian_gradient(G, self.multipliers, self.projection.g)
 
-    def moved_along(self, way: np.ndarray) -> np.ndarray:
-        """Positions (n, 3) displaced by ``way`` (f, 3)."""
-        return self.surface.positions_along(self.surface.U, 1.0, way, self.held_positions)
+    def moved_along(self, direction: np.ndarray) -> np.ndarray:
+        """Positions (n, 3) displaced by ``direction`` (f, 3)."""
+        return self.surface.positions_along(self.surface.U, 1.0, direction, self.held_positions)
 
 
-class QuasiNewton:
+class QuasiNewtonDescent:
     """Quasi-Newton steps of an elastic surface on the goals' manifold.
 
     Parameters
     ----------
-    elastic : DescentSurface
+    surface : DescentSurface
     projection : GoalProjection
     growth : float
         A line search begins at most so many times as far as the last one ended.
@@ -93,18 +93,18 @@ class QuasiNewton:
 
     def __init__(
         self,
-        elastic: DescentSurface,
+        surface: DescentSurface,
         projection: GoalProjection,
         growth: float = np.inf,
         longest: float = np.inf,
     ) -> None:
         self._growth, self._longest, self._share = growth, longest, 1.0
-        self._elastic, self._projection = elastic, projection
-        self._memory = LbfgsMemory(len(elastic.free), _REMEMBERED)
+        self._elastic, self._projection = surface, projection
+        self._memory = LbfgsMemory(len(surface.free), _REMEMBERED)
         # G and g at the start of the last step.
         self._last: tuple[np.ndarray, np.ndarray] | None = None
         self.multipliers = np.zeros(len(projection.goals))
-        self.energy = elastic.energy
+        self.energy = surface.energy
 
     def resume(self) -> None:
         """Continue from changed positions, keeping the memory of earlier steps."""
@@ -113,11 +113,11 @@ class QuasiNewton:
 
     def step(self, held: np.ndarray) -> bool:
         """Do one step with held vertices at ``held`` (k, 3); return False at a minimum."""
-        elastic, projection = self._elastic, self._projection
-        projection.evaluate(elastic.U)
+        surface, projection = self._elastic, self._projection
+        projection.evaluate(surface.U)
         if projection.has_outdated_directions:
-            projection.refresh_directions(elastic.U)
-        G, spare = elastic.residual(held), None
+            projection.refresh_directions(surface.U)
+        G, spare = surface.residual(held), None
         self.multipliers = projection.multipliers(G)
         slope = projection.lagrangian_gradient(G, self.multipliers, projection.g)
         if self._last is not None:
@@ -132,22 +132,22 @@ class QuasiNewton:
 
     def _line_search(self, slope: np.ndarray, held: np.ndarray) -> bool:
         """Line search from the current positions; False if it fails."""
-        elastic, start = self._elastic, self._elastic.U
+        surface, start = self._elastic, self._elastic.U
         while True:
-            way, along = self._memory.descent_direction(slope, elastic.solve)
+            way, along = self._memory.descent_direction(slope, surface.solve)
             promise, first = 4.0 * along, min(1.0, self._growth * self._share)
             if self._longest < np.inf:
                 first = min(first, self._longest / max(float(np.abs(way).max()), 1e-300))
             for halvings in range(_HALVINGS):
-                share = first * 0.5**halvings
-                U, _ = self._projection.project(elastic.positions_along(start, share, way, held))
-                energy = elastic.energy_after_local_step(U)
-                enough = energy <= self.energy + _SHARE_OF_PROMISE * share * promise
+                fraction = first * 0.5**halvings
+                U, _ = self._projection.project(surface.positions_along(start, fraction, way, held))
+                energy = surface.energy_after_local_step(U)
+                enough = energy <= self.energy + _SHARE_OF_PROMISE * fraction * promise
                 if enough and self._projection.has_met_goals:
-                    self.energy, self._share = energy, share
-                    self._memory.record_step(start, U, elastic.free)
+                    self.energy, self._share = energy, fraction
+                    self._memory.record_step(start, U, surface.free)
                     return True
-            elastic.local_step(start)
+            surface.local_step(start)
             self._projection.evaluate(start)
             if not len(self._memory):
                 return False

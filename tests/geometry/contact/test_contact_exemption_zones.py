@@ -4,7 +4,7 @@ import numpy as np
 from meshes import grid
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs, crossings
-from apd_viewer.geometry.contact.contact import Contact, exempt_zones, is_near_crossing
+from apd_viewer.geometry.contact.contact import Contact, contact_exemption_zones, is_near_crossing
 
 AWAY = np.array([5.0, 0.0, 0.0])
 
@@ -22,11 +22,11 @@ def two_crosses():
     return np.concatenate([V, W]), np.concatenate([F, F + len(V)])
 
 
-def test_exempt_zones_are_one_for_each_place_and_what_crosses_shares_one():
+def test_contact_exemption_zones_are_one_for_each_place_and_what_crosses_shares_one():
     V, F = two_crosses()
     pairs = crossing_pairs(V, F)
     assert np.array_equal(np.unique(pairs), crossings(V, F))
-    zone = exempt_zones(F, pairs, len(V))
+    zone = contact_exemption_zones(F, pairs, len(V))
     half = len(V) // 2
     first, second = np.unique(zone[:half]), np.unique(zone[half:])
     assert (first.tolist(), second.tolist()) == ([0, 1], [0, 2])
@@ -36,10 +36,10 @@ def test_exempt_zones_are_one_for_each_place_and_what_crosses_shares_one():
     assert np.array_equal(zone > 0, is_near_crossing(F, np.unique(pairs), len(V)))
 
 
-def test_exempt_zones_are_none_where_nothing_crosses():
+def test_contact_exemption_zones_are_none_where_nothing_crosses():
     V, F = grid(4, 4)
-    assert not exempt_zones(F, crossing_pairs(V, F), len(V)).any()
-    assert not exempt_zones(F, None, len(V)).any()
+    assert not contact_exemption_zones(F, crossing_pairs(V, F), len(V)).any()
+    assert not contact_exemption_zones(F, None, len(V)).any()
 
 
 def test_contact_keeps_places_that_cross_at_rest_apart_from_each_other():
