@@ -186,7 +186,7 @@ def whole_state():
         ),
         poses=(NamedPose("Start", (HandlePlacement("Top", pose, (pose,)),)),),
         mirror_axis=0,
-        staying_components=(0,),
+        immobile_components=(0,),
         target_shape=TargetShape(mesh),
     )
     vectors = np.zeros((1, 3))
@@ -207,7 +207,7 @@ def session(folder, capsys):
     wall = WallText("0.3mm", "1.3", "2GPa", "0.3", "5mm", WALL_MATERIALS[0])
     view = View(eye, "mm?", wall, "area", UpAxis.PLUS_Z)
     state = whole_state()
-    save_session("whole.apd", state, view, timeline=Timeline().followed_by(state))
+    save_session("whole.apd", state, view, timeline=Timeline().with_state(state))
     with zipfile.ZipFile(folder / "whole.apd") as archive:
         return keys(json.loads(archive.read("session.json")))
 

@@ -34,9 +34,9 @@ from apd_viewer.session.posing.motion_path import MotionPath, MotionStep
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 
 MOST_STEPS = 1000
-# Limit per step; "local" creeps for thousands of iterations without visible effect on the curves.
+# Largest number of iterations per step; "local" creeps for thousands without visible effect on the curves.
 DEFAULT_ITERATIONS = 500
-# Limit per step with obstacles: their loads are meaningless until the shape has converged.
+# Largest number of iterations per step with obstacles; their loads are meaningless before convergence.
 SETTLING_ITERATIONS = 10_000
 # Fraction of the rest shape's diagonal: a shorter displacement counts as none.
 _LEAST_DISPLACEMENT = 1e-9
@@ -51,14 +51,14 @@ class CaseStep(NamedTuple):
     ----------
     number : int
         Index of the step; 0 is the initial shape.
-    share : float
+    fraction : float
         Of the motion: 0 to 1, and beyond 1 past it.
     degrees : float
         Turn of the first moving handle, degrees.
     displacement : float
         Distance of its pivot from the initial position, mesh units.
     volume_rest, volume_capped_rest : float or None
-        With flat caps over its openings; None without any.
+        With flat caps over its openings; None if there is none.
     energy : float
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations, whatever the method.
     loads : tuple of float
@@ -68,7 +68,7 @@ class CaseStep(NamedTuple):
 
     method: str
     number: int
-    share: float
+    fraction: float
     degrees: float
     displacement: float
     frame: Frame
@@ -91,7 +91,7 @@ class CaseStep(NamedTuple):
         """Readings by column name; turns of the handle with the largest lost rotation."""
         frame = self.frame
         return {
-            "part": self.share,
+            "part": self.fraction,
             "degrees": self.degrees,
             "way": self.displacement,
             "area": frame.area,
@@ -120,10 +120,10 @@ class Case:
     Attributes
     ----------
     document : Document
-        Painted document with its settings and the grip of the handles.
+        Painted document with its settings and the initial positions of the handles.
     paths : tuple of CasePath
         Path of each handle.
-    shares : tuple of float
+    fractions : tuple of float
         Fraction of the motion at each step.
     iterations : int
         Largest number per step, besides those on the way to it in contact.
@@ -131,7 +131,7 @@ class Case:
 
     document: Document
     paths: tuple[CasePath, ...]
-    shares: tuple[float, ...]
+    fractions: tuple[float, ...]
     iterations: int = DEFAULT_ITERATIONS
 
     @property
@@ -174,7 +174,7 @@ class Case:
     @property
     def has_small_turns(self) -> bool:
         """True if each step turns the handles by less than half a turn."""
-        step = max(np.diff(self.shares, prepend=0.0))
+        step = max(np.diff(self.fractions, prepend=0.0))
         return bool(step * max(motion_path.total_turn(path) for path in self.paths) < np.pi)
 
     def step_warnings(self, step: CaseStep) -> tuple[str, ...]:
@@ -190,24 +190,24 @@ class Case:
             return said.format(share=100.0 * frame.share_reached), *passing
         return passing
 
-    def document_at(self, share: float) -> Document:
+    def document_at(self, fraction: float) -> Document:
         """Document with its handles at a fraction of their motion."""
-        return document_at(self.document, self.paths, share)
+        return document_at(self.document, self.paths, fraction)
 
-    def document_along(self, share: float) -> Document:
+    def document_along(self, fraction: float) -> Document:
         """Document at a fraction of the motion, with rotations of any size."""
-        return motion_path.document_along(self.document_at(share), self.paths, share)
+        return motion_path.document_along(self.document_at(fraction), self.paths, fraction)
 
     @property
     def end_document(self) -> Document:
         """Document at the last step, including rotations of more than half a turn."""
-        return self.document_along(self.shares[-1])
+        return self.document_along(self.fractions[-1])
 
 
 def case_of(
     document: Document,
     steps: int,
-    last_share: float = 1.0,
+    last_fraction: float = 1.0,
     iterations: int | None = None,
     motion: Sequence[MotionStep] = (),
 ) -> Case:
@@ -217,7 +217,7 @@ def case_of(
     ----------
     steps : int
         Beside the one at the start.
-    last_share : float
+    last_fraction : float
         Part of the motion that is the last step.
     iterations : int
         At most so many for each step; without, as many as are usual, and more where there are obstacles.
@@ -231,7 +231,7 @@ def case_of(
     """
     if not 1 <= steps <= MOST_STEPS:
         raise InputError(tr("A sweep has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
-    if not 0.0 < last_share <= 100.0:
+    if not 0.0 < last_fraction <= 100.0:
         raise InputError(
             tr("The end of a sweep must be a fraction of the motion greater than 0, such as 1 or 1.5.")
         )
@@ -249,7 +249,7 @@ def case_of(
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
         )
-    return Case(document, paths, tuple(last_share * k / steps for k in range(steps + 1)), iterations)
+    return Case(document, paths, tuple(last_fraction * k / steps for k in range(steps + 1)), iterations)
 
 
 def cases_by_method(case: Case, methods: Sequence[str] = COMPARED_METHODS) -> list[Case]:
@@ -283,7 +283,7 @@ def case_steps(case: Case, tick: Callable[[float], object] = lambda _: None) -> 
 
     def tell(number: int, k: int) -> None:
         # Most progress comes in the first iterations, and few steps use the full limit.
-        tick((number + k / (k + 0.1 * case.iterations)) / len(case.shares))
+        tick((number + k / (k + 0.1 * case.iterations)) / len(case.fractions))
 
     tick(0.0)
     solver = deformation_of(case.document, case.document.constraints())
@@ -292,21 +292,21 @@ def case_steps(case: Case, tick: Callable[[float], object] = lambda _: None) -> 
 
 
 def _step(case: Case, solver: Deformation, number: int, frame: Frame) -> CaseStep:
-    k, share = case.leading_handle, case.shares[number]
+    k, fraction = case.leading_handle, case.fractions[number]
     path, pivot = case.paths[k], case.document.pivot(k)
-    way = 0.0 if pivot is None else np.linalg.norm(transform(path.pose_at(share), pivot[None])[0] - pivot)
+    way = 0.0 if pivot is None else np.linalg.norm(transform(path.pose_at(fraction), pivot[None])[0] - pivot)
     return CaseStep(
         solver.method,
         number,
-        share,
-        float(np.degrees(share * path.angle)),
+        fraction,
+        float(np.degrees(fraction * path.angle)),
         float(way),
         frame,
         solver.rest.volume,
         solver.rest.volume_capped,
         solver.rest.energy(frame.U),
         tuple(np.linalg.norm(frame.loads, axis=1).tolist()),
-        document_turns(motion_path.document_along(case.document, case.paths, share), frame.U),
+        document_turns(motion_path.document_along(case.document, case.paths, fraction), frame.U),
     )
 
 
@@ -314,20 +314,24 @@ def document_turns(document: Document, U: np.ndarray) -> tuple[HeldTurn, ...]:
     """Requested and actual turns of the handles from rest, at the shape ``U`` (n, 3)."""
     document = document.relative_to_rest
     return held_turns(
-        document.grip, U, document.mesh.joined_F, document.labels, handle_pose_sequences(document)
+        document.initial_positions,
+        U,
+        document.mesh.joined_F,
+        document.labels,
+        handle_pose_sequences(document),
     )
 
 
 def _frames(case: Case, solver: Deformation, tick: Callable[[int, int], object]) -> Iterator[Frame]:
     """Frame of each step, started from the previous one or from the contact path."""
-    documents = [case.document_at(share) for share in case.shares]
+    documents = [case.document_at(fraction) for fraction in case.fractions]
     # With obstacles, each step starts from the previous one and is solved until its loads have converged.
     may_touch = solver.contact is not None and not case.document.has_active_obstacles
     if may_touch:
         documents[-1] = case.end_document
     begun = 0
     for number, document in enumerate(documents if case.has_small_turns or not may_touch else ()):
-        start = None if number else document.grip
+        start = None if number else document.initial_positions
         step = document_iteration(solver, document, start, along_paths=False)
         frame = step.settle(case.iterations, partial(tick, number))
         if may_touch and frame.contact is not None and frame.contact.pairs:
@@ -347,16 +351,16 @@ def _frames_from_path(
 ) -> Iterator[Frame]:
     """Frames from step ``begun`` on, each started from a shape of the contact path."""
     *others, last = documents
-    U = last.grip
+    U = last.initial_positions
     walk = document_iteration(deformation_of(last, last.constraints(), solver.rest), last, U)
     for number, document in enumerate(others[begun:], begun):
         while walk.is_on_its_way:
             frame = walk.frame()
-            if frame.share_reached > case.shares[number] / case.shares[-1]:
+            if frame.share_reached > case.fractions[number] / case.fractions[-1]:
                 break
             U = frame.U
             walk.iterate()
-            tick(number, 0)  # only iterations at the steps count as progress
+            tick(number, 0)  # only the iterations of a step, not those on the path to it, count as progress
         beside = document_iteration(solver, document, U, along_paths=False)
         yield beside.settle(case.iterations, partial(tick, number))
     yield walk.settle(case.iterations, partial(tick, len(others)))

@@ -125,9 +125,9 @@ def compile_kernels_once() -> None:
     """Compile the kernels into this machine's cache, once for all its workers."""
     # A failure is harmless: the first case then compiles the kernels itself.
     with contextlib.suppress(Exception):
-        mark = _mark()
+        mark = _marker_path()
         mark.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if not _is_own(mark.parent):
+        if not _is_private_folder(mark.parent):
             return
         end = time.monotonic() + _LONGEST
         while not mark.exists() and time.monotonic() < end:
@@ -157,7 +157,7 @@ def _compile() -> None:
     )
 
 
-def _is_own(folder: Path) -> bool:
+def _is_private_folder(folder: Path) -> bool:
     """True if no other user can write to a folder.
 
     In a shared place, any user may have created it.
@@ -168,7 +168,7 @@ def _is_own(folder: Path) -> bool:
     return stat.S_ISDIR(there.st_mode) and there.st_uid == os.getuid() and not there.st_mode & 0o022
 
 
-def _mark() -> Path:
+def _marker_path() -> Path:
     """Path of the marker file for compiled kernels on this machine."""
     told = hashlib.sha256()
     for path in sorted(_PACKAGE.rglob("*.py")):

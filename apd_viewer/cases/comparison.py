@@ -69,7 +69,7 @@ class Comparison:
         self._generation = 0
 
     def set_methods(self, methods: Sequence[str]) -> None:
-        """Solve exactly these methods in this order; keep finished results."""
+        """Compare exactly these methods, in this order; finished results are kept."""
         self._wanted = tuple(methods)
         if self.current_method is not None and self.current_method not in self._wanted:
             del self.outcomes[self.current_method]
@@ -81,7 +81,7 @@ class Comparison:
         """Names of the methods not yet started."""
         return tuple(method for method in self._wanted if method not in self.outcomes)
 
-    def receive(self) -> bool:
+    def receive_reply(self) -> bool:
         """Process the next solver reply; return True if there was one."""
         reply = self._worker.take_reply() if self._worker is not None else None
         if reply is None:

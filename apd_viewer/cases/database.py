@@ -47,7 +47,7 @@ def open_database(folder: Path) -> sqlite3.Connection:
     A damaged database is renamed and replaced by a new one.
     """
     path = folder / DATABASE_NAME
-    _check_beside(path)
+    _check_side_files(path)
     if not path.exists() or path.is_file():
         try:
             return _connect(path)
@@ -61,7 +61,7 @@ def open_database(folder: Path) -> sqlite3.Connection:
         raise write_error(folder, error) from error
 
 
-def _check_beside(path: Path) -> None:
+def _check_side_files(path: Path) -> None:
     """Raise InputError if a side file of the database is not a regular file."""
     for ending in _BESIDE:
         part = path.with_name(f"{path.name}{ending}")
@@ -155,7 +155,7 @@ def reading_database(folder: Path) -> Iterator[sqlite3.Connection]:
     path = folder / DATABASE_NAME
     if not path.is_file():
         raise InputError(tr("{folder} contains no study; choose a study folder.").format(folder=folder))
-    _check_beside(path)
+    _check_side_files(path)
     # A URI without a host: SQLite rejects the URI of a file on another computer.
     place = quote(path.absolute().as_posix())
     place = place if place.startswith("/") else f"/{place}"

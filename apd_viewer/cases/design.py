@@ -52,7 +52,7 @@ class DesignVariable:
     is_logarithmic: bool = False
 
     @property
-    def is_whole(self) -> bool:
+    def has_integers(self) -> bool:
         """True for a range of integers, such as numbers of steps."""
         return self.name in COUNT_COLUMNS and self.low.is_integer() and self.high.is_integer()
 
@@ -61,15 +61,15 @@ class DesignVariable:
         """All choices, or both ends of the range as texts."""
         return self.choices or (self.text_at(0.0), self.text_at(1.0))
 
-    def text_at(self, share: float) -> str:
+    def text_at(self, fraction: float) -> str:
         """Text at a fraction, 0 to 1, of the range or of the list of choices."""
         if self.choices:
-            return self.choices[min(int(share * len(self.choices)), len(self.choices) - 1)]
+            return self.choices[min(int(fraction * len(self.choices)), len(self.choices) - 1)]
         if self.is_logarithmic:
-            value = self.low * (self.high / self.low) ** share
+            value = self.low * (self.high / self.low) ** fraction
         else:
-            value = self.low + (self.high - self.low) * share
-        if self.is_whole:
+            value = self.low + (self.high - self.low) * fraction
+        if self.has_integers:
             value = round(value)
         return f"{float(f'{value:.{_DIGITS}g}'):.{_DIGITS}g}{self.unit}"
 
@@ -81,8 +81,8 @@ class DesignVariable:
         """All choices, or ``count`` evenly spaced values; fewer if rounding merges some."""
         if self.choices:
             return list(self.choices)
-        shares = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
-        return list(dict.fromkeys(self.text_at(share) for share in shares))
+        fractions = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
+        return list(dict.fromkeys(self.text_at(fraction) for fraction in fractions))
 
 
 def parse_variable(text: str) -> DesignVariable:
@@ -116,7 +116,7 @@ def parse_variable(text: str) -> DesignVariable:
 
 
 def _unit(choices: Sequence[str]) -> str:
-    """Unit common to all choices; empty without one."""
+    """Unit common to all choices; empty if there is none."""
     found = [_AMOUNT.fullmatch(each) for each in choices]
     units = {each["unit"] if each else "" for each in found}
     return units.pop() if len(units) == 1 else ""
@@ -208,8 +208,10 @@ def _combinations(
             )
         yield from itertools.product(*levels)
         return
-    for shares in _unit_samples(len(variables), design, samples, seed):
-        yield tuple(each.text_at(float(share)) for each, share in zip(variables, shares, strict=True))
+    for fractions in _unit_samples(len(variables), design, samples, seed):
+        yield tuple(
+            each.text_at(float(fraction)) for each, fraction in zip(variables, fractions, strict=True)
+        )
 
 
 def _unit_samples(count: int, design: str, samples: int, seed: int) -> np.ndarray:

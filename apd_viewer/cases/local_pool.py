@@ -23,16 +23,16 @@ RECYCLE_AFTER = 300
 _FAR_TOO_LONG = 1.5, 30.0
 
 
-def _initialize_worker(owner: int) -> None:
-    """Initialise a worker process to exit with its owner."""
-    set_up_process(owner)
+def _initialize_worker(parent_pid: int) -> None:
+    """Initialise a worker process to exit with its parent process."""
+    set_up_process(parent_pid)
     Thread(target=_follow_owner, daemon=True).start()
 
 
 def _follow_owner() -> None:
-    owner = parent_process()
-    if owner is not None:
-        owner.join()
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
         os._exit(0)
 
 

@@ -151,10 +151,10 @@ def case_to_run(case: StudyCase, document: Document, motion: tuple[MotionStep, .
     """Case for the inputs of a study case; raises InputError if nothing moves."""
     iterations = dict(case.settings).get("iterations")
     most = None if iterations is None else int(iterations)
-    return case_of(document, case.steps, _last_share(case), most, motion)
+    return case_of(document, case.steps, _last_fraction(case), most, motion)
 
 
-def _last_share(case: StudyCase) -> float:
+def _last_fraction(case: StudyCase) -> float:
     return float(dict(case.settings).get("to", 1.0))
 
 
@@ -192,7 +192,7 @@ def case_session(folder: Path, key: str) -> tuple[State, View]:
                 folder=folder / INPUTS_FOLDER
             )
         ) from error
-    if motion or _last_share(case) != 1.0:
+    if motion or _last_fraction(case) != 1.0:
         state = state.updated(case_to_run(case, state.document, motion).end_document)
     return state.updated(frame=frame_from_json(JsonFields(result.frame, "frame"), state, result.U)), view
 
@@ -249,7 +249,7 @@ def _checked_steps(case: Case, tick: Callable[..., object]) -> Iterator[CaseStep
         if not np.isfinite(step.frame.U).all():
             raise InputError(tr("It diverged in step {number}.").format(number=step.number))
         # Only the last shape is kept, to save memory.
-        last = step.number == len(case.shares) - 1
+        last = step.number == len(case.fractions) - 1
         yield step if last else step._replace(frame=replace(step.frame, U=case.document.mesh.V[:0]))
 
 

@@ -39,7 +39,7 @@ class CaseCounts(NamedTuple):
     seconds_left: float | None = None
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """Finished fraction of the cases."""
         return self.finished / max(1, self.cases)
 

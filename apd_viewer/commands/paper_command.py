@@ -57,8 +57,8 @@ def _paper(options: argparse.Namespace) -> None:
     drawn = True
     with ExitStack() as stack:
         folder = stack.enter_context(staging_folder(options.output)) if options.output else None
-        share = _TABLES if folder else 1.0
-        table = list(table_rows(lambda done, doing: progress.show(share * done, doing)))
+        fraction = _TABLES if folder else 1.0
+        table = list(table_rows(lambda done, doing: progress.show(fraction * done, doing)))
         if folder is not None:
             write_csv(table, folder / "tables.csv")
             (folder / "tables.md").write_text(format_tables(table) + "\n", encoding="utf-8")

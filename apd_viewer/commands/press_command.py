@@ -147,7 +147,7 @@ def _press(options: argparse.Namespace) -> None:
         "method": method,
         "wall_thickness": wall.thickness if METHODS[method].is_wall else None,
         "poisson": wall.nu,
-        # Left out for the method 'wall', where it would be a part of the gap between the plates.
+        # None for the method 'wall': contact would add its thickness to the gap between the plates.
         "thickness": wall.thickness if options.thickness and not METHODS[method].is_wall else None,
         "yield_radius": wall.yield_radius,
         "gas": gas,

@@ -201,8 +201,8 @@ def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversi
     if wall.material:
         lines.append(tr("        source: {source}").format(source=wall.material.source))
     if grams is not None:
-        unit, share = wall.unit.mass_unit(grams)
-        lines.append(tr("mass    {mass:.4g} {unit}").format(mass=grams * share, unit=unit))
+        unit, fraction = wall.unit.mass_unit(grams)
+        lines.append(tr("mass    {mass:.4g} {unit}").format(mass=grams * fraction, unit=unit))
     if newtons is not None and not newtons.matches_wall:
         lines.append(
             tr("Pressed at a stiffness of {stiffness:.3g}; this wall has {own:.1g}.").format(

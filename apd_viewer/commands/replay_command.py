@@ -197,7 +197,7 @@ def replay_session(
         solver, way, None if from_rest else state.frame.U, start_shifts=_obstacle_shifts(state)
     )
     if on_shape:
-        on_shape(way.grip if from_rest else state.frame.U)
+        on_shape(way.initial_positions if from_rest else state.frame.U)
 
     def hear(frame: Frame) -> None:
         if on_shape:

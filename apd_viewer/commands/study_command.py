@@ -99,7 +99,7 @@ def _run(study: Study, options: argparse.Namespace) -> None:
     engine: Engine | None = None
 
     def tell(counts: CaseCounts) -> None:
-        progress.show(counts.share, counts_text(counts), **counts._asdict())
+        progress.show(counts.fraction, counts_text(counts), **counts._asdict())
 
     try:
         if not study.unfinished_cases:

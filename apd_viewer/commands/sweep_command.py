@@ -174,7 +174,7 @@ def sweep_animation(
     """Animation of a case, from the shapes kept on disk."""
     document, files = case.document, [shape_path(shape_folder, step) for step in steps]
     painted = document.labels, document.member
-    return Animation(document.mesh, *painted, files, case.shares, document.target_shape, on_read)
+    return Animation(document.mesh, *painted, files, case.fractions, document.target_shape, on_read)
 
 
 def write_sweep_films(
@@ -189,7 +189,7 @@ def write_sweep_films(
     # Imported here: Pillow is slow to import, and only films need it.
     from apd_viewer.figures.films import write_film
 
-    count = len(case.shares)
+    count = len(case.fractions)
     pictures = [
         Picture(
             shape_folder / f"{number:04d}.png",
@@ -220,7 +220,7 @@ def _caption_lines(step: CaseStep, abscissa: str) -> list[str]:
     where = {
         "degrees": f"{step.degrees:.0f}°",
         "way": localized_number(f"{step.displacement:.3g}"),
-        "part": f"{100 * step.share:.0f} %",
+        "part": f"{100 * step.fraction:.0f} %",
     }[abscissa]
     lines = [where, tr("area {change} %").format(change=format_signed(100 * step.frame.area_error, 2))]
     if step.volume_error is not None:
@@ -234,7 +234,7 @@ def sweep_summary(swept: Sequence[tuple[Case, Sequence[CaseStep]]], folder: Path
     lines = [
         tr("{folder}: {steps} steps by {methods}").format(
             folder=folder,
-            steps=len(first.shares) - 1,
+            steps=len(first.fractions) - 1,
             methods=comma_separated(METHODS[case.method].short_title for case, _ in swept),
         )
     ]

@@ -80,18 +80,18 @@ def _verify(options: argparse.Namespace) -> None:
 
 def _finished_runs(cases: Sequence[VerificationCase], progress: Progress, is_told: bool) -> Iterator[CaseRun]:
     """Finished cases, with progress shown meanwhile, as lines if ``is_told``."""
-    share = 0.0
+    fraction = 0.0
 
     def tick(done: float, doing: str) -> None:
-        nonlocal share
-        share = done
+        nonlocal fraction
+        fraction = done
         progress.show(done, doing)
 
     for run in run_cases(cases, tick):
         progress.end()
         if is_told:
             rows = [row._asdict() for row in run.rows]
-            told = {"done": round(share, 4), "doing": run.case.title, "rows": rows}
+            told = {"done": round(fraction, 4), "doing": run.case.title, "rows": rows}
             print(json.dumps(told), flush=True)
         yield run
 

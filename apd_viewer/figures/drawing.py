@@ -45,7 +45,7 @@ def _draw(job: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.
         renderer.AddLight(headlight())
     plotter.enable_anti_aliasing("ssaa")
     look, up = np.array(job["look"]), np.array(job["up"])
-    fit = _fit(shapes, look, up, size[0] / count / size[1])
+    fit = _common_view(shapes, look, up, size[0] / count / size[1])
     areas = face_areas(rest, F)
     for number, picture in enumerate(job["pictures"]):
         for column in range(count):
@@ -122,7 +122,7 @@ def _legend(plotter: Any, title: str, wide: float, font: str | None) -> None:
     )
 
 
-def _fit(
+def _common_view(
     shapes: list[np.ndarray], view_direction: np.ndarray, up: np.ndarray, aspect: float
 ) -> tuple[np.ndarray, float, float]:
     """Centre, half height and depth of a view of all shapes.

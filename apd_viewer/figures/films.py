@@ -39,7 +39,7 @@ def check_film(path: Path, other_suffixes: Sequence[str] = ()) -> None:
             raise InputError(
                 tr("MP4 needs an encoder: install apd-viewer[video], or use the ending .gif.")
             ) from None
-        except RuntimeError:  # no encoder found: a packaged program relies on the system's
+        except RuntimeError:  # no encoder found: a packaged program relies on one in the system
             raise InputError(tr("MP4 needs an encoder: install ffmpeg, or use the ending .gif.")) from None
 
 

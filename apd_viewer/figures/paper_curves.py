@@ -74,7 +74,7 @@ def loss_curve(
     mesh = document.mesh
     solver = Deformation(mesh.V, mesh.F, held.fixed, method="arap", handle=held.handles, plain=True)
     case = case_of(document, steps, motion=[_TWIST])
-    for number, part in enumerate(case.shares):
+    for number, part in enumerate(case.fractions):
         tick(0.1 * number / steps)
         solver.aim(case.document_at(part).constraints().targets, mesh.V)
         for iteration in range(1, max(LOSS_ITERATIONS) + 1):
@@ -107,14 +107,16 @@ def _pull_points(document: Document, fraction: float, tick: ProgressCallback) ->
     case = case_of(document.with_pose(0, translation(fraction * line)), _STEPS_OF_A_PULL)
     handle = document.labels == HANDLE
     for step in case_steps(case, tick):
-        away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)
+        away = (step.frame.U[handle] - document.initial_positions[handle]).mean(axis=0)
         got = float(away @ line / (line @ line))
-        yield HandleCurvePoint("pull", fraction * step.share + 0.0, round(got, 12) + 0.0)
+        yield HandleCurvePoint("pull", fraction * step.fraction + 0.0, round(got, 12) + 0.0)
 
 
 def _base_to_handle(document: Document) -> np.ndarray:
     """Vector from base to handle centre, scaled to the extent of the mesh along it."""
-    base, handle = (document.grip[document.labels == label].mean(axis=0) for label in (BASE, HANDLE))
+    base, handle = (
+        document.initial_positions[document.labels == label].mean(axis=0) for label in (BASE, HANDLE)
+    )
     axis = (handle - base) / np.linalg.norm(handle - base)
     whole: np.ndarray = axis * np.ptp(document.mesh.V @ axis)
     return whole

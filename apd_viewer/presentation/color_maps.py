@@ -1,4 +1,4 @@
-"""Colour maps of values: Crameri's, perceptually uniform, colour-blind safe.
+"""Crameri's colour maps: perceptually uniform and colour-blind safe.
 
 From F. Crameri, Scientific colour maps 8 (doi 10.5281/zenodo.1243862, MIT licence), without their darkest
 ends, on which shading would be invisible. Linear interpolation between the knots is indistinguishable from

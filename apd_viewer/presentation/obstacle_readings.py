@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 # Tolerance for a reached obstacle position, relative to the longest side of the mesh.
 _THERE = 1e-4
-# Negligible load relative to the longest side, for a stiffness of 1: the tail of the barrier.
+# Largest negligible load, relative to the longest side and for a stiffness of 1: the barrier's tail.
 NO_LOAD = 1e-9
 _DIGITS = 8  # digits of numbers for repeating the deformation
 _ESTIMATED = 2  # digits of estimates
@@ -73,7 +73,7 @@ def error_factor_phrase(factor: float) -> str:
 
 
 def load_excess_text(state: State) -> str:
-    """Sentence on the expected excess of converged loads; empty without any."""
+    """Sentence on the expected excess of converged loads; empty if there is none."""
     pressed = any(load_text(state, k) for k in range(len(state.document.obstacles)))
     if not pressed or not state.frame.settled:
         return ""

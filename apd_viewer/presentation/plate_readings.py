@@ -39,7 +39,7 @@ def plate_reading_texts(
     Parameters
     ----------
     wall_newtons : float, optional
-        Load that the method Wall found at the same place of the plates.
+        Load by the method Wall at the same position of the plates.
     yield_radius : float, optional
         Radius below which the wall keeps a crease, mesh units.
     """
@@ -77,8 +77,8 @@ def _distance(state: State, unit: Unit) -> ReadingText:
         return ReadingText(tr("Distance"), readings.NO_VALUE, "", tip)
     distance = pair.distance(state)
     length = unit.format_length(format_length(distance, float(max(state.inspection.size))))
-    share = format_grouped(100.0 * distance / pair.extent(state.document), 1)
-    return ReadingText(tr("Distance"), length, f"{share} %", tip)
+    fraction = format_grouped(100.0 * distance / pair.extent(state.document), 1)
+    return ReadingText(tr("Distance"), length, f"{fraction} %", tip)
 
 
 def _load(state: State, newtons: NewtonConversion | None) -> ReadingText:
@@ -126,9 +126,9 @@ def rest_verdict(
     unsettled: str = tr("Not at rest: the load is not known yet."),
     stopped: str = tr("Contact stops the plates here."),
 ) -> tuple[str, bool]:
-    """Sentence on whether a shape is at rest, and whether it is.
+    """Sentence on whether a shape is in equilibrium, and True if it is.
 
-    ``unsettled`` and ``stopped`` are those on a shape that is not at rest, or that contact stops.
+    ``unsettled`` and ``stopped`` are the sentences for a shape not in equilibrium or stopped by contact.
     """
     if not state.frame.settled:
         return unsettled, False
@@ -140,16 +140,16 @@ def rest_verdict(
 
 
 class PlateCurves(NamedTuple):
-    """Readings along a timeline, NaN where there are none.
+    """Readings along a timeline; NaN if unknown.
 
     Attributes
     ----------
     states : tuple of State or None
-        What is read, for each step.
+        State of each step.
     deflection : (s,) float array
-        Way of the plates, mesh units.
+        Reduction of the distance of the plates, mesh units.
     load : (s,) float array
-        Of a material of stiffness 1, or in newtons.
+        Load of a material of stiffness 1, or in newtons.
     volume : (s,) float array
         Percent of the volume at rest.
     settled : (s,) bool array
@@ -165,7 +165,7 @@ class PlateCurves(NamedTuple):
 def plate_curves(
     states: Sequence[State | None], newtons: Callable[[State], NewtonConversion | None]
 ) -> PlateCurves:
-    """Curves of load and volume along states; None is a gap in them."""
+    """Curves of load and volume over states; None makes a gap."""
     rows = [_NO_ROW if state is None else _curve_row(state, newtons(state)) for state in states]
     deflection, load, volume, settled = np.array(rows).reshape(-1, 4).T
     return PlateCurves(tuple(states), deflection, load, volume, settled > 0.0)

@@ -72,7 +72,7 @@ def python_script(document: Document) -> str:
         *(line for k in handles for line in _handle(document, k)),
         "]",
         "fixed = np.concatenate([base, *handles])",
-        *_grip_lines(document, handles),
+        *_initial_position_lines(document, handles),
         *_assignment_lines("poses", _poses(document, handles)),
         *_regions(document),
         *obstacle_lines(document),
@@ -139,16 +139,16 @@ def _regions(document: Document) -> Iterator[str]:
     yield "]"
 
 
-def _grip_lines(document: Document, handles: list[int]) -> Iterator[str]:
-    """Lines with the grip positions of base and handles."""
-    V, grip = document.mesh.V, document.grip
+def _initial_position_lines(document: Document, handles: list[int]) -> Iterator[str]:
+    """Lines with the initial positions of base and handles."""
+    V, initial = document.mesh.V, document.initial_positions
     held = document.labels != FREE
-    if np.array_equal(V[held], grip[held]):
+    if np.array_equal(V[held], initial[held]):
         yield "base_at, gripped = mesh.V[base], [mesh.V[ids] for ids in handles]"
         return
-    # Painted on a deformed shape: the grip positions have to be written out.
-    yield from _assignment_lines("base_at", _array(grip[document.labels == BASE]))
-    each = ", ".join(_array(grip[document.labels == HANDLE + k]) for k in handles)
+    # Painted on a deformed shape: the initial positions have to be written out.
+    yield from _assignment_lines("base_at", _array(initial[document.labels == BASE]))
+    each = ", ".join(_array(initial[document.labels == HANDLE + k]) for k in handles)
     yield from _assignment_lines("gripped", f"[{each}]")
 
 
@@ -215,8 +215,8 @@ def settings_arguments(document: Document) -> str:
         for name, setting in SETTINGS.items()
         if given[name] is not None and setting.applies(settings) and name not in idle
     ]
-    if document.staying_components:
-        words.append(f"loose={list(document.staying_components)!r}")
+    if document.immobile_components:
+        words.append(f"loose={list(document.immobile_components)!r}")
     if document.has_active_obstacles:
         words.append("obstacles=obstacles")
     if document.mesh.has_welded_seams:

@@ -207,13 +207,13 @@ def change_percent(now: float, rest: float) -> str:
 
 
 def material_volume(state: State) -> float | None:
-    """Volume of the material of a double wall, cubic mesh units; None without one."""
+    """Volume of the material of a double wall, cubic mesh units; else None."""
     wall = state.inspection.double_wall
     return None if wall is None else wall.material
 
 
 def double_wall(state: State, unit: Unit) -> str:
-    """Text on material and capacity of a double wall; empty without one."""
+    """Text on material and capacity of a double wall; empty if there is none."""
     wall = state.inspection.double_wall
     if wall is None:
         return ""
@@ -245,7 +245,7 @@ def drift(state: State, unit: Unit) -> str:
 
 
 def motion(state: State, k: int, unit: Unit) -> str:
-    """Displacement, rotation and scale of a handle from rest, where not trivial.
+    """Displacement, rotation and scale of a handle from rest, if not trivial.
 
     Both the requested and the reached motion while contact delays the handle.
     """
@@ -256,7 +256,7 @@ def motion(state: State, k: int, unit: Unit) -> str:
     asked = _amounts(document, k, unit, size)
     if frame.share_reached < 1.0:
         # Imported here because it loads SciPy.
-        from apd_viewer.session.posing.regripping import reached_handle
+        from apd_viewer.session.posing.initial_positions import reached_handle
 
         reached = _amounts(document.with_handle(k, reached_handle(document, k, frame)), k, unit, size)
     said = tr("twisted {angle}°") if asked.twists else tr("rotated {angle}°")

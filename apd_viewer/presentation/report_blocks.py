@@ -140,7 +140,7 @@ def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
         for row in _setting_rows(setting, values[name], settings, unit)
     ]
     if document.loose_components:
-        staying = sum(part.first in document.staying_components for part in document.loose_components)
+        staying = sum(part.first in document.immobile_components for part in document.loose_components)
         sentence = tr("{going:,} go along, {staying:,} stay")
         going = len(document.loose_components) - staying
         rows.append((tr("Loose parts"), sentence.format(going=going, staying=staying), ""))

@@ -21,7 +21,7 @@ from apd_viewer.presentation.number_format import format_short, format_short_sig
 from apd_viewer.session.quantities.units import Unit
 
 _NOTHING = 5e-5  # fraction of the scale displayed as zero
-_ROUNDING = 1e-9  # fraction of the default scale too small for a scale
+_ROUNDING = 1e-9  # values below this fraction of the default scale are rounding errors
 _MOST_GAINED = 10.0  # largest gain on a scale, since a vanished area gives an infinite ratio
 
 
@@ -252,19 +252,19 @@ class Scale:
         return replace(self, reach=round_step(reach))
 
     @property
-    def neutral_share(self) -> float:
+    def neutral_fraction(self) -> float:
         """Neutral fraction of the scale around its middle, 0 to 1."""
         return self._to_measure_unit(self.neutral) / self.end
 
     def position(self, value: float) -> float:
         """Position of a value on the scale, from 0 to 1."""
-        share = min(max(value / self.end, -1.0), 1.0)
-        return 0.5 + 0.5 * share if self.measure.is_signed else max(share, 0.0)
+        fraction = min(max(value / self.end, -1.0), 1.0)
+        return 0.5 + 0.5 * fraction if self.measure.is_signed else max(fraction, 0.0)
 
     def colors(self, positions: np.ndarray) -> np.ndarray:
         """RGB (k, 3) uint8 at ``positions`` (k,) of the scale, 0 to 1."""
         if self.measure.is_signed:
-            positions = np.where(np.abs(positions - 0.5) < 0.5 * self.neutral_share, 0.5, positions)
+            positions = np.where(np.abs(positions - 0.5) < 0.5 * self.neutral_fraction, 0.5, positions)
         return self.measure.colors.colors(positions)
 
     def displayed_changes(self, values: np.ndarray) -> np.ndarray:
@@ -306,7 +306,7 @@ def default_scale(measure: Measure, size: float) -> Scale:
 
 
 def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
-    """Minimum and maximum of values (n,), ignoring NaN; None without any."""
+    """Minimum and maximum of values (n,), ignoring NaN; None if there is none."""
     if values is None or np.isnan(values).all():
         return None
     return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))

@@ -97,7 +97,7 @@ def _rendered_shape(canvas: _Canvas, U: np.ndarray, F: np.ndarray, colors: np.nd
     nearest = nearest_triangles(X, F, canvas.width, canvas.height)
     pixels = np.flatnonzero(nearest >= 0)
     triangles = nearest[pixels]
-    light = _light(X, F, triangles, pixels % canvas.width + 0.5, pixels // canvas.width + 0.5)
+    light = _brightness(X, F, triangles, pixels % canvas.width + 0.5, pixels // canvas.width + 0.5)
     rgba = np.zeros((len(nearest), 4))
     rgba[pixels, :3] = light[:, None] * (colors if colors.ndim == 1 else colors[triangles])
     rgba[pixels, 3] = 255.0
@@ -202,7 +202,9 @@ def _depth(corners: np.ndarray, column: np.ndarray, row: np.ndarray) -> np.ndarr
     return depth
 
 
-def _light(X: np.ndarray, F: np.ndarray, triangles: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _brightness(
+    X: np.ndarray, F: np.ndarray, triangles: np.ndarray, x: np.ndarray, y: np.ndarray
+) -> np.ndarray:
     """Brightness (k,) of points on triangles, from 0 to 1; both sides are lit."""
     own = _unit(_doubled_normals(X[F[triangles]]))
     corner = _vertex_normals(X, F)[F[triangles]]

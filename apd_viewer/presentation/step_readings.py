@@ -26,14 +26,14 @@ def step_reading_texts(state: State, unit: Unit) -> tuple[ReadingText, ...]:
 
 
 def step_verdict(state: State) -> tuple[str, bool]:
-    """Sentence on whether a shape is at rest, and whether there is nothing to warn of."""
+    """Sentence on whether a shape is in equilibrium, and True if it needs no warning."""
     if state.frame.settled and state.document.paint_problem is not None:
         return tr("As it is in the file."), True
     return rest_verdict(state, tr("Not at rest."), tr("Contact stops the motion here."))
 
 
 class StepCurves(NamedTuple):
-    """Readings along a timeline, each (s,), NaN where there are none.
+    """Readings along a timeline, each (s,); NaN if unknown.
 
     Attributes
     ----------

@@ -62,7 +62,7 @@ class TimeLeftEstimate:
         elif not self._has_measure:
             self._set_end(moment, expected)
         elif self._end is not None and moment - self._fitted > _INERTIA * (self._end - moment):
-            self._end = None  # unconfirmed for too long
+            self._end = None  # no sample has confirmed the expected end for too long
 
     def _set_end(self, moment: float, seconds: float | None) -> None:
         self._end = None if seconds is None else moment + seconds
@@ -73,8 +73,8 @@ class TimeLeftEstimate:
         if self._end is None or self._end <= moment:
             self._end = end
         else:
-            share = (moment - self._fitted) / max(1.0, _INERTIA * (self._end - moment))
-            self._end += min(1.0, share) * (end - self._end)
+            fraction = (moment - self._fitted) / max(1.0, _INERTIA * (self._end - moment))
+            self._end += min(1.0, fraction) * (end - self._end)
         self._fitted = moment
 
     def seconds_left(self, moment: float) -> float | None:
@@ -113,7 +113,7 @@ def time_left_text(seconds: float) -> str:
 
 
 def progress_text(said: str, seconds: float, done: int, count: int) -> str:
-    """Sentence on equal steps, with the time left once a step is done.
+    """Sentence on the progress of equal steps, with the time left after the first.
 
     Parameters
     ----------

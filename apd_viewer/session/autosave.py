@@ -28,8 +28,8 @@ from apd_viewer.session.state_store import Activity, Listener, StateStore
 from apd_viewer.session.storage.recovery_file import RecoveryFile, claim_path, make_private, remove_and_unlock
 from apd_viewer.session.storage.session_file import save_session
 
-# A step waits until its copy is written: 5 ms, or 0.1 s for a million vertices. If writing takes longer
-# than this, the disk is slow and the step does not wait for it; nor does a held key.
+# A step waits until its copy is written: 5 ms, or 0.1 s for a million vertices. A slow disk may take longer
+# than this, and the step does not wait for it; nor does a held key.
 _MOMENT = 0.25  # maximum wait in seconds
 
 
@@ -99,7 +99,7 @@ class Autosave:
             waits = is_step and not self.interval
             self._writer.put(AutosaveCopy(state, self._view(), shown), _MOMENT if waits else 0.0)
 
-    def receive(self) -> None:
+    def report_failures(self) -> None:
         """Report failures of the writing thread."""
         if self._writer is not None and (failure := self._writer.take_failure()):
             self._listener.message_sent(failure)
@@ -187,7 +187,7 @@ class AutosaveWriter:
         self._hurry.set()
 
     def take_failure(self) -> str | None:
-        """Sentence about a write failure, returned once; None without one."""
+        """Sentence about a write failure, returned once; None if there is none."""
         return self._failures.take()
 
     def close(self) -> None:
@@ -228,7 +228,7 @@ class AutosaveWriter:
             for left in copy.superseded_files:
                 left.discard()
             self._failing = False
-        except Exception as error:  # the next step is saved again
+        except Exception as error:  # no retry: saving is tried again after the next step
             reason = error if isinstance(error, OSError) else error.__cause__
             if not isinstance(reason, OSError):
                 traceback.print_exc()

@@ -33,9 +33,9 @@ class Job:
     title : str
         Title for the user: "Opening bunny.obj".
     on_done : callable
-        Called by the owner with the value, on the owner's thread.
+        Called with the value on the session's thread.
     can_be_cancelled : bool
-        Whether the owner may discard it; a write must be completed.
+        False for a write, which must be completed.
     """
 
     def __init__(
@@ -81,13 +81,13 @@ class Jobs:
     Parameters
     ----------
     wake : callable
-        Called on the job's thread when there is something to receive.
+        Called on the job's thread when an outcome waits for :meth:`receive_outcomes`.
     failed : callable
-        ``failed(sentence)``, called on the owner's thread.
+        ``failed(sentence)``, called on the session's thread.
     message_sent : callable
-        ``message_sent(sentence)``, called on the owner's thread when a job was cancelled.
+        ``message_sent(sentence)``, called on the session's thread when a job was cancelled.
     changed : callable
-        Called on the owner's thread when a job may have begun or ended.
+        Called on the session's thread when a job may have begun or ended.
     """
 
     def __init__(
@@ -112,7 +112,7 @@ class Jobs:
         on_done: Callable[..., object],
         can_be_cancelled: bool = True,
     ) -> None:
-        """Run ``work()`` on a thread; its owner later passes the result to ``on_done``."""
+        """Run ``work()`` on a thread, then ``on_done(result)`` on the session's thread."""
         if self.current is not None:
             self._failed(
                 tr("{title} is not finished; wait for it or cancel it.").format(title=self.current.title)
@@ -129,11 +129,11 @@ class Jobs:
             self._message_sent(tr("{title}: cancelled.").format(title=cancelled.title))
             self._changed()
 
-    def receive(self) -> None:
+    def receive_outcomes(self) -> None:
         """Process the outcomes of finished jobs."""
         while not self._outcomes.empty():
             outcome = self._outcomes.get()
-            if outcome.job is self.current:  # a job other than the current one was cancelled
+            if outcome.job is self.current:  # other jobs were cancelled
                 self.current = None
                 if outcome.failure:
                     self._failed(outcome.failure)
@@ -142,7 +142,7 @@ class Jobs:
             self._changed()
 
     def close(self) -> None:
-        """Stop waking the owner; wait for a pending write."""
+        """Stop waking the session's thread; wait for a pending write."""
         self._closed = True
         if self.current is not None and not self.current.can_be_cancelled:
             self.current.join(timeout=10.0)

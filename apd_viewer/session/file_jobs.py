@@ -124,7 +124,7 @@ class FileJobs:
         if is_saved:
             self._saved_work.mark_saved(SavedDocument(state.document, file, title=title))
         if timeline.steps:
-            self._player.open(timeline)
+            self._player.set_timeline(timeline)
         self._store.jump_to(state)
         if view is not None:
             self._listener.view_opened(view)
@@ -192,7 +192,7 @@ class FileJobs:
         self._write(path, write)
 
     def export_deck(self, path: str | Path, view: View) -> None:
-        """Write an FE deck from the rest shape to the poses in the background."""
+        """Write an FE deck of the motion from rest to the poses, in the background."""
         path, document = Path(path), self._store.required_state().document
 
         def write() -> str:
@@ -268,7 +268,7 @@ class FileJobs:
                 self._listener.failed(tr("A selection replaces all parts; unlock them first."))
             elif state.document.mesh is mesh:  # another mesh may have been opened meanwhile
                 self._gestures.record(tr("Load selection"), state)
-                self._store.regrip(state.document, with_selection(state.document, selection))
+                self._store.restart_motions(state.document, with_selection(state.document, selection))
                 self._listener.message_sent(status_text.loaded_selection_sentence(path.name, selection))
 
         self._jobs.run(
@@ -305,7 +305,7 @@ def _opened_mesh(path: Path) -> OpenedFile:
 
 
 def _opened_animation(path: Path) -> OpenedFile:
-    """Mesh of a file with its shapes if it has several; raises InputError."""
+    """Mesh of a file, with its shapes if there are several; raises InputError."""
     # Imported here so that the first picture does not wait for numba.
     from apd_viewer.files.animations.animation_reading import open_animation
 
@@ -318,7 +318,7 @@ def _opened_animation(path: Path) -> OpenedFile:
 
 
 def _opened_point_cache(path: Path, state: State | None) -> OpenedFile:
-    """Shapes of a cache for the open mesh; raises InputError."""
+    """Shapes of a point cache for the open mesh; raises InputError."""
     if state is None:
         said = tr("{name} has shapes and no mesh; open the mesh that it was written of first.")
         raise InputError(said.format(name=path.name))

@@ -14,7 +14,7 @@ _TOGETHER = 1.0
 
 
 class Gestures:
-    """Recorder of gestures on a store, with undo and redo.
+    """Recorder of gestures that change the state, with undo and redo.
 
     Attributes
     ----------
@@ -57,8 +57,8 @@ class Gestures:
     def record(self, name: str, before: State, is_repeat: bool = False) -> None:
         """Record the state before a step; repeats within a second are merged."""
         now = time.monotonic()
-        follows = now - self._last < _TOGETHER and self.history.next_redo is None
-        if is_repeat and follows and self.history.next_undo == name:
+        follows = now - self._last < _TOGETHER and self.history.next_redo_name is None
+        if is_repeat and follows and self.history.next_undo_name == name:
             self._listener.status_changed()
         else:
             self._store.begin_trace()

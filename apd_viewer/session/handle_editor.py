@@ -16,9 +16,9 @@ from apd_viewer.session.model.handles_and_regions import MOST_POSES, Handle, Nam
 from apd_viewer.session.model.state import State
 from apd_viewer.session.part_operations import PartOperation, members_after
 from apd_viewer.session.posing import motion_path, named_poses
+from apd_viewer.session.posing.initial_positions import has_moved
 from apd_viewer.session.posing.mirror_partner import mirrored_handle, with_pair_moved, with_pair_reset
 from apd_viewer.session.posing.motion import Motion, MotionReference
-from apd_viewer.session.posing.regripping import has_moved
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.state_store import Listener, StateStore
 from apd_viewer.session.timeline_player import TimelinePlayer
@@ -34,7 +34,7 @@ class HandleEditor(DocumentEditor):
         self._warned: Mesh | None = None
 
     def drag(self, pose: np.ndarray, k: int = 0) -> None:
-        """Move a handle to a pose (4, 4) relative to its grip, within a gesture."""
+        """Move a handle to a pose (4, 4) from its initial position, within a gesture."""
         state = self._store.required_state()
         if self._gestures.state_before is not None:  # another mesh may have ended the drag
             self._store.solve(with_pair_moved(state.document, k, pose))
@@ -112,7 +112,9 @@ class HandleEditor(DocumentEditor):
         pairs = zip(state.document.handles, document.handles, strict=True)
         if state.document.paint_problem:
             self._listener.failed(state.document.paint_problem)
-        elif document.grip is not state.document.grip or any(has_moved(*pair) for pair in pairs):
+        elif document.initial_positions is not state.document.initial_positions or any(
+            has_moved(*pair) for pair in pairs
+        ):
             self._gestures.record(gesture, state, is_repeat)
             self.solve_poses(document)
 
@@ -122,11 +124,11 @@ class HandleEditor(DocumentEditor):
         Also if they did so before: the shortest way back would leave the shape twisted by a full turn.
         """
         before = self._store.required_state().document
-        regripped = document.grip is not before.grip
+        is_restarted = document.initial_positions is not before.initial_positions
         if (
             document.has_half_turn
             or before.has_half_turn
-            or (regripped and before.relative_to_rest.has_half_turn)
+            or (is_restarted and before.relative_to_rest.has_half_turn)
         ):
             self._solve_along_paths(document)
         else:
@@ -143,7 +145,7 @@ class HandleEditor(DocumentEditor):
                     "the handle keeps its turns."
                 )
             )
-        self._store.solve_from_grip(with_rounded_poses(document))
+        self._store.solve_from_initial_positions(with_rounded_poses(document))
 
     def set_pivot(self, point: np.ndarray | None, k: int) -> None:
         """Set the pivot of a handle to a ``point`` (3,) of the shape; None is its centre."""
@@ -219,7 +221,7 @@ class PoseEditor(DocumentEditor):
             # A message is needed, since the list of poses may be hidden.
             self._listener.message_sent(tr("Kept as “{pose}”.").format(pose=name))
 
-    def go_to(self, k: int) -> None:
+    def go_to_pose(self, k: int) -> None:
         """Move the handles to pose ``k``; handles not in the pose are not moved."""
         document = self._gestures.state_without_gesture().document
         pose = document.poses[k]
@@ -252,7 +254,7 @@ class PoseEditor(DocumentEditor):
             k = at.index(True) if any(at) else -1 if offset > 0 else len(at)
             while at[k := (k + offset) % len(at)]:
                 pass
-            self.go_to(k)
+            self.go_to_pose(k)
 
     def rename(self, k: int, name: str) -> None:
         """Rename pose ``k``; a name in use gets a number."""

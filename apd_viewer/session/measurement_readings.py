@@ -67,7 +67,7 @@ class MeasurementReadings:
 
     def readings(self, state: State) -> list[MeasurementReading]:
         """Readings of a state; values not yet known are None."""
-        self._begin(state)
+        self._discard_outdated(state)
         return [
             MeasurementReading(each, self._rest_result(each, state), self._current_result(each, state))
             for each in state.document.measurements
@@ -78,7 +78,7 @@ class MeasurementReadings:
         state = self._store.state
         if state is None:
             return
-        self._begin(state)
+        self._discard_outdated(state)
         rests = self._gestures.state_before is None and self._store.activity is not Activity.REFINING
         wanted = self._missing_geodesic(state) if rests else None
         if wanted is None:
@@ -92,7 +92,7 @@ class MeasurementReadings:
             self._asked = wanted
             self._finder.ask(wanted)
 
-    def receive(self) -> None:
+    def receive_geodesic(self) -> None:
         """Store a geodesic received from the process."""
         answer = self._finder.take()
         if answer is None:
@@ -111,7 +111,7 @@ class MeasurementReadings:
         """Stop the search for geodesics."""
         self._finder.close()
 
-    def _begin(self, state: State) -> None:
+    def _discard_outdated(self, state: State) -> None:
         """Discard results of another mesh or rest shape."""
         if self._mesh_V is not state.document.mesh.V:
             self._mesh_V = state.document.mesh.V
@@ -121,13 +121,13 @@ class MeasurementReadings:
         F, shapes = state.document.mesh.joined_F, (state.document.mesh.V, state.frame.U)
         for each in state.document.measurements:
             for U in shapes if each.kind is MeasurementKind.GEODESIC else ():
-                path, is_current = self._path(each.points, U)
+                path, is_current = self._known_path(each.points, U)
                 if path is None or not is_current:
                     return GeodesicQuery(U, F, each.points)
         return None
 
-    def _path(self, end_points: EndPoints, U: np.ndarray) -> tuple[CarriedPath | None, bool]:
-        """Latest known path between points, and a flag for a path on the shape ``U``."""
+    def _known_path(self, end_points: EndPoints, U: np.ndarray) -> tuple[CarriedPath | None, bool]:
+        """Latest known path between two points, and True if it is on the shape ``U``."""
         rest = self._rest_paths.get(end_points)
         if U is self._mesh_V:
             return rest, rest is not None
@@ -145,7 +145,7 @@ class MeasurementReadings:
         return self._measured_result(measurement, state, state.frame.U)
 
     def _measured_result(self, measurement: Measurement, state: State, U: np.ndarray) -> MeasurementResult:
-        path, is_current = self._path(measurement.points, U)
+        path, is_current = self._known_path(measurement.points, U)
         return measure(measurement, U, state.document.mesh.joined_F, path, is_current)
 
 

@@ -48,7 +48,7 @@ class ObstacleEditor(DocumentEditor):
         obstacle = obstacle_placement.proposed_obstacle(kind, point, normal, state, apart)
         if is_preview and kind is not ObstacleKind.PLATE:
             return obstacle
-        return obstacle_placement.moved_clear(obstacle, state, apart)
+        return obstacle_placement.obstacle_moved_clear(obstacle, state, apart)
 
     def add(self, obstacle: NamedObstacle, thickness: float | None = None) -> int | None:
         """Add an obstacle with a unique name and turn on contact; return its index.
@@ -73,8 +73,10 @@ class ObstacleEditor(DocumentEditor):
             tr("Put plates on both sides"), self._side_plates(document, axis, thickness), thickness
         )
 
-    def put_press(self, axis: np.ndarray, thickness: float | None = None, **settings: Any) -> int | None:
-        """Put a plate on either side to press a mesh without base and handles.
+    def add_press_plates(
+        self, axis: np.ndarray, thickness: float | None = None, **settings: Any
+    ) -> int | None:
+        """Add plates on both sides, to press a mesh without base and handles.
 
         Replaces the last pair of facing plates; walls without stiffness, which would crumple, get one.
 
@@ -109,7 +111,7 @@ class ObstacleEditor(DocumentEditor):
         thickness: float | None,
         document: Document | None = None,
     ) -> int | None:
-        """Add obstacles to the current document, or to one made of it."""
+        """Add obstacles to the current document, or to one derived from it."""
         state = self._gestures.state_without_gesture()
         document = document or state.document
         if not document.settings.traits.may_use_contact:
@@ -166,10 +168,10 @@ class ObstacleEditor(DocumentEditor):
         """
         state, apart = self._store.required_state(), self._contact_distance()
         obstacle = replace(obstacle, shift=_NOWHERE, axis=frozen(np.array(obstacle.axis, dtype=float)))
-        if not obstacle_placement.is_clear(obstacle, state, apart):
+        if not obstacle_placement.is_obstacle_clear(obstacle, state, apart):
             if obstacle.kind is not ObstacleKind.PLATE:
                 raise InputError(_inside_sentence(obstacle, state, apart, self._store.unit))
-            obstacle = obstacle_placement.moved_clear(obstacle, state, apart)
+            obstacle = obstacle_placement.obstacle_moved_clear(obstacle, state, apart)
             self._listener.message_sent(
                 tr("{name} would cut the shape; it was moved back to touch it.").format(name=obstacle.name)
             )
@@ -190,7 +192,7 @@ class ObstacleEditor(DocumentEditor):
         before, document = self._gestures.state_before, self._store.required_state().document
         if before is not None:  # another mesh may have ended the drag
             old, new = before.document.obstacles[k], document.obstacles[k]
-            self._gestures.end(_title(old, new, document, self._store.unit))
+            self._gestures.end(_motion_title(old, new, document, self._store.unit))
 
     def move(self, k: int, shift: np.ndarray, is_repeat: bool = False) -> None:
         """Move obstacle ``k`` by ``shift`` (3,) in one undo step; repeats are merged."""
@@ -199,7 +201,7 @@ class ObstacleEditor(DocumentEditor):
         moved = obstacle.with_shift(obstacle.shift + shift)
         if np.array_equal(moved.shift, obstacle.shift):
             return
-        title = _title(obstacle, moved, state.document, self._store.unit)
+        title = _motion_title(obstacle, moved, state.document, self._store.unit)
         if is_repeat:
             title = tr("Nudge {name}").format(name=obstacle.name)
         self._gestures.record(title, state, is_repeat)
@@ -221,7 +223,7 @@ def _with_obstacle(document: Document, k: int, obstacle: NamedObstacle) -> Docum
     return replace(document, obstacles=(*there[:k], obstacle, *there[k + 1 :]))
 
 
-def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Unit) -> str:
+def _motion_title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Unit) -> str:
     """Title of a motion with its distance, signed if along the axis."""
     by = new.shift - old.shift
     along = float(by @ new.axis)
@@ -235,7 +237,7 @@ def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Uni
 
 def _inside_sentence(obstacle: NamedObstacle, state: State, distance: float, unit: Unit) -> str:
     """Sentence about an obstacle inside the shape, with the nearest free position."""
-    free = obstacle_placement.moved_clear(obstacle, state, distance).place
+    free = obstacle_placement.obstacle_moved_clear(obstacle, state, distance).place
     return tr("The {kind} would intersect the shape; the nearest place behind it is {place}.").format(
         kind=obstacle.kind.word,
         place=comma_separated(unit.format_length(localized_number(f"{x:.5g}")) for x in free),

@@ -35,12 +35,12 @@ class PartEditor(DocumentEditor):
         return len(handles)
 
     def remove_handle(self, k: int) -> None:
-        """Remove handle ``k`` and free its vertices; the other handles are regripped."""
+        """Remove handle ``k``; the others then move from their displayed positions."""
         state = self._gestures.state_without_gesture()
         if self._refuse_if_locked(PaintedPart(HANDLE + k)):
             return
         self._gestures.record(tr("Remove handle"), state)
-        self._store.regrip(state.document, document_parts.without_handle(state.document, k))
+        self._store.restart_motions(state.document, document_parts.without_handle(state.document, k))
 
     def rename_handle(self, k: int, name: str) -> None:
         """Rename handle ``k``; a name in use gets a number."""
@@ -110,7 +110,7 @@ class PartEditor(DocumentEditor):
         return locked
 
 
-class Painting(DocumentEditor):
+class PaintEditor(DocumentEditor):
     """Editor assigning vertices to the base, the handles and the regions."""
 
     def paint(self, ids: np.ndarray, label: int) -> None:
@@ -135,15 +135,15 @@ class Painting(DocumentEditor):
             )
 
     def end_stroke(self, gesture: str) -> None:
-        """End a stroke; relabelled base and handles are regripped at the current shape."""
+        """End a stroke; after a change of labels, motions start from the displayed shape."""
         before, document = self._gestures.state_before, self._store.required_state().document
-        if before is not None and _are_alike(document, before.document):
+        if before is not None and _have_equal_paint(document, before.document):
             # Replacing a part by itself clears it first, but leaves nothing to undo.
             document = before.document
             self._store.revert_to(document)
         self._gestures.end(gesture)
         if before is not None and not np.array_equal(before.document.labels, document.labels):
-            self._store.regrip(before.document, document)
+            self._store.restart_motions(before.document, document)
 
     def set_members(self, part: PaintedPart, members: np.ndarray, gesture: str) -> None:
         """Set the members of a part, (n,) bool, as one undo step."""
@@ -173,7 +173,7 @@ class Painting(DocumentEditor):
         self.end_stroke(gesture)
 
 
-def _are_alike(one: Document, other: Document) -> bool:
+def _have_equal_paint(one: Document, other: Document) -> bool:
     """True if the paint is equal and all other fields are identical objects."""
     others = (each.name for each in fields(one) if each.name not in ("labels", "member"))
     if any(getattr(one, name) is not getattr(other, name) for name in others):

@@ -71,12 +71,12 @@ class SavedWork:
 
     @property
     def file(self) -> KnownFile | None:
-        """Session file of the displayed mesh; None without one."""
+        """Session file of the displayed mesh; None if there is none."""
         return self.last_saved.file if self.last_saved else None
 
     @property
     def path(self) -> Path | None:
-        """Path of the session file of the displayed mesh; None without one."""
+        """Path of the session file of the displayed mesh; None if there is none."""
         return self.file.path if self.file else None
 
     def known_file_at(self, path: Path) -> KnownFile | None:
@@ -110,7 +110,7 @@ class SavedWork:
         self.check_file()
         self.close()
 
-    def receive(self) -> None:
+    def receive_check(self) -> None:
         """Report the result of a check if it has changed."""
         if self._seen.is_set():
             self._seen.clear()

@@ -13,7 +13,7 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.handle_editor import HandleEditor, PoseEditor
 from apd_viewer.session.measurement_readings import MeasurementEditor, MeasurementReadings
 from apd_viewer.session.obstacle_editor import ObstacleEditor
-from apd_viewer.session.part_editor import Painting, PartEditor
+from apd_viewer.session.part_editor import PaintEditor, PartEditor
 from apd_viewer.session.processes.freed_memory import release_freed_memory
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.saved_work import SavedWork
@@ -27,7 +27,7 @@ from apd_viewer.session.wall_run import WallRun
 
 
 class Session:
-    """Parts of a session, constructed together and closed together.
+    """Open mesh with its editors and workers, created and closed together.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Session:
         self._worker = SolverWorker(listener.wake)
         self.store = store = StateStore(listener, self._worker)
         self.gestures = gestures = Gestures(store, listener)
-        self.painting = Painting(store, gestures, listener)
+        self.painting = PaintEditor(store, gestures, listener)
         self.handles = HandleEditor(store, gestures, listener)
         self.obstacles = ObstacleEditor(store, gestures, listener)
         self.poses = PoseEditor(store, gestures, self.handles, listener)
@@ -67,21 +67,21 @@ class Session:
             self.player.follow_state,
             self.wall_run.follow_state,
         ]
-        gestures.history.entries_dropped = self._make_room
+        gestures.history.entries_dropped = self._release_dropped_states
 
-    def receive(self) -> None:
+    def receive_results(self) -> None:
         """Receive results of the worker and of background jobs; call it when woken."""
-        self.jobs.receive()
-        self.store.receive()
-        self.player.receive()
-        self.wall_run.receive()
-        self.autosave.receive()
+        self.jobs.receive_outcomes()
+        self.store.receive_reply()
+        self.player.receive_shape()
+        self.wall_run.receive_result()
+        self.autosave.report_failures()
         if self.jobs.current is None:  # writes by this program are no external changes
-            self.saved_work.receive()
-        self.measurement_readings.receive()
-        self.shape_checks.receive()
+            self.saved_work.receive_check()
+        self.measurement_readings.receive_geodesic()
+        self.shape_checks.receive_check()
 
-    def _make_room(self) -> None:
+    def _release_dropped_states(self) -> None:
         """Release data of states dropped from the undo history."""
         self.saved_work.forget_unreachable()
         release_freed_memory()
@@ -90,7 +90,7 @@ class Session:
         """Receive results until idle; return False after ``timeout`` seconds."""
         until = time.monotonic() + timeout
         while time.monotonic() < until:
-            self.receive()
+            self.receive_results()
             if self.jobs.current is None and self.store.activity is not Activity.REFINING:
                 return True
             time.sleep(0.002)

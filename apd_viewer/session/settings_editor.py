@@ -60,17 +60,17 @@ class SettingsEditor(DocumentEditor):
             handles = document.with_handle(k, replace(handle, falloff=falloff)).handles
             self._set(tr("Change falloff"), handles=handles)
 
-    def set_staying(self, components: Sequence[int], on: bool) -> None:
-        """Make loose parts stay at rest, or follow the nearest surface.
+    def set_components_immobile(self, components: Sequence[int], on: bool) -> None:
+        """Make loose parts immobile, or let them follow the nearest surface.
 
         Parameters
         ----------
         components : sequence of int
             The lowest vertex of each.
         """
-        staying = set(self._store.required_state().document.staying_components)
-        staying = staying.union(components) if on else staying.difference(components)
-        self._set(tr("Change loose parts"), staying_components=tuple(sorted(staying)))
+        immobile = set(self._store.required_state().document.immobile_components)
+        immobile = immobile.union(components) if on else immobile.difference(components)
+        self._set(tr("Change loose parts"), immobile_components=tuple(sorted(immobile)))
 
     def set_region_area(self, k: int, percent: float | None) -> None:
         """Set the target area of region ``k``, percent of rest; None only measures it."""

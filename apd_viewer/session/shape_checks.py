@@ -52,7 +52,7 @@ class ShapeChecks:
             self._ask(wanted)
             self._listener.measurements_changed()
 
-    def receive(self) -> None:
+    def receive_check(self) -> None:
         """Store the result of a check."""
         answer = self._checker.take()
         if answer is None or self._mesh is None:
@@ -77,7 +77,7 @@ class ShapeChecks:
         return self._last[1] if self._last is not None and _is_same_query(shape, self._last[0]) else None
 
     def _ask(self, shape: ShapeQuery | None) -> None:
-        """Request a check of a shape, after the rest shape; None cancels."""
+        """Request a check of the rest shape, then of ``shape``; None cancels."""
         self._wanted = shape
         if shape is None or self._mesh is None:
             self._checker.cancel()

@@ -111,7 +111,7 @@ def baked_state(state: State) -> State:
         raise InputError(tr("The shape has no area and cannot be a rest shape; undo a step first."))
     # Motions restart from the new rest shape; pivots keep their current positions.
     handles = tuple(
-        replace(handle.regripped(), earlier_poses=(), former_twist_axis=None)
+        replace(handle.with_restarted_motion(), earlier_poses=(), former_twist_axis=None)
         for handle in state.document.handles
     )
     document = replace(state.document, mesh=mesh, handles=handles).at_rest()

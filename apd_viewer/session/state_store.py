@@ -1,7 +1,7 @@
 """The displayed state, and the solver's activity on its shape.
 
-All methods are called on the owner's thread. Every event results in one replacement of the state, reported to
-the listener with the old and the new state; it compares by identity and displays the differences.
+All methods are called on the session's thread. Every event results in one replacement of the state, reported
+to the listener with the old and the new state; it compares by identity and displays the differences.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.trace import Trace
 from apd_viewer.session.model.view import View
-from apd_viewer.session.posing.regripping import regripped_document
+from apd_viewer.session.posing.initial_positions import document_with_restarted_motions
 from apd_viewer.session.processes.request_and_reply import Reply, Request, are_same_keys, factor_key
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.quantities.units import Unit
@@ -54,7 +54,7 @@ class StateStore:
         Of the lengths of the mesh.
     silence_text : str
         Sentence on a solver that does not answer; empty while it does.
-    compiled_share : float or None
+    compiled_fraction : float or None
         Fraction of the kernels compiled for this computer; None if unknown.
     frame_pause : float
         Least seconds between two frames of one request; see :class:`Request`.
@@ -67,7 +67,7 @@ class StateStore:
         self.seconds_per_iteration = 0.0
         self.unit = Unit.NONE
         self.silence_text = ""
-        self.compiled_share: float | None = None
+        self.compiled_fraction: float | None = None
         self.frame_pause = 0.0
         self._listener = listener
         self._worker = worker
@@ -89,7 +89,7 @@ class StateStore:
 
         Until then, only the targets of the handles are known.
         """
-        return self.is_preparing and self.compiled_share is not None and self.compiled_share < 1.0
+        return self.is_preparing and self.compiled_fraction is not None and self.compiled_fraction < 1.0
 
     def required_state(self) -> State:
         """Return the state; raises RuntimeError without an open mesh."""
@@ -102,10 +102,10 @@ class StateStore:
         old, self.state = self.state, state
         self._listener.changed(old, state)
 
-    def jump_to(self, state: State, from_grip: bool = False) -> None:
+    def jump_to(self, state: State, from_initial_positions: bool = False) -> None:
         """Replace the state, and discard pending frames of the previous one.
 
-        The next iterations start from its shape, or from the grip shape with ``from_grip``.
+        The next iterations start from its shape, or with ``from_initial_positions`` from those.
         """
         if self.state is None or state.document.mesh is not self.state.document.mesh:
             self._warned = None
@@ -114,10 +114,10 @@ class StateStore:
             self.begin_trace()
         else:
             self.trace.begin(state)
-        self._ask_and_show(state, not state.frame.settled, from_grip)
+        self._ask_and_show(state, not state.frame.settled, from_initial_positions)
 
-    def show(self, state: State) -> None:
-        """Display a state while the solver stands still; discard its frames."""
+    def show_state(self, state: State) -> None:
+        """Stop the solver, discard its pending frames, and display a state."""
         if self.activity is Activity.REFINING:
             self.pause_or_resume()
         self.activity = Activity.IDLE
@@ -135,9 +135,9 @@ class StateStore:
         iterate = self.activity in (Activity.REFINING, Activity.PAUSED) or not at_rest
         self._ask_and_show(state.as_unsettled() if iterate else state, iterate)
 
-    def solve_from_grip(self, document: Document) -> None:
-        """Replace the document; solve from its grip positions along the handles' paths."""
-        self.jump_to(self.required_state().updated(document).as_unsettled(), from_grip=True)
+    def solve_from_initial_positions(self, document: Document) -> None:
+        """Replace the document; solve along the handle paths from their start."""
+        self.jump_to(self.required_state().updated(document).as_unsettled(), from_initial_positions=True)
 
     def pause_or_resume(self) -> None:
         """Pause or resume the solver; the next change also resumes it."""
@@ -161,12 +161,12 @@ class StateStore:
         """Begin a new trace at the next change of the document."""
         self.trace.begin_with_next_frame(self._asked, self.required_state())
 
-    def regrip(self, before: Document, document: Document) -> None:
-        """Replace the document, with base and handles gripped at the displayed shape."""
+    def restart_motions(self, before: Document, document: Document) -> None:
+        """Replace the document; handles then move from their displayed positions."""
         state = self.required_state()
-        state = state.updated(regripped_document(before, document, state.frame))
+        state = state.updated(document_with_restarted_motions(before, document, state.frame))
         lacks = state.has_unmet_target
-        # The jump discards an unfinished pose, the only pending change.
+        # Jumping discards pending frames, which can only be those of an unfinished motion.
         goes_on = lacks and (before.paint_problem is not None or not before.is_posed)
         unreached = state.frame.unreached if lacks else None
         frame = replace(
@@ -174,11 +174,11 @@ class StateStore:
         )
         self.jump_to(replace(state, frame=frame))
 
-    def receive(self) -> None:
+    def receive_reply(self) -> None:
         """Receive the newest reply, silence and compilation progress of the worker."""
         self._update_silence()
-        if self.compiled_share != self._worker.compiled_share:
-            self.compiled_share = self._worker.compiled_share
+        if self.compiled_fraction != self._worker.compiled_fraction:
+            self.compiled_fraction = self._worker.compiled_fraction
             self._listener.status_changed()
         reply = self._worker.take_reply()
         if reply is not None and reply.news:
@@ -223,15 +223,15 @@ class StateStore:
             return replace(state, frame=frame)
         return state.updated(frame=frame)
 
-    def _ask_and_show(self, state: State, iterate: bool, from_grip: bool = False) -> None:
+    def _ask_and_show(self, state: State, iterate: bool, from_initial_positions: bool = False) -> None:
         """Send the request before notifying the listener, for parallel work."""
         old, self.state = self.state, state
         iterate = iterate and state.document.paint_problem is None
         self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
         U, shifts = state.frame.U, state.frame.shifts
-        if from_grip and not state.document.has_half_turn:  # a path starts at the grip anyway
-            U, shifts = state.document.grip, np.zeros_like(shifts)
+        if from_initial_positions and not state.document.has_half_turn:  # a path starts there anyway
+            U, shifts = state.document.initial_positions, np.zeros_like(shifts)
         self._put_request(U, iterate, shifts)
         self._listener.changed(old, state)
 
@@ -245,12 +245,12 @@ class StateStore:
 
 @dataclass(frozen=True)
 class Listener:
-    """Callbacks of a session: ``wake`` on other threads, the rest on the owner's.
+    """Callbacks of a session: ``wake`` on any thread, others on the session's thread.
 
     Attributes
     ----------
     wake : callable
-        Something waits to be received: call :meth:`Session.receive` on the owner's thread.
+        Results are waiting: call :meth:`Session.receive_results` on the session's thread.
     changed : callable
         ``changed(old, new)``: the state was replaced, and activity, job or history may differ, too; old is
         None the first time.

@@ -24,11 +24,11 @@ class TypedValues:
         return parse_vertices(unambiguous_text(text), self._store.required_state(), self._store.unit)
 
     def parse_length(self, text: str) -> float:
-        """Parse a length, mesh units."""
+        """Parse a length, in mesh units."""
         names = self._store.required_state().document.mesh.named_lengths
         return parse_length(unambiguous_text(text), self._store.unit, names)
 
-    def parse_share_or_length(self, text: str, extent: float) -> float:
+    def parse_fraction_or_length(self, text: str, extent: float) -> float:
         """Parse a length, or a percentage of an extent, into mesh units."""
         text = unambiguous_text(text).strip()
         with suppress(InputError):

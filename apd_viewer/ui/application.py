@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 # pyvistaqt sets the default format again for each viewport, to the values already set here.
 HARMLESS_MESSAGE = "Setting a new default format"
 
-INTERVAL = 500  # ms between two looks for garbage
+INTERVAL = 500  # ms between two garbage collections
 LOAD_DELAY = 1000  # ms; loading starts then even if no frame is drawn, as in a covered or minimized window
 
 _LOGGER = logging.getLogger(__name__)
@@ -115,7 +115,7 @@ def log_qt_message(kind: QtCore.QtMsgType, context: QtCore.QMessageLogContext, m
 
 
 def run(mesh: object = None, shows_errors: bool = False) -> None:
-    """Open the window on ``mesh`` or on the sample bottle, until it is closed.
+    """Show the window with ``mesh`` or the sample bottle; return when it is closed.
 
     Parameters
     ----------

@@ -74,8 +74,10 @@ class Shell(QtWidgets.QMainWindow):
         self.preferences.restore_layout(self)
         for name in ("study", "timeline"):  # without contents until a study or a motion in steps
             self.docks[name].hide()
-        values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
-        values.follow(NAVIGATION, partial(setattr, self.canvas.viewport.navigation, "preset"))
+        values.apply_now_and_on_change(COLOR_SCHEME, lambda _: self._apply_theme())
+        values.apply_now_and_on_change(
+            NAVIGATION, partial(setattr, self.canvas.viewport.navigation, "preset")
+        )
         self.canvas.choose_mode(values[SELECTION_MODE])
         self._take(FIRST_TOOL)
         self.panel.setEnabled(False)
@@ -151,7 +153,7 @@ class Shell(QtWidgets.QMainWindow):
         super().changeEvent(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Close unless a slot of ``closing`` ignores the event; the viewport goes first."""
+        """Close the viewport and the window, unless a slot of ``closing`` ignores it."""
         self.closing.emit(event)
         if event.isAccepted():
             self.preferences.save_layout(self)

@@ -99,7 +99,7 @@ class Workbench(QObject):
         shell, canvas, memory = self.shell, self.canvas, self.preferences
         session, notice = self.session, self.notice
         self.units = Units(memory, lambda: memory.values[UNIT])
-        self.settings_page = SettingsDialogOpener(shell, memory.values, lambda: self.help.open_sheet())
+        self.settings_page = SettingsDialogOpener(shell, memory.values, lambda: self.help.toggle_sheet())
         self.volume = VolumeController(
             self.panel, self.findings, memory, self.display_options.overlay, session
         )
@@ -169,7 +169,7 @@ class Workbench(QObject):
         menus.maker.set_theme(self.shell.theme)
         actions.file.fill_recent(self.preferences.recent_files)
         add_handle, _, add_region = actions.pose.part_actions
-        self.panel.parts.offer((add_handle, add_region), actions.simulate.obstacles.mesh_actions)
+        self.panel.parts.add_actions((add_handle, add_region), actions.simulate.obstacles.mesh_actions)
         show_shortcut_in_tooltip(self.panel.handles.reset_handle, actions.pose.reset_handle)
         self.mode_bar = ModeBar(self.canvas.viewport, tr("Selection tools"), actions.select.groups)
         self.kind_bar = ModeBar(
@@ -224,7 +224,7 @@ class Workbench(QObject):
         signals.status_changed.connect(self.files.show_title)
         signals.status_changed.connect(self.target.refresh)
         signals.status_changed.connect(self._show_status)
-        signals.status_changed.connect(self.motion_preview.show_requested)
+        signals.status_changed.connect(self.motion_preview.show_requested_positions)
         signals.message_sent.connect(self.notice.show_message)
         signals.file_written.connect(self.notice.offer_file)
         signals.failed.connect(self.notice.show_failure)
@@ -246,7 +246,7 @@ class Workbench(QObject):
         session_signals.connect_settings(self.panel, self.session, self.volume.wall_settings)
         session_signals.connect_parts(self.panel, self.session, self.parts)
         self.panel.area.unit.chosen.connect(self.choose_unit)
-        self.panel.area.unit.chosen.connect(self.volume.follow_wall)
+        self.panel.area.unit.chosen.connect(self.volume.update_wall_settings)
         self.panel.area.unit.chosen.connect(self.reports.refresh_volumes)
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
@@ -322,7 +322,7 @@ class Workbench(QObject):
         # A queued signal may arrive after the window has been closed.
         if not self.shell.is_closed:
             self.session.store.frame_pause = self.canvas.viewport.antialiasing.frame_pause
-            self.session.receive()
+            self.session.receive_results()
 
     def _show(self, old: State | None, new: State) -> None:
         document = new.document
@@ -338,7 +338,7 @@ class Workbench(QObject):
         if old is None or old.document is not document:
             self.poses.refresh()
             self.actions_.follow_document(document)
-        self.volume.follow(old, new)
+        self.volume.follow_settings(old, new)
         self.actions_.pose.show_symmetry(document.mirror_axis is not None)
         self.plots.refresh()
         self.findings.refresh()
@@ -356,7 +356,7 @@ class Workbench(QObject):
         self.panel.handles.motion.clear()
         self.volume.show_mesh_wall(mesh)
         self.display_options.set_unit(self.session.store.unit)
-        self.files.remember_opened(state)
+        self.files.remember_mesh_files(state)
         self.actions_.file.fill_recent(self.preferences.recent_files)
         if (axis := self.canvas.likely_up_axis) is not None:
             sentence = tr("This mesh seems to lie on its side: it would stand with {axis} up.")
@@ -365,17 +365,17 @@ class Workbench(QObject):
 
     def _apply_view(self, view: View) -> None:
         self.canvas.view.restore(view)
-        if view.up_axis is not None:  # a session says what is up
+        if view.up_axis is not None:  # sessions store their up axis
             self.proposal.hide()
         self.actions_.view.camera.refresh()
         self.volume.restore_view(view)
         self.choose_unit(Unit(view.unit))
-        if self.session.player.timeline.is_of(self.session.store.required_state().document):
+        if self.session.player.timeline.belongs_to(self.session.store.required_state().document):
             self.press.show_timeline()
 
     def _show_parts(self) -> None:
         self.canvas.set_active_parts(self.parts.handle, self.parts.region)
-        self.panel.show_in_hand(self.canvas.tool, self.parts.obstacle)
+        self.panel.highlight_edited_part(self.canvas.tool, self.parts.obstacle)
         if self.session.store.state is not None:
             self.panel.show_parts(self.session.store.state, self.parts.handle, self.parts.region)
         self._show_next_step()
@@ -383,11 +383,11 @@ class Workbench(QObject):
     def _show_status(self) -> None:
         session = self.session
         history, state = session.gestures.history, session.store.state
-        self.actions_.show_history(history.next_undo, history.next_redo)
+        self.actions_.show_history(history.next_undo_name, history.next_redo_name)
         if state is not None:
             first = (history.undo_states or [state])[0].document.mesh
             self.shell.history.show_steps(first.name, history.undo_names, history.redo_names)
-        self.actions_.set_available(state is not None, state is None or state.is_at_rest)
+        self.actions_.enable_actions(state is not None, state is None or state.is_at_rest)
         self.panel.show_status(session)
         self.empty_state.setVisible(state is None and session.jobs.current is None)
         self.status.show_session(session)
@@ -399,10 +399,10 @@ class Workbench(QObject):
     def _show_tool(self, tool: Tool) -> None:
         self.actions_.tools[tool].setChecked(True)
         self.measurements.tool.enabled = measures = tool is Tool.MEASURE
-        self.mode_bar.show_for(tool.traits.is_brush)
-        self.kind_bar.show_for(measures)
+        self.mode_bar.show_bar(tool.traits.is_brush)
+        self.kind_bar.show_bar(measures)
         self.obstacles.follow_tool(tool)
-        self.panel.show_in_hand(tool, self.parts.obstacle)
+        self.panel.highlight_edited_part(tool, self.parts.obstacle)
         self._show_next_step()
 
     def _show_next_step(self) -> None:

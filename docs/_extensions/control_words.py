@@ -116,7 +116,7 @@ GROUPS = (
         "A plane that cuts the mesh open (`S`). See [See what has changed](../howto/look.md).",
     ),
     Group(
-        "BeforeAfter",
+        "BlendCard",
         _VIEW,
         "Before and after",
         "A slider between the rest shape and the current one (`Shift+A`). "
@@ -298,7 +298,7 @@ SENTENCES = {
     "ObstacleSection/Direction of the distance": "The axis of the obstacle, or an axis of the mesh, to move it along",
     "PaintSection/Number of vertices": "Vertices of the base, of all handles, and free ones",
     "EmptyState/Open mesh": "Asks for a mesh or a session to open",
-    "BeforeAfter/Close before and after": "Closes the card; the view shows the current shape again",
+    "BlendCard/Close before and after": "Closes the card; the view shows the current shape again",
     "Legend/Overlay": "Quantity that the colours show",
     "CuttingPlane/Section position": "Moves the plane through the mesh",
     "TextEntryCard/Field": "The radius of the brush, the coordinates of a pivot, or IDs and conditions of vertices",

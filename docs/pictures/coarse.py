@@ -22,7 +22,7 @@ def coarser(state: State, count: int) -> State:
         document,
         mesh=mesh,
         labels=fewer.document.labels,
-        grip=mesh.V,
+        initial_positions=mesh.V,
         member=frozen(document.member[ids].copy()),
         measurements=(),
     )

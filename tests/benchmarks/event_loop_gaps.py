@@ -55,7 +55,7 @@ class Loop(QObject):
         self.session = Session(
             Listener(self.woken.emit, lambda *_: None, lambda: None, self.say, lambda said: self.say(said))
         )
-        self.woken.connect(self.session.receive, Qt.ConnectionType.QueuedConnection)
+        self.woken.connect(self.session.receive_results, Qt.ConnectionType.QueuedConnection)
         self.ticks: list[float] = []
         self.timer = QTimer(self)
         self.timer.setTimerType(Qt.TimerType.PreciseTimer)

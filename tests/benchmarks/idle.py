@@ -55,7 +55,7 @@ def main():
     window.shell.resize(1280, 800)
     window.shell.show()
     window.session.files.open_sample("bottle")
-    while window.session.store.compiled_share != 1.0:
+    while window.session.store.compiled_fraction != 1.0:
         application.processEvents()
         time.sleep(0.01)
     resting.settle(window)

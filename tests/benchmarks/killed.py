@@ -38,7 +38,7 @@ class Hand:
         pose = np.eye(4)
         pose[:3, :3] = rotation([0, 1, 0], self.angle)
         self.session.handles.drag(pose)
-        self.session.receive()
+        self.session.receive_results()
         time.sleep(1.0 / RATE)
 
     def move_until(self, happened) -> float:

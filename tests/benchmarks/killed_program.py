@@ -51,7 +51,7 @@ def digest(document) -> str:
     """A word for all that a document says, the mesh with it."""
     from apd_viewer.session.storage.session_json import document_to_json
 
-    arrays = document.mesh.V, document.mesh.F, document.labels, document.member, document.grip
+    arrays = document.mesh.V, document.mesh.F, document.labels, document.member, document.initial_positions
     said = hashlib.sha1(json.dumps(document_to_json(document)).encode())
     for array in arrays:
         said.update(array.tobytes())

@@ -39,7 +39,7 @@ def drag(events: int) -> None:
     for k in range(events + 1):
         pose[:3, :3] = rotation([0, 1, 0], np.sin(0.02 * k))
         session.handles.drag(pose)
-        session.receive()
+        session.receive_results()
         del session.changes[:]
         time.sleep(0.003)
         if k % (events // 10) == 0:

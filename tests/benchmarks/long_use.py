@@ -119,7 +119,7 @@ def press(window, k):
     dialog.to.setValue(80 + k % 10)
     dialog.run.start.click()
     end = time.monotonic() + 120.0
-    while dialog.run.running:
+    while dialog.run.is_running:
         assert time.monotonic() < end
         QApplication.processEvents()
         time.sleep(0.005)
@@ -141,7 +141,7 @@ def main():
         window.session.gestures.history.limit_memory(undo * 2**20)
     paths = files(folder)
     window.session.files.open_sample("bottle")
-    while window.session.store.compiled_share != 1.0:
+    while window.session.store.compiled_fraction != 1.0:
         application.processEvents()
         time.sleep(0.01)
     resting.settle(window)

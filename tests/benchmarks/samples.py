@@ -123,7 +123,7 @@ def fold() -> None:
     U = frozen(drag("first fold", document, poses, document.mesh.V))
     x = document.mesh.V[:, 0]
     labels = np.where(x < -ACROSS, BASE, np.where(x > ACROSS, HANDLE, FREE)).astype(np.uint8)
-    document = replace(document, labels=frozen(labels), grip=U)
+    document = replace(document, labels=frozen(labels), initial_positions=U)
     pivot = np.array([0.0, U[:, 1].max() + ABOVE, 0.0])
     drag("second fold", document, [turned(2, 1.0, pivot, angle) for angle in angles], U)
 

@@ -28,9 +28,9 @@ def bar():
     return initial_state(Mesh(V, F), labels).document
 
 
-def swept(document, steps, last_share=1.0, methods=COMPARED_METHODS, **limits):
+def swept(document, steps, last_fraction=1.0, methods=COMPARED_METHODS, **limits):
     """The steps by each of the methods."""
-    cases = cases_by_method(case_of(document, steps, last_share, **limits), methods)
+    cases = cases_by_method(case_of(document, steps, last_fraction, **limits), methods)
     return [step for case in cases for step in case_steps(case)]
 
 
@@ -40,16 +40,16 @@ def held_at(document, step):
 
 def test_case_steps_holds_the_handle_at_each_step_at_its_part_of_the_motion(bar):
     found = swept(bar.with_pose(0, BENT), 4, methods=["arap", "exact"])
-    assert [(step.method, step.share) for step in found] == [
+    assert [(step.method, step.fraction) for step in found] == [
         (method, part) for method in ("arap", "exact") for part in (0.0, 0.25, 0.5, 0.75, 1.0)
     ]
     X = bar.mesh.V[bar.labels == 2]
     for step in found:
-        M = rotation_about([1, 1, 0], [1, 0, 0], 0.8 * step.share)
+        M = rotation_about([1, 1, 0], [1, 0, 0], 0.8 * step.fraction)
         np.testing.assert_allclose(held_at(bar, step), X @ M[:3, :3].T + M[:3, 3], atol=1e-12)
-        assert step.degrees == pytest.approx(np.degrees(0.8 * step.share))
+        assert step.degrees == pytest.approx(np.degrees(0.8 * step.fraction))
         # The chord of the pivot, which is 6 above the line that is turned about.
-        assert step.displacement == pytest.approx(12 * np.sin(0.4 * step.share), abs=1e-12)
+        assert step.displacement == pytest.approx(12 * np.sin(0.4 * step.fraction), abs=1e-12)
     np.testing.assert_allclose(found[0].frame.U, bar.mesh.V, atol=1e-12)
 
 

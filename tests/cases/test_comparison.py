@@ -42,7 +42,7 @@ def until(comparison, happened):
     end = time.monotonic() + LONG
     while not happened():
         assert time.monotonic() < end
-        comparison.receive()
+        comparison.receive_reply()
         time.sleep(0.001)
 
 

@@ -30,7 +30,7 @@ SETTINGS: dict[str, Callable[[SettingsEditor], object]] = {
     "sr-arap": lambda settings: settings.change(method="sr-arap", stiffness=0.02),
     "another end": lambda settings: settings.change(convergence=Convergence(40, 1e-4)),
     "in contact": lambda settings: settings.set_contact(True, 0.01),
-    "what stays": lambda settings: settings.set_staying((0,), True),
+    "what stays": lambda settings: settings.set_components_immobile((0,), True),
 }
 
 

@@ -55,7 +55,7 @@ def test_motion_gives_a_twist_the_sign_that_it_was_typed_with(painted, axis, tur
     away = painted.mesh.V @ axis
     labels = np.where(away > np.median(away), HANDLE, BASE)
     both = replace(painted, labels=frozen(labels.astype(np.uint8)))
-    base, handle = (both.grip[both.labels == code].mean(axis=0) for code in (BASE, HANDLE))
+    base, handle = (both.initial_positions[both.labels == code].mean(axis=0) for code in (BASE, HANDLE))
     moved = replace(both, handles=(both.handles[0].moved_to(twist(base, handle, np.deg2rad(turns))),))
     assert said_of(moved) == said
     across = rotation_about(handle, [0.0, -1.0, 0.0], np.deg2rad(turns))

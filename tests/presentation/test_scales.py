@@ -81,7 +81,7 @@ def test_scale_of_a_ratio_has_ends_that_are_one_over_each_other():
     assert scale.position(0.0) == 0.5
     assert scale.position(-np.inf) == 0.0
     assert scale.format_value(-np.inf, Unit.NONE) == "−100\u00a0%"
-    middle, near, far = scale.colors(0.5 + np.array([0.0, 0.4, 0.6]) * scale.neutral_share).tolist()
+    middle, near, far = scale.colors(0.5 + np.array([0.0, 0.4, 0.6]) * scale.neutral_fraction).tolist()
     assert middle == near == DIVERGING.colors(np.array([0.5]))[0].tolist()
     assert far != middle
 

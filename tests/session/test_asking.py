@@ -84,7 +84,7 @@ def test_gestures_record_every_verb_as_one_entry_and_undo_it_exactly(parted, nam
     verb(parted)
     parted.settle()
     after = parted.store.state
-    assert parted.gestures.history.next_undo == gesture
+    assert parted.gestures.history.next_undo_name == gesture
     assert len(parted.gestures.history.undo_states) == entries + 1
     parted.gestures.undo()
     assert parted.store.state is before
@@ -124,14 +124,14 @@ def test_gestures_record_a_sweep_as_one_entry_and_single_settings_as_one_each(pa
 
 
 def test_gestures_cancel_leaves_no_trace_of_a_sweep(parted):
-    before, undo = parted.store.state, parted.gestures.history.next_undo
+    before, undo = parted.store.state, parted.gestures.history.next_undo_name
     parted.gestures.begin()
     parted.settings.change(area=120.0)
     parted.settings.change(volume=110.0)
     parted.until(lambda: parted.store.state.frame.iteration)
     parted.gestures.cancel()
     assert parted.store.state is before
-    assert parted.gestures.history.next_undo == undo
+    assert parted.gestures.history.next_undo_name == undo
     parted.listen(0.03)
     assert parted.store.state is before
 
@@ -318,7 +318,7 @@ def test_paint_region_neither_factors_nor_moves_the_handle(parted, factored, tar
     parted.painting.end_stroke("Paint region")
     parted.settle()
     now = parted.store.state.document
-    assert (now.labels, now.grip) == (document.labels, document.grip)
+    assert (now.labels, now.initial_positions) == (document.labels, document.initial_positions)
     assert all(a.pose is b.pose for a, b in zip(now.handles, document.handles, strict=True))
     assert factored.count == 0
     if target is None:
@@ -352,7 +352,7 @@ def test_paint_region_makes_the_region_with_the_first_stroke_in_one_step(session
     before = session.store.state
     region_stroke(session, layers(session, 0, 2), 1)
     assert [region.name for region in session.store.state.document.regions] == ["Region 1"]
-    assert session.gestures.history.next_undo == "Paint region"
+    assert session.gestures.history.next_undo_name == "Paint region"
     session.gestures.undo()
     assert session.store.state is before
 
@@ -442,9 +442,9 @@ def test_shape_editor_restore_asks_for_100_percent_and_leaves_free_what_is_free(
     parted.shapes.restore()
     assert parted.store.state.document.settings.volume == 100.0
     assert parted.store.state.is_at_rest
-    undo = parted.gestures.history.next_undo
+    undo = parted.gestures.history.next_undo_name
     parted.shapes.restore()
-    assert (parted.gestures.history.next_undo, len(parted.gestures.history.undo_states)) == (
+    assert (parted.gestures.history.next_undo_name, len(parted.gestures.history.undo_states)) == (
         undo,
         len(parted.gestures.history.undo_states),
     )
@@ -632,7 +632,7 @@ def test_request_solver_goes_on_from_the_shape_on_screen_when_contact_is_turned_
     np.testing.assert_array_equal(begun[0], U)
 
 
-# Painting and targets
+# PaintEditor and targets
 
 
 def test_settings_made_before_anything_is_painted_are_answered_afterwards(empty):
@@ -648,7 +648,7 @@ def test_settings_made_before_anything_is_painted_are_answered_afterwards(empty)
     assert empty.store.state.frame.area_error == pytest.approx(0.1, abs=1e-9)
 
 
-def test_painting_on_an_inflated_shape_moves_nothing(session):
+def test_paint_on_an_inflated_shape_moves_nothing(session):
     session.settings.change(area=115.0)
     session.settle()
     U = session.U
@@ -679,7 +679,7 @@ def test_files_open_mesh_begins_with_the_defaults_and_without_parts(parted):
     parted.settings.change(volume=100.0)
     parted.show_now(bar())
     document = parted.store.state.document
-    given = {"mesh", "labels", "grip", "member", "handles", "settings"}
+    given = {"mesh", "labels", "initial_positions", "member", "handles", "settings"}
     assert document.settings == Settings(contact=True), "which is on for meshes of its size"
     for one in dataclasses.fields(Document):
         assert one.name in given or getattr(document, one.name) == one.default, one.name

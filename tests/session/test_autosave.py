@@ -508,7 +508,7 @@ def test_autosave_restore_is_one_step_and_is_kept_again_before_the_file_goes(ses
     session.until(lambda: session.jobs.current is None)
     assert left.is_restored
     check_equal(session.store.state, saved)
-    assert session.gestures.history.next_undo == "Open bar.obj"
+    assert session.gestures.history.next_undo_name == "Open bar.obj"
     session.until(lambda: not path.exists() and not lock_path(path).exists())
     check_kept(folder, session)
     session.gestures.undo()

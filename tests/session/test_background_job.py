@@ -93,13 +93,13 @@ def test_files_open_tells_of_a_file_that_cannot_be_opened_and_changes_nothing(se
     bad.write_text("v 0 0 0\nf 1 2 3\n")
     for path in (bad, tmp_path / "none.obj", tmp_path):
         before, count = session.store.state, len(session.failed)
-        undo, changes = session.gestures.history.next_undo, len(session.changes)
+        undo, changes = session.gestures.history.next_undo_name, len(session.changes)
         session.files.open(path)
         finish(session)
         assert len(session.failed) == count + 1
         assert session.failed[-1].endswith(".")
         assert session.store.state is before
-        assert (session.gestures.history.next_undo, len(session.changes)) == (undo, changes)
+        assert (session.gestures.history.next_undo_name, len(session.changes)) == (undo, changes)
 
 
 @pytest.mark.parametrize(

@@ -132,7 +132,7 @@ def test_deck_of_keeps_in_its_steps_what_is_held_and_no_more():
 def test_deck_of_leads_a_base_to_where_it_was_gripped(written):
     state = painted()
     U = V + [0.0, 0.25, 0.0]
-    ends = written(replace(state.document, grip=U)).ends()
+    ends = written(replace(state.document, initial_positions=U)).ends()
     assert np.abs([ends[k + 1] - U[k] for k in BASE]).max() < 1e-12
 
 

@@ -51,7 +51,7 @@ def test_measurement_editor_are_named_renamed_removed_and_undone(session):
     assert names() == ["Neck", "Angle 1", "Geodesic 1", "Distance 2"]
     session.measurements.clear()
     assert names() == []
-    assert session.gestures.history.next_undo == "Remove all measurements"
+    assert session.gestures.history.next_undo_name == "Remove all measurements"
     done = len(session.gestures.history.undo_names)
     session.measurements.clear()
     assert len(session.gestures.history.undo_names) == done

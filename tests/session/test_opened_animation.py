@@ -33,7 +33,7 @@ def test_opened_animation_is_a_step_for_each_shape(empty, series):
     steps = opened(empty, path)
     assert np.array_equal([step.state.frame.U for step in steps], shapes)
     assert empty.store.state is steps[0].state
-    assert empty.player.shown == 0
+    assert empty.player.shown_step == 0
     assert [step.begins_run for step in steps] == [True, False, False, False]
     assert not empty.saved_work.is_unsaved
     assert empty.saved_work.last_saved.title == "a.pvd"
@@ -44,8 +44,8 @@ def test_opened_animation_is_a_step_for_each_shape(empty, series):
 def test_opened_animation_lets_a_shape_be_measured_exported_and_baked(empty, series, tmp_path):
     path, shapes = series
     opened(empty, path)
-    empty.player.show(2)
-    empty.player.end_show()
+    empty.player.show_step(2)
+    empty.player.accept_shown_step()
     empty.settle()
     assert np.array_equal(empty.U, shapes[2])
     assert empty.gestures.history.undo_names == [], "all shapes are on the timeline"
@@ -56,21 +56,21 @@ def test_opened_animation_lets_a_shape_be_measured_exported_and_baked(empty, ser
     empty.shapes.bake()
     empty.settle()
     assert np.array_equal(empty.store.state.document.mesh.V, shapes[2])
-    assert empty.player.timeline.is_of(empty.store.state.document), "it has the same triangles"
-    empty.player.show(1)
+    assert empty.player.timeline.belongs_to(empty.store.state.document), "it has the same triangles"
+    empty.player.show_step(1)
     assert np.array_equal(empty.U, shapes[1])
 
 
 def test_opened_animation_is_deformed_from_the_shape_on_screen(empty, series):
     path, shapes = series
     opened(empty, path)
-    empty.player.show(1)
-    empty.player.end_show()
+    empty.player.show_step(1)
+    empty.player.accept_shown_step()
     empty.stroke(np.flatnonzero(BAR.V[:, 2] < 0.5), BASE)
-    assert np.array_equal(empty.store.state.document.grip, shapes[1])
+    assert np.array_equal(empty.store.state.document.initial_positions, shapes[1])
     assert np.array_equal(empty.U, shapes[1])
-    empty.player.show(3)
-    empty.player.end_show()
+    empty.player.show_step(3)
+    empty.player.accept_shown_step()
     assert empty.gestures.history.undo_names[-1] == "Go to another step"
     empty.gestures.undo()
     assert empty.store.state.document.label_counts[BASE] > 0
@@ -106,6 +106,6 @@ def test_opened_mesh_leaves_the_timeline_of_another_one(empty, series, tmp_path)
     empty.files.export(tmp_path / "b.obj")
     empty.settle()
     assert opened(empty, tmp_path / "b.obj") is steps
-    assert not empty.player.timeline.is_of(empty.store.state.document)
+    assert not empty.player.timeline.belongs_to(empty.store.state.document)
     empty.gestures.undo()
-    assert empty.player.shown == 0, "undo leads back to the animation"
+    assert empty.player.shown_step == 0, "undo leads back to the animation"

@@ -275,7 +275,7 @@ def test_poses_go_finds_a_kept_pose_again_after_a_stroke(twisted):
     twisted.poses.add()
     twist(twisted, 300)
     a_longer_handle(twisted)
-    twisted.poses.go_to(0)
+    twisted.poses.go_to_pose(0)
     twisted.settle()
     assert said(twisted) == "twisted +20.0°"
     pose = document(twisted).relative_to_rest.handles[0].pose

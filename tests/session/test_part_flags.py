@@ -87,7 +87,11 @@ def test_save_session_keeps_the_part_flags(tmp_path):
     mesh = Mesh(*box(1, 1, 3))
     save_mesh(mesh, mesh.V, tmp_path / "bar.obj")
     state = initial_state(open_mesh(tmp_path / "bar.obj"))
-    state = state.updated(replace(parted().document, mesh=state.document.mesh, grip=state.document.grip))
+    state = state.updated(
+        replace(
+            parted().document, mesh=state.document.mesh, initial_positions=state.document.initial_positions
+        )
+    )
     for k, part in enumerate(PARTS):
         state = state.updated(
             part.document_with_flags(state.document, PartFlags(bool(k % 2), bool(k // 2 % 2)))
@@ -99,7 +103,7 @@ def test_save_session_keeps_the_part_flags(tmp_path):
 # The session
 
 
-def test_painting_clears_each_part_in_one_step(session):
+def test_paint_clears_each_part_in_one_step(session):
     session.parts.add_region()
     session.gestures.begin()
     session.painting.paint_region(np.arange(5), 1)

@@ -238,7 +238,7 @@ def test_apply_operation_is_one_step_and_has_the_name_of_the_change(session, par
         assert len(session.gestures.history.undo_states) == steps
         assert change is not PartOperation.GROW
         return
-    assert session.gestures.history.next_undo == change.value
+    assert session.gestures.history.next_undo_name == change.value
     both_ways(session, before, steps)
 
 
@@ -270,7 +270,7 @@ def test_apply_operation_lets_a_bent_shape_stay(session):
     session.painting.apply_operation(PaintedPart(HANDLE), PartOperation.GROW)
     session.settle()
     assert session.store.state.frame.U is shape
-    assert session.store.state.document.grip is shape
+    assert session.store.state.document.initial_positions is shape
     assert not session.store.state.document.is_posed
     session.gestures.undo()
     np.testing.assert_array_equal(session.store.state.document.handles[0].pose, pose)

@@ -53,8 +53,8 @@ def test_played_motion_goes_on_by_hand_on_the_timeline(session):
     session.drag(BENT)
     session.until(lambda: len(session.player.timeline.steps) == len(states) + 1)
     assert session.player.timeline.steps[-1].state is session.store.state
-    session.player.show(1)
-    session.player.end_show()
+    session.player.show_step(1)
+    session.player.accept_shown_step()
     session.drag(pose(0.1))
     session.until(lambda: len(session.player.timeline.steps) == len(states) + 3)
     begins = [step.begins_run for step in session.player.timeline.steps]

@@ -67,10 +67,10 @@ def test_gestures_are_one_entry_each_and_undone_exactly(session, tmp_path, name)
     _gestures(session, tmp_path)[name]()
     session.settle()
     after = session.store.state
-    assert session.gestures.history.next_undo == name
+    assert session.gestures.history.next_undo_name == name
     session.gestures.undo()
     assert session.store.state is before
-    assert session.gestures.history.next_redo == name
+    assert session.gestures.history.next_redo_name == name
     session.gestures.redo()
     assert session.store.state is after
 
@@ -78,9 +78,9 @@ def test_gestures_are_one_entry_each_and_undone_exactly(session, tmp_path, name)
 def test_gestures_forget_with_a_new_one_what_could_be_redone(session):
     session.drag(BENT)
     session.gestures.undo()
-    assert session.gestures.history.next_redo == "Rotate about y +34.38° (Handle 1)"
+    assert session.gestures.history.next_redo_name == "Rotate about y +34.38° (Handle 1)"
     session.settings.change(tolerance=0.02)
-    assert session.gestures.history.next_redo is None
+    assert session.gestures.history.next_redo_name is None
 
 
 @pytest.mark.parametrize("kind", ["stroke", "drag"])
@@ -90,8 +90,8 @@ def test_gestures_cancel_leaves_no_trace(session, kind):
     session.gestures.undo()
     before, undo, redo = (
         session.store.state,
-        session.gestures.history.next_undo,
-        session.gestures.history.next_redo,
+        session.gestures.history.next_undo_name,
+        session.gestures.history.next_redo_name,
     )
     session.gestures.begin()
     if kind == "stroke":
@@ -101,37 +101,37 @@ def test_gestures_cancel_leaves_no_trace(session, kind):
         session.until(lambda: session.store.state.frame is not before.frame)
     session.gestures.cancel()
     assert session.store.state is before
-    assert (session.gestures.history.next_undo, session.gestures.history.next_redo) == (undo, redo)
+    assert (session.gestures.history.next_undo_name, session.gestures.history.next_redo_name) == (undo, redo)
     session.listen(0.03)
     assert session.store.state is before
 
 
 def test_gestures_end_leaves_no_entry_of_an_empty_gesture(session):
-    undo = session.gestures.history.next_undo, session.store.state.document
+    undo = session.gestures.history.next_undo_name, session.store.state.document
     session.gestures.begin()
     session.gestures.end("Move handle")
     session.gestures.begin()
     session.painting.end_stroke("Paint")
     session.gestures.cancel()
-    assert (session.gestures.history.next_undo, session.store.state.document) == undo
+    assert (session.gestures.history.next_undo_name, session.store.state.document) == undo
 
 
 def test_paint_that_changes_nothing_leaves_the_document(session):
-    document, undo = session.store.state.document, session.gestures.history.next_undo
+    document, undo = session.store.state.document, session.gestures.history.next_undo_name
     session.stroke(np.flatnonzero(document.labels == BASE), BASE)
-    assert session.gestures.history.next_undo == undo
+    assert session.gestures.history.next_undo_name == undo
     assert session.store.state.document is document
 
 
 def test_paint_that_replaces_a_part_by_itself_is_no_step(session):
-    before, undo = session.store.state.document, session.gestures.history.next_undo
+    before, undo = session.store.state.document, session.gestures.history.next_undo_name
     ids = np.flatnonzero(before.labels == BASE)
     session.gestures.begin()
     session.painting.paint(ids, FREE)
     session.painting.paint(ids, BASE)
     session.painting.end_stroke("Paint base")
     assert session.store.state.document is before
-    assert session.gestures.history.next_undo == undo
+    assert session.gestures.history.next_undo_name == undo
 
 
 def test_paint_region_that_replaces_a_region_by_itself_is_no_step_and_it_is_still_kept(session):
@@ -170,7 +170,7 @@ def test_history_forgets_old_states_by_their_bytes_but_one_stays(session):
         session.drag(pose(angle))
     session.settle()
     session.gestures.undo()
-    assert session.gestures.history.next_undo is None
+    assert session.gestures.history.next_undo_name is None
     assert np.array_equal(session.store.state.document.handles[0].pose, pose(0.2))
 
 
@@ -191,7 +191,7 @@ def test_undo_within_a_gesture_cancels_it_first(session, kind):
     session.gestures.end("Move handle")
     session.painting.end_stroke("Paint")
     assert session.store.state is previous
-    assert session.gestures.history.next_redo == "Change tolerance"
+    assert session.gestures.history.next_redo_name == "Change tolerance"
 
 
 def test_paint_adds_nothing_to_a_stroke_that_undo_has_ended_unless_it_can_be_undone(session):
@@ -201,7 +201,7 @@ def test_paint_adds_nothing_to_a_stroke_that_undo_has_ended_unless_it_can_be_und
     document = session.store.state.document
     session.painting.paint(np.arange(20), BASE)
     session.painting.end_stroke("Paint")
-    assert session.store.state.document is document or session.gestures.history.next_redo is None
+    assert session.store.state.document is document or session.gestures.history.next_redo_name is None
 
 
 def test_redo_goes_on_with_what_was_undone_before_it_had_settled(session, slow):
@@ -284,7 +284,7 @@ def test_undo_goes_back_in_time_whatever_was_done_within_a_drag(session, tmp_pat
     _gestures(session, tmp_path)[name]()
     session.gestures.end("Move handle")
     poses = [session.store.state.document.handles[0].pose]
-    while session.store.state.document is not before.document and session.gestures.history.next_undo:
+    while session.store.state.document is not before.document and session.gestures.history.next_undo_name:
         session.gestures.undo()
         poses.append(session.store.state.document.handles[0].pose)
     # After the state before the drag comes nothing that was made in it.
@@ -445,7 +445,7 @@ def test_store_shows_frames_while_poses_arrive_faster_than_a_step(session, slow)
     end = time.monotonic() + 0.4
     while time.monotonic() < end:
         session.handles.drag(pose(0.3 * (end - time.monotonic())))
-        session.receive()
+        session.receive_results()
         frames.add(id(session.store.state.frame))
         time.sleep(0.001)
     session.gestures.end("Move handle")
@@ -468,7 +468,7 @@ def test_store_shows_frames_while_poses_arrive_faster_than_they_can_be_aimed_at(
     end = time.monotonic() + 0.5
     while time.monotonic() < end:
         session.handles.drag(pose(0.3 * (end - time.monotonic())))
-        session.receive()
+        session.receive_results()
         frames.add(session.store.state.frame)
         time.sleep(0.001)
     session.gestures.cancel()
@@ -564,7 +564,7 @@ def test_store_does_not_take_the_end_of_an_older_pose_for_the_end_of_this_one(se
         before = time.clock_gettime(clock)
         time.sleep(0.05)
     session.drag(BENT)
-    session.receive()
+    session.receive_results()
     assert session.store.state.frame.iteration
     assert not session.store.state.frame.settled
     session.gestures.undo()
@@ -574,12 +574,12 @@ def test_store_does_not_take_the_end_of_an_older_pose_for_the_end_of_this_one(se
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
 
 
-# Painting after a drag
+# PaintEditor after a drag
 
 
 @pytest.mark.parametrize("method", ["arap", "paper"])
 @pytest.mark.parametrize("settled", [True, False])
-def test_painting_after_a_drag_moves_nothing(session, method, settled):
+def test_paint_after_a_drag_moves_nothing(session, method, settled):
     session.settings.change(method=method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     session.until(lambda: session.store.state.frame.iteration >= 3)
@@ -592,7 +592,7 @@ def test_painting_after_a_drag_moves_nothing(session, method, settled):
     session.painting.end_stroke("Paint")
     session.listen(0.05)
     assert session.U is U
-    assert session.store.state.document.grip is U
+    assert session.store.state.document.initial_positions is U
     assert np.array_equal(session.store.state.document.handles[0].pose, np.eye(4))
     assert session.store.state.frame.handle_drift == 0.0
     assert session.store.activity is Activity.IDLE
@@ -708,7 +708,7 @@ def test_listener_may_undo_when_told_of_a_failure(session, capfd, monkeypatch):
 
 
 def test_listener_may_receive_when_told_of_a_change(session):
-    session.on_changed = session.receive
+    session.on_changed = session.receive_results
     session.drag(*(pose(k / 50) for k in range(40)))
     session.settle()
     assert session.store.activity is Activity.SETTLED
@@ -805,7 +805,7 @@ def test_handle_editor_drag_copies_the_pose_and_what_is_kept_is_read_only(sessio
     assert np.array_equal(session.store.state.document.handles[0].pose, BENT)
     session.settle()
     document = session.store.state.document
-    for array in (document.labels, document.grip, document.handles[0].pose, session.U):
+    for array in (document.labels, document.initial_positions, document.handles[0].pose, session.U):
         assert not array.flags.writeable
     session.gestures.undo()
     assert not session.store.state.document.handles[0].pose.flags.writeable
@@ -821,14 +821,14 @@ def test_shape_editor_restore_brings_back_the_rest_shape_and_keeps_the_paint(ses
     session.shapes.restore()
     state = session.store.state
     assert state.frame.U is state.document.mesh.V
-    assert state.document.grip is state.document.mesh.V
+    assert state.document.initial_positions is state.document.mesh.V
     assert state.document.labels is kept
     assert (state.frame.area_error, state.frame.handle_drift) == (0.0, 0.0)
-    undo = session.gestures.history.next_undo
+    undo = session.gestures.history.next_undo_name
     session.gestures.undo()
     session.gestures.redo()
     session.shapes.restore()
-    assert session.gestures.history.next_undo == undo, "a second reset has nothing to do"
+    assert session.gestures.history.next_undo_name == undo, "a second reset has nothing to do"
 
 
 def test_set_tolerance_refuses_one_that_cannot_be_met(session):

@@ -138,7 +138,7 @@ class Use(RuleBasedStateMachine):
             assert self.session.store.state.document is now.document
         else:
             assert self.session.U is now.frame.U
-            assert self.session.store.state.document.grip is now.frame.U
+            assert self.session.store.state.document.initial_positions is now.frame.U
             assert not self.session.store.state.document.is_posed
             self._motions_are_kept(before.document, now.frame.U)
         if before.document is not now.document:
@@ -150,7 +150,7 @@ class Use(RuleBasedStateMachine):
         document = self.session.store.state.document
         for k, handle in enumerate(before.handles):
             mine = before.labels == HANDLE + k
-            held = before.grip[mine] @ handle.pose[:3, :3].T + handle.pose[:3, 3]
+            held = before.initial_positions[mine] @ handle.pose[:3, :3].T + handle.pose[:3, 3]
             whole, now = before.relative_to_rest.handles[k], document.relative_to_rest.handles[k]
             if not (mine & (document.labels == HANDLE + k)).any():
                 assert np.array_equal(now.pose, np.eye(4))
@@ -231,7 +231,7 @@ class Use(RuleBasedStateMachine):
         elif len(self.session.gestures.history.undo_names) > len(self.undos):
             self._recorded(before)
         else:
-            assert self.session.gestures.history.next_undo == gesture == "Nudge handle"
+            assert self.session.gestures.history.next_undo_name == gesture == "Nudge handle"
             assert self.redos == []
 
     @rule(
@@ -348,23 +348,23 @@ class Use(RuleBasedStateMachine):
     @precondition(_at_rest)
     @rule(size=st.sampled_from(SIZES))
     def open(self, size) -> None:
-        self.session.receive()
+        self.session.receive_results()
         self.session.files.open_mesh(Mesh(*box(*size)))
         before = self.session.store.state
         while self.session.jobs.current is not None:
             before = self.session.store.state
-            self.session.receive()
+            self.session.receive_results()
         self._recorded(before)
 
     @precondition(_at_rest)
     @rule()
     def bake(self) -> None:
-        self.session.receive()
+        self.session.receive_results()
         before = shown = self.session.store.state
         self.session.shapes.bake()
         while self.session.jobs.current is not None:
             before = self.session.store.state
-            self.session.receive()
+            self.session.receive_results()
         now = self.session.store.state.document
         assert now.mesh.V is shown.frame.U
         assert now.mesh.F is shown.document.mesh.F
@@ -419,7 +419,7 @@ class Use(RuleBasedStateMachine):
     @rule(seconds=st.sampled_from([0.0, 0.001, 0.005]))
     def receive(self, seconds) -> None:
         time.sleep(seconds)
-        self.session.receive()
+        self.session.receive_results()
 
     @precondition(_at_rest)
     @rule()

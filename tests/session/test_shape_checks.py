@@ -125,12 +125,12 @@ def test_shape_checker_answers_a_question_that_came_just_after_an_answer(
     (process,), received = processes, []
 
     def receive():
-        received.append(type(process).receive(process))
+        received.append(type(process).receive_message(process))
         if len(received) == 3:  # all of an answer
             checker_.ask(newer)
         return received[-1]
 
-    monkeypatch.setattr(process, "receive", receive)
+    monkeypatch.setattr(process, "receive_message", receive)
     newer = two_spheres(1.1)
     checker_.ask(two_spheres(1.2))
     asked, found = taken(checker_, woken)
@@ -201,7 +201,7 @@ def known(session):
     assert session.wait_idle(LONG)
     while session.shape_checks.shape_check is None:
         assert time.monotonic() < end
-        session.receive()
+        session.receive_results()
         time.sleep(0.002)
     return session.shape_checks.shape_check
 

@@ -19,8 +19,8 @@ STIFFNESS, STEPS, TO = 0.001, 3, 1.7
 def plates(empty):
     """A tube that nothing holds between two plates that touch it."""
     empty.show_now(Mesh(*tube(12, 12)))
-    empty.obstacles.put_press(X)
-    empty.player.begin()
+    empty.obstacles.add_press_plates(X)
+    empty.player.begin_run()
     empty.settle()
     return empty
 
@@ -28,7 +28,7 @@ def plates(empty):
 def play(session, to=TO, steps=STEPS):
     """Press until it is done; the readings of the plates at each step."""
     state = session.store.state
-    session.player.play("Press", plate_pair(state.document).documents_to(state, to, steps))
+    session.player.play("Press", plate_pair(state.document).press_documents(state, to, steps))
     session.until(lambda: not session.player.is_playing)
     return readings(session)
 
@@ -65,15 +65,15 @@ def test_timeline_player_shows_any_step_and_makes_it_current(plates):
     player, last = plates.player, plates.store.state
     steps = [step.state for step in player.timeline.steps]
     for k in (2, 0, 1):
-        player.show(k)
+        player.show_step(k)
         assert plates.store.state is steps[k]
-        assert player.shown == k
-    player.end_show()
+        assert player.shown_step == k
+    player.accept_shown_step()
     plates.settle()
     assert plates.store.state is steps[1], "it is at rest as it was"
     assert plates.gestures.history.undo_names[-1] == "Press", "the last shape is still on the timeline"
-    player.show(STEPS)
-    player.end_show()
+    player.show_step(STEPS)
+    player.accept_shown_step()
     assert plates.store.state is last
     again = play(plates, 1.2, 1)
     assert again[-1].load > again[STEPS].load, "and the solver goes on from what is shown"
@@ -82,10 +82,10 @@ def test_timeline_player_shows_any_step_and_makes_it_current(plates):
 def test_timeline_player_takes_back_a_look_that_is_not_ended(plates):
     play(plates)
     last = plates.store.state
-    plates.player.show(1)
+    plates.player.show_step(1)
     plates.gestures.cancel()
     assert plates.store.state is last
-    plates.player.end_show()
+    plates.player.accept_shown_step()
     assert plates.store.state is last
 
 
@@ -94,8 +94,8 @@ def test_timeline_player_lets_undo_return_to_a_shape_that_is_not_on_the_timeline
     plates.settings.change(stiffness=0.01)
     plates.settle()
     other = plates.store.state
-    plates.player.show(1)
-    plates.player.end_show()
+    plates.player.show_step(1)
+    plates.player.accept_shown_step()
     assert plates.store.state is plates.player.timeline.steps[1].state
     plates.gestures.undo()
     assert plates.store.state is other
@@ -110,8 +110,8 @@ def test_timeline_player_measures_later_regions_on_earlier_steps(plates):
     plates.painting.end_stroke("Paint")
     member = plates.store.state.document.member
     undo = plates.gestures.history.undo_names
-    plates.player.show(1)
-    plates.player.end_show()
+    plates.player.show_step(1)
+    plates.player.accept_shown_step()
     state = plates.store.state
     assert state.document.member is member
     assert state.frame.U is before.frame.U
@@ -123,7 +123,7 @@ def test_timeline_player_measures_later_regions_on_earlier_steps(plates):
 def test_timeline_player_goes_on_where_a_wall_gives_way_once_it_has_come_to_rest(empty):
     tall = Mesh(*tube(16, 12))
     empty.show_now(tall)
-    empty.obstacles.put_press(np.eye(3)[2])
+    empty.obstacles.add_press_plates(np.eye(3)[2])
     to = 0.3 * np.ptp(tall.V[:, 2])
     last = play(empty, to, 1)[-1]
     assert last.distance == pytest.approx(to)
@@ -134,7 +134,7 @@ def test_timeline_player_goes_on_where_a_wall_gives_way_once_it_has_come_to_rest
 
 def test_timeline_player_stops_after_its_present_step(plates):
     state = plates.store.state
-    plates.player.play("Press", plate_pair(state.document).documents_to(state, TO, 50))
+    plates.player.play("Press", plate_pair(state.document).press_documents(state, TO, 50))
     plates.until(lambda: plates.player.done == 2)
     plates.store.pause_or_resume()
     assert plates.player.is_paused
@@ -146,7 +146,7 @@ def test_timeline_player_stops_after_its_present_step(plates):
 
 def test_timeline_player_ends_where_something_else_changes_the_document(plates):
     before = plates.store.state
-    plates.player.play("Press", plate_pair(before.document).documents_to(before, TO, 50))
+    plates.player.play("Press", plate_pair(before.document).press_documents(before, TO, 50))
     plates.until(lambda: plates.player.done == 1)
     plates.gestures.undo()
     assert not plates.player.is_playing
@@ -156,15 +156,15 @@ def test_timeline_player_ends_where_something_else_changes_the_document(plates):
 
 def test_timeline_player_goes_back_in_the_middle_of_a_motion(plates):
     before = plates.store.state
-    plates.player.play("Press", plate_pair(before.document).documents_to(before, TO, 50))
+    plates.player.play("Press", plate_pair(before.document).press_documents(before, TO, 50))
     plates.until(lambda: plates.player.done == 2)
-    plates.player.show(1)
+    plates.player.show_step(1)
     assert not plates.player.is_playing
     plates.listen(0.2)
     assert plates.store.state is plates.player.timeline.steps[1].state, "no frame of the motion comes"
-    plates.player.end_show()
+    plates.player.accept_shown_step()
     plates.settle()
-    assert plates.player.shown == 1
+    assert plates.player.shown_step == 1
 
 
 def test_timeline_player_records_plates_moved_by_hand(plates):
@@ -175,8 +175,8 @@ def test_timeline_player_records_plates_moved_by_hand(plates):
     first, second, third = readings(plates)
     assert first.distance - second.distance == pytest.approx(0.2)
     assert third.load > second.load > first.load
-    plates.player.show(1)
-    plates.player.end_show()
+    plates.player.show_step(1)
+    plates.player.accept_shown_step()
     plates.obstacles.move(0, 0.1 * X)
     plates.until(lambda: len(plates.player.timeline.steps) == 5)
     assert [step.begins_run for step in plates.player.timeline.steps] == [True, False, False, True, False]
@@ -184,11 +184,11 @@ def test_timeline_player_records_plates_moved_by_hand(plates):
 
 def test_timeline_player_forgets_steps_of_another_mesh(plates):
     play(plates, steps=1)
-    assert plates.player.timeline.is_of(plates.store.state.document)
+    assert plates.player.timeline.belongs_to(plates.store.state.document)
     plates.show_now(Mesh(*tube(8, 8)))
-    assert not plates.player.timeline.is_of(plates.store.state.document)
-    assert plates.player.shown is None
-    plates.player.begin()
+    assert not plates.player.timeline.belongs_to(plates.store.state.document)
+    assert plates.player.shown_step is None
+    plates.player.begin_run()
     assert len(plates.player.timeline.steps) == 1
 
 
@@ -197,8 +197,8 @@ def test_plate_pair_refuses_distances_that_plates_cannot_come_to(plates):
     pair = plate_pair(state.document)
     for distance in (0.0, 1.01 * pair.first_distance(state.document)):
         with pytest.raises(InputError, match="enter a smaller distance"):
-            pair.documents_to(state, distance, 3)
+            pair.press_documents(state, distance, 3)
     with pytest.raises(InputError, match="already"):
-        pair.documents_to(state, pair.distance(state), 3)
+        pair.press_documents(state, pair.distance(state), 3)
     plates.obstacles.remove(0)
     assert plate_pair(plates.store.state.document) is None

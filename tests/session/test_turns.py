@@ -32,9 +32,11 @@ def wall(empty: Driven, request) -> Driven:
 
 
 def twisted(session: Driven, degrees: float) -> np.ndarray:
-    """Pose of the handle after a twist from its grip, as the ring makes it."""
+    """Pose of the handle after a twist from its initial position, as the ring makes it."""
     document = session.store.state.document
-    base, handle = (document.grip[document.labels == code].mean(axis=0) for code in (BASE, HANDLE))
+    base, handle = (
+        document.initial_positions[document.labels == code].mean(axis=0) for code in (BASE, HANDLE)
+    )
     return twist(base, handle, np.deg2rad(degrees))
 
 

@@ -30,8 +30,8 @@ def pressed(empty):
 def press_in_view(session, mesh, to, count):
     """The session with a mesh that was pressed along x."""
     session.show_now(Mesh(*mesh))
-    session.obstacles.put_press(X)
-    session.player.begin()
+    session.obstacles.add_press_plates(X)
+    session.player.begin_run()
     session.settle()
     go(session, to, count)
     return session
@@ -40,7 +40,7 @@ def press_in_view(session, mesh, to, count):
 def go(session, to, steps):
     """Move the plates in steps until it is done."""
     state = session.store.state
-    session.player.play("Press", plate_pair(state.document).documents_to(state, to, steps))
+    session.player.play("Press", plate_pair(state.document).press_documents(state, to, steps))
     session.until(lambda: not session.player.is_playing)
 
 
@@ -55,7 +55,7 @@ def steps(session):
 
 
 def answers(session):
-    return [step.answer for step in steps(session)]
+    return [step.wall_result for step in steps(session)]
 
 
 def readings(states):
@@ -83,19 +83,19 @@ def test_wall_run_presses_as_the_command_does_by_the_method_wall(empty):
 def test_wall_run_shows_its_shapes_on_the_timeline_without_a_step_of_undo(pressed):
     solve(pressed)
     player, undo = pressed.player, pressed.gestures.history.undo_names
-    player.choose_wall(True)
+    player.choose_wall_results(True)
     assert pressed.store.state is answers(pressed)[STEPS]
-    player.show(1)
-    player.end_show()
-    assert (pressed.store.state, player.shown) == (answers(pressed)[1], 1)
+    player.show_step(1)
+    player.accept_shown_step()
+    assert (pressed.store.state, player.shown_step) == (answers(pressed)[1], 1)
     pressed.listen(0.1)
     assert pressed.store.state is answers(pressed)[1], "it is at rest as it was"
-    player.choose_wall(False)
+    player.choose_wall_results(False)
     assert pressed.store.state is steps(pressed)[1].state
     assert pressed.gestures.history.undo_names == undo
-    player.choose_wall(True)
+    player.choose_wall_results(True)
     pressed.gestures.undo()
-    assert (player.shown, player.shows_wall) == (0, False), "undo has gone back to before the press"
+    assert (player.shown_step, player.shows_wall) == (0, False), "undo has gone back to before the press"
 
 
 def test_wall_run_that_is_stopped_keeps_what_has_come_and_goes_on_from_there(pressed):
@@ -123,8 +123,8 @@ def test_wall_run_follows_the_plates_as_they_open_and_into_another_run(pressed):
     solve(pressed)
     loads = [one.load for one in readings(answers(pressed))]
     assert abs(loads[-1]) < 1e-6 * loads[STEPS], "it has sprung back"
-    pressed.player.show(1)
-    pressed.player.end_show()
+    pressed.player.show_step(1)
+    pressed.player.accept_shown_step()
     go(pressed, 1.6, 1)
     assert [step.begins_run for step in steps(pressed)[-2:]] == [True, False]
     assert answers(pressed)[-2] is answers(pressed)[1], "the run begins with what is known"
@@ -140,8 +140,8 @@ def test_wall_run_marks_what_does_not_come_to_rest(pressed):
     assert [each.frame.settled for each in answers(pressed)[1:]] == [False] * STEPS
     assert all(step.state.frame.settled for step in steps(pressed))
     timeline = pressed.player.timeline
-    assert timeline.unanswered(0, few) == []
-    assert timeline.unanswered(0, WALL) == [0, 1, 2, 3], "of another wall nothing is known"
+    assert timeline.steps_without_wall_result(0, few) == []
+    assert timeline.steps_without_wall_result(0, WALL) == [0, 1, 2, 3], "of another wall nothing is known"
 
 
 def test_wall_run_ends_with_its_mesh_and_with_its_steps(pressed):
@@ -154,7 +154,7 @@ def test_wall_run_ends_with_its_mesh_and_with_its_steps(pressed):
     pressed.gestures.undo()
     run.begin(STEPS, WALL)
     pressed.player.clear()
-    pressed.receive()
+    pressed.receive_results()
     assert not run.is_running
 
 

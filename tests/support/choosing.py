@@ -410,7 +410,7 @@ class Scene:
 
     def assert_nothing_has_changed(self):
         assert self.window.session.store.state is self.state
-        assert self.window.session.gestures.history.next_redo is None
+        assert self.window.session.gestures.history.next_redo_name is None
 
 
 def painted(document, chosen, tool, modifiers):

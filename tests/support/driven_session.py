@@ -65,14 +65,14 @@ class Driven(Session):
         end = time.monotonic() + seconds
         while not happened():
             assert time.monotonic() < end, "it did not happen"
-            self.receive()
+            self.receive_results()
             time.sleep(0.001)
 
     def listen(self, seconds: float) -> None:
         """Receive for so long."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            self.receive()
+            self.receive_results()
             time.sleep(0.001)
 
     def show_now(self, mesh: Mesh) -> None:
@@ -141,7 +141,7 @@ def check_equal(found: State, saved: State) -> None:
     """That two states say the same, bit for bit where it was said and to rounding where it was measured."""
     a, b = found.document, saved.document
     assert a.mesh.digest == b.mesh.digest
-    for name in ("labels", "member", "grip"):
+    for name in ("labels", "member", "initial_positions"):
         check_same_array(getattr(a, name), getattr(b, name))
     assert [part.name for part in a.handles] == [part.name for part in b.handles]
     for mine, other in zip(a.handles, b.handles, strict=True):
@@ -153,11 +153,11 @@ def check_equal(found: State, saved: State) -> None:
     assert a.flags == b.flags
     assert (a.target_shape and a.target_shape.mesh.digest) == (b.target_shape and b.target_shape.mesh.digest)
     check_same_obstacles(a, b)
-    arrays = {"mesh", "labels", "member", "grip", "handles", "regions", "target_shape", "obstacles"}
+    names = "labels", "member", "initial_positions", "handles", "regions", "target_shape", "obstacles"
     for field in fields(a):
-        if field.name not in arrays:
+        if field.name not in ("mesh", *names):
             assert getattr(a, field.name) == getattr(b, field.name), field.name
-    assert (a.grip is a.mesh.V) == (b.grip is b.mesh.V)
+    assert (a.initial_positions is a.mesh.V) == (b.initial_positions is b.mesh.V)
     assert (found.frame.U is a.mesh.V) == (saved.frame.U is b.mesh.V)
     check_same_array(found.frame.U, saved.frame.U)
     for field in fields(found.frame):

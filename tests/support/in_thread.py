@@ -47,7 +47,7 @@ class LateSolver(RequestSolver):
         self._left: Request | None = None
 
     def answer(self, request: Request) -> None:
-        self.switch_to_mesh(request.document.mesh)
+        self.discard_other_mesh(request.document.mesh)
         if not (request.iterate or request.with_cost):
             self._left = request
             return

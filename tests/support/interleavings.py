@@ -56,7 +56,7 @@ class User(Driven):
     def jumped(self) -> None:
         """From here on only what is on screen and what is asked may be seen."""
         document = self.store.state.document
-        target = document.grip[-1, 0] + document.handles[0].pose[0, 3]
+        target = document.initial_positions[-1, 0] + document.handles[0].pose[0, 3]
         self.allowed = {self.handle_x(self.U), float(target)}
 
     def act(self, verb) -> None:
@@ -86,7 +86,7 @@ class User(Driven):
             self.poses += 1
             pose = np.eye(4)
             pose[0, 3] = 1e-3 * self.poses % 2.0
-            self.allowed.add(float(self.store.state.document.grip[-1, 0] + pose[0, 3]))
+            self.allowed.add(float(self.store.state.document.initial_positions[-1, 0] + pose[0, 3]))
             self.handles.drag(pose)
             self.listen(self.random.choice([0.0, 0.0, 0.002, 0.01]))
         if self.random.random() < 0.2:

@@ -394,7 +394,7 @@ def mistakes(driver):
 
 def help_(driver):
     window = driver.window
-    window.help.open_sheet()
+    window.help.toggle_sheet()
     driver.scene("the sheet of shortcuts")
     sheet = window.help.sheet
     sheet.search.setText("qqq")

@@ -181,10 +181,10 @@ def _cards(window, _):
         typed.open_entry(getattr(typed, name))
         yield f"typing {name}"
         getattr(typed, name).close_card()
-    window.help.open_search()
+    window.help.toggle_search()
     yield "search for commands"
     window.help.close()
-    window.help.open_sheet()
+    window.help.toggle_sheet()
     yield "shortcut sheet"
     window.help.close()
     before, V = document(window).mesh, np.eye(4, 3)

@@ -18,7 +18,7 @@ def click(button):
 
 
 def finish(qtbot, dialog):
-    qtbot.waitUntil(lambda: not dialog.run.running, timeout=60_000)
+    qtbot.waitUntil(lambda: not dialog.run.is_running, timeout=60_000)
 
 
 def open_bar(qtbot, window):
@@ -38,7 +38,7 @@ def finished(window, count):
     """Whether the study runs no more, and so many of its cases are done."""
     panel = window.case_studies.panel
     return (
-        not window.case_studies.run.running
+        not window.case_studies.run.is_running
         and [row.status for row in panel.model.rows].count("done") == count
     )
 

@@ -20,7 +20,7 @@ def dialogs(driver):
     for row in window.case_studies.dialog.varied.rows.values():
         row.check.setChecked(True)
     show(driver, "study", window.case_studies.dialog)
-    window.help.open_sheet()
+    window.help.toggle_sheet()
     driver.scene("shortcuts")
     window.help.close()
 

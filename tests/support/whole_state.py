@@ -26,7 +26,7 @@ _COUNTS = {
     "revision",
     "shape_revision",
     "moment",
-    "compiled_share",
+    "compiled_fraction",
     "step",
     "dab_spacing",
     "grid_step",

@@ -165,9 +165,9 @@ def measures(qtbot, window, _):
 
 
 def asks_for_help(qtbot, window, _):
-    window.help.open_search()
+    window.help.toggle_search()
     window.help.search.search.setText("twist")
-    window.help.open_sheet()
+    window.help.toggle_sheet()
 
 
 def hears_of_failures(qtbot, window, _):

@@ -198,11 +198,11 @@ def test_workbench_shows_what_a_session_says_as_it_is(qtbot, here, looker):
         looker.look()
     here.poses.keep_pose()
     here.session.poses.rename(0, NAME)
-    here.session.poses.go_to(0)
+    here.session.poses.go_to_pose(0)
     here.session.handles.move_by(MOTIONS["TWIST"], "3", 0)
     idle(qtbot, here)
     looker.look()
-    here.help.open_search()
+    here.help.toggle_search()
     here.help.search.search.setText(NAME)
     looker.look()
     assert {"a tip", "an action", "the title of a Shell"} <= looker.seen
@@ -221,7 +221,7 @@ def test_workbench_dialogs_show_what_a_session_says_as_it_is(qtbot, here, looker
         here.case_studies.design_study,
         here.comparison.open,
         here.settings_page.open,
-        here.help.open_sheet,
+        here.help.toggle_sheet,
         here.edits.open_vertex_entry,
     ):
         open_dialog()

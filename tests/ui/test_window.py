@@ -164,11 +164,11 @@ def assert_settled_in_the_last_pose(window, shown):
     assert shown[-1][0] is state.frame.U
     assert shown[-1][1] is state.document.handles[0].pose
     held = state.document.labels == HANDLE
-    asked = transform(state.document.handles[0].pose, state.document.grip[held])
+    asked = transform(state.document.handles[0].pose, state.document.initial_positions[held])
     assert np.allclose(state.frame.U[held], asked, atol=1e-9), "the handle is where it was put"
     assert state.frame.handle_drift == pytest.approx(0.0, abs=1e-9)
     based = state.document.labels == BASE
-    assert np.array_equal(state.frame.U[based], state.document.grip[based])
+    assert np.array_equal(state.frame.U[based], state.document.initial_positions[based])
 
 
 @pytest.mark.night
@@ -183,7 +183,7 @@ def test_gizmo_ring_twists_the_bottle_and_the_area_comes_back(qtbot, bottle, wat
     assert not bottle.invitation.isVisible()
 
 
-def test_painting_after_a_drag_does_not_move_the_mesh(qtbot, bottle, watch_frames):
+def test_paint_after_a_drag_does_not_move_the_mesh(qtbot, bottle, watch_frames):
     drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
     idle(qtbot, bottle)
     before = bottle.session.store.state.frame.U
@@ -219,7 +219,7 @@ def test_gizmo_gives_back_the_shape_before_the_drag_on_escape(qtbot, bottle):
     idle(qtbot, bottle)
     assert document(bottle) is before.document
     assert bottle.session.store.state.frame.U is before.frame.U
-    assert bottle.session.gestures.history.next_undo is None
+    assert bottle.session.gestures.history.next_undo_name is None
 
 
 def test_reset_all_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
@@ -472,7 +472,7 @@ def test_undo_within_a_drag_takes_back_the_drag_and_no_more(qtbot, bottle):
     bottle.actions_.undo.trigger()
     mouse.release(at + (30, 0))
     assert document(bottle) is posed
-    assert bottle.session.gestures.history.next_redo is None
+    assert bottle.session.gestures.history.next_redo_name is None
 
 
 def test_shell_puts_a_brush_away_on_escape(qtbot, bottle):

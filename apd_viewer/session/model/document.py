@@ -49,13 +49,13 @@ class Document:
     Attributes
     ----------
     labels : (n,) uint8 array of BASE, FREE, and HANDLE + k for ``handles[k]``
-    grip : (n, 3) float array
-        Positions when the labels were last changed: what base and handles were gripped at.
+    initial_positions : (n, 3) float array
+        Positions when the labels were last changed, from which base and handles are moved.
     member : (n,) uint8 array
         k + 1 for the vertices of ``regions[k]``, 0 for those in none.
     handles : tuple of Handle, never empty
-    staying_components : tuple of int
-        Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
+    immobile_components : tuple of int
+        Lowest vertex of each connected part that does not move while neither base nor handle is on it.
     obstacles : tuple of NamedObstacle
         Obstacles that the surface cannot enter while contact is on.
     target_shape : TargetShape or None
@@ -68,7 +68,7 @@ class Document:
 
     mesh: Mesh = field(metadata=FACTORED)
     labels: np.ndarray = field(metadata=FACTORED)
-    grip: np.ndarray = field(metadata=NOT_FACTORED)
+    initial_positions: np.ndarray = field(metadata=NOT_FACTORED)
     member: np.ndarray = field(metadata=NOT_FACTORED)
     # Handles and settings declare FACTORED or NOT_FACTORED for each of their own fields.
     handles: tuple[Handle, ...] = field(
@@ -76,7 +76,7 @@ class Document:
     )
     regions: tuple[NamedRegion, ...] = field(default=(), metadata=NOT_FACTORED)
     settings: Settings = field(default=DEFAULT_SETTINGS, metadata=NOT_FACTORED)
-    staying_components: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
+    immobile_components: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
     obstacles: tuple[NamedObstacle, ...] = field(default=(), metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
@@ -110,23 +110,25 @@ class Document:
     @property
     def base_centre(self) -> np.ndarray | None:
         """Centre of the base, (3,); None if there is no base."""
-        return memo.label_centre(self.labels, self.grip, BASE) if self.label_counts[BASE] else None
+        has_base = self.label_counts[BASE]
+        return memo.label_centre(self.labels, self.initial_positions, BASE) if has_base else None
 
     def centre(self, k: int) -> np.ndarray | None:
-        """Centre of the grip of handle ``k``, (3,); None if it has no vertices."""
-        return (
-            memo.label_centre(self.labels, self.grip, HANDLE + k) if self.label_counts[HANDLE + k] else None
-        )
+        """Initial centre of handle ``k``, (3,); None if it has no vertices."""
+        label = HANDLE + k
+        has_vertices = self.label_counts[label]
+        return memo.label_centre(self.labels, self.initial_positions, label) if has_vertices else None
 
     def pivot(self, k: int) -> np.ndarray | None:
-        """Pivot of handle ``k`` at its grip, (3,); None if it has no vertices."""
+        """Initial pivot of handle ``k``, (3,); None if it has no vertices."""
         centre, own = self.centre(k), self.handles[k].pivot
         return centre if own is None or centre is None else own
 
     def constraints(self) -> Constraints:
         """Held vertices and their targets; raises InputError with ``paint_problem``."""
         poses = [handle.pose for handle in self.handles]
-        return constraints(self.labels, self.grip, poses, self.soft_constraints, self.has_active_obstacles)
+        initial, soft = self.initial_positions, self.soft_constraints
+        return constraints(self.labels, initial, poses, soft, self.has_active_obstacles)
 
     @property
     def soft_constraints(self) -> SoftConstraints:
@@ -175,7 +177,7 @@ class Document:
 
     @property
     def flags(self) -> DocumentFlags:
-        """Flags of the base, the handles and the regions."""
+        """Locked and hidden flags of the base, the handles and the regions."""
         handles, regions = (part.flags for part in self.handles), (part.flags for part in self.regions)
         return DocumentFlags(self.base, tuple(handles), tuple(regions))
 
@@ -190,7 +192,9 @@ class Document:
             replace(handle.relative_to_rest.with_pose(IDENTITY), former_twist_axis=None)
             for handle in self.handles
         )
-        return replace(self, grip=self.mesh.V, handles=handles, settings=settings, regions=regions)
+        return replace(
+            self, initial_positions=self.mesh.V, handles=handles, settings=settings, regions=regions
+        )
 
     @property
     def relative_to_rest(self) -> Document:
@@ -201,9 +205,10 @@ class Document:
         if not any(handle.earlier_poses for handle in self.handles):
             return self
         starts = [handle.earlier_poses[-1] if handle.earlier_poses else IDENTITY for handle in self.handles]
-        grip = memo.rest_grip(self.mesh.V, self.grip, self.labels, self.mesh.weld, *starts)
+        own = self.initial_positions
+        initial = memo.initial_positions_from_rest(self.mesh.V, own, self.labels, self.mesh.weld, *starts)
         handles = tuple(handle.relative_to_rest for handle in self.handles)
-        return replace(self, grip=self.mesh.V if grip is None else grip, handles=handles)
+        return replace(self, initial_positions=self.mesh.V if initial is None else initial, handles=handles)
 
     def with_settings(self, **changes: Any) -> Document:
         """Document with changed settings, given by name."""

@@ -45,16 +45,16 @@ def obstacle_shifts(document: Document) -> np.ndarray:
 
 
 def with_handles_reset(document: Document, *numbers: int) -> Document:
-    """Document with handles reset, and the shape at rest if no handle remains moved."""
+    """Document with handles reset to rest; the others keep their poses."""
     document = document.relative_to_rest
     handles = list(document.handles)
     for k in numbers:
         handles[k] = replace(handles[k].with_pose(IDENTITY), former_twist_axis=None)
-    grip = document.mesh.V
+    initial = document.mesh.V
     if any(handle.is_moved for handle in handles):
         back = np.isin(document.labels, HANDLE + np.array(numbers))
-        grip = frozen(np.where(back[:, None], grip, document.grip))
-    return replace(document, grip=grip, handles=tuple(handles))
+        initial = frozen(np.where(back[:, None], initial, document.initial_positions))
+    return replace(document, initial_positions=initial, handles=tuple(handles))
 
 
 def without_paint(document: Document) -> Document:
@@ -70,7 +70,7 @@ def without_base_and_handles(document: Document) -> Document:
         for handle in document.handles
     )
     labels = frozen(np.full_like(document.labels, FREE))
-    return replace(document, labels=labels, grip=document.mesh.V, handles=handles)
+    return replace(document, labels=labels, initial_positions=document.mesh.V, handles=handles)
 
 
 def without_handle(document: Document, k: int) -> Document:

@@ -19,12 +19,12 @@ _STEP = math.radians(45.0)
 class PosePath(Protocol):
     """Handle pose as a function of the fraction of its path."""
 
-    def pose_at(self, share: float, /) -> np.ndarray:
-        """Pose (4, 4) at ``share`` of the path."""
+    def pose_at(self, fraction: float, /) -> np.ndarray:
+        """Pose (4, 4) at ``fraction`` of the path."""
 
 
 def handle_paths(document: Document) -> tuple[HandlePath, ...]:
-    """Path of each handle from its grip; raises InputError if one is undefined."""
+    """Path of each handle from its initial position; raises InputError."""
     pivots = [document.pivot(k) for k in range(len(document.handles))]
     return tuple(
         handle_path((), np.eye(4), np.zeros(3))
@@ -35,26 +35,26 @@ def handle_paths(document: Document) -> tuple[HandlePath, ...]:
 
 
 def handle_pose_sequences(document: Document) -> tuple[tuple[np.ndarray, ...], ...]:
-    """Waypoints and current pose (4, 4) of each handle, from its grip."""
+    """Waypoints and current pose (4, 4) of each handle, from its initial position."""
     return tuple((*handle.waypoints, handle.pose) for handle in document.handles)
 
 
 def handle_turns(document: Document) -> HandleTurns | None:
-    """Handle poses from rest, for measuring turns; None without a large turn."""
+    """Handle poses from rest, for measuring turns; None if no turn is large."""
     if not all(np.isfinite(handle.pose).all() for handle in document.handles):
         return None
     document = document.relative_to_rest
     if not any(float(np.linalg.norm(handle.rotation)) >= LEAST_TURN for handle in document.handles):
         return None
-    return HandleTurns(document.grip, document.labels, handle_pose_sequences(document))
+    return HandleTurns(document.initial_positions, document.labels, handle_pose_sequences(document))
 
 
-def document_at(document: Document, paths: Sequence[PosePath], share: float) -> Document:
-    """Document with handles and obstacles at fraction ``share`` of their paths."""
-    there = tuple(each.with_shift(share * each.shift) for each in document.obstacles)
+def document_at(document: Document, paths: Sequence[PosePath], fraction: float) -> Document:
+    """Document with handles and obstacles at a fraction of their paths."""
+    there = tuple(each.with_shift(fraction * each.shift) for each in document.obstacles)
     document = replace(document, obstacles=there)
     for k, path in enumerate(paths):
-        document = document.with_pose(k, path.pose_at(share))
+        document = document.with_pose(k, path.pose_at(fraction))
     return document
 
 

@@ -22,7 +22,7 @@ NOT_FACTORED = MappingProxyType({"factored": False})
 
 
 def factored_fields(cls: type) -> tuple[str, ...]:
-    """Names of the FACTORED fields; raises TypeError for undeclared fields."""
+    """Names of the fields declared FACTORED; raises TypeError if any is undeclared."""
     undeclared = [each.name for each in fields(cls) if "factored" not in each.metadata]
     if undeclared:
         raise TypeError(f"{cls.__name__}.{undeclared[0]} is neither FACTORED nor NOT_FACTORED")
@@ -90,15 +90,15 @@ class Handle:
     Attributes
     ----------
     pose : (4, 4) float array
-        Motion since gripping, read-only.
+        Motion from the initial position, read-only.
     waypoints : tuple of (4, 4) float arrays
-        Poses on its path from the grip, to represent turns of more than half; read-only.
+        Poses on its path from the initial position, to represent turns of more than half; read-only.
     pivot : (3,) float array or None
-        Centre of rotation in the position at the grip, read-only; None is the handle's centre.
+        Centre of rotation in the initial position, read-only; None is the handle's centre.
     falloff : float
         Distance along the surface within which free vertices are pulled along, mesh units.
     earlier_poses : tuple of (4, 4) float arrays
-        Poses on its path from rest to the grip, the last one at the grip; read-only.
+        Poses on its path from rest to the initial position, including that; read-only.
     former_twist_axis : (3,) float array or None
         Direction from the former base to the handle, the axis of earlier twists.
     """
@@ -126,7 +126,7 @@ class Handle:
 
     @cached_property
     def rotation(self) -> np.ndarray:
-        """Total rotation since gripping, (3,): unit axis times angle in radians."""
+        """Total rotation from the initial position, (3,): unit axis times radians."""
         return frozen(rotation_vector(self.waypoints, self.pose))
 
     @property
@@ -136,11 +136,11 @@ class Handle:
 
     @property
     def is_moved(self) -> bool:
-        """True if the handle has moved since gripping, including by full turns."""
+        """True if the handle has moved from its initial position, also by full turns."""
         return bool(self.waypoints) or not np.array_equal(self.pose, IDENTITY)
 
-    def regripped(self) -> Handle:
-        """Handle gripped at its current pose; its motion from rest is kept."""
+    def with_restarted_motion(self) -> Handle:
+        """Handle with its current position as the initial one; the rest pose is kept."""
         whole = self.relative_to_rest
         earlier = (*whole.waypoints, whole.pose) if whole.is_moved else ()
         return replace(
@@ -149,7 +149,7 @@ class Handle:
 
     @property
     def relative_to_rest(self) -> Handle:
-        """Equivalent handle gripped at rest, with its total motion and rest pivot."""
+        """Equivalent handle starting at rest, with its total motion and rest pivot."""
         if not self.earlier_poses:
             return self
         whole, start = (
@@ -161,7 +161,7 @@ class Handle:
         return replace(whole, pivot=_moved_point(self.pivot, np.linalg.inv(start)))
 
     def with_pose_from_rest(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
-        """Handle at ``pose`` (4, 4) from rest, reached along waypoints."""
+        """Handle at ``pose`` (4, 4) relative to rest, reached along waypoints."""
         if not self.earlier_poses:
             return self.with_pose(pose, waypoints)
         handle, back = self.with_pose(IDENTITY), np.linalg.inv(self.earlier_poses[-1])

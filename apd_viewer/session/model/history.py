@@ -56,12 +56,12 @@ class History:
         return self._undo[-1] if self._undo else None
 
     @property
-    def next_undo(self) -> str | None:
+    def next_undo_name(self) -> str | None:
         """Name of the next gesture to undo."""
         return self._undo[-1].gesture if self._undo else None
 
     @property
-    def next_redo(self) -> str | None:
+    def next_redo_name(self) -> str | None:
         """Name of the next gesture to redo."""
         return self._redo[-1].gesture if self._redo else None
 

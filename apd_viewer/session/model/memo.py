@@ -61,29 +61,30 @@ def in_place_tolerance(V: np.ndarray, weld: Weld) -> float:
 
 
 @memoised
-def rest_grip(
-    V: np.ndarray, grip: np.ndarray, labels: np.ndarray, weld: Weld, *starts: np.ndarray
+def initial_positions_from_rest(
+    V: np.ndarray, initial: np.ndarray, labels: np.ndarray, weld: Weld, *starts: np.ndarray
 ) -> np.ndarray | None:
-    """Grip of held vertices with the earlier motions of their handles undone.
+    """Positions of held vertices before the earlier motions of their handles.
 
     Parameters
     ----------
     V : (n, 3) float array
         Rest positions.
-    grip, labels : (n, 3), (n,) arrays
+    initial, labels : (n, 3), (n,) arrays
+        Positions after the earlier motions, and labels.
     starts : (4, 4) float arrays
-        Pose of each handle at its grip.
+        Pose of each handle, relative to rest, at its initial position.
 
     Returns
     -------
     (n, 3) float array or None
-        None where that is the rest shape: to return that itself would keep it in memory.
+        None for the rest shape itself: a cached result would keep it in memory.
     """
     found = V.copy()
-    found[labels == constraints.BASE] = grip[labels == constraints.BASE]
+    found[labels == constraints.BASE] = initial[labels == constraints.BASE]
     for label, start in enumerate(starts, constraints.HANDLE):
         mine = labels == label
-        found[mine] = constraints.transform(np.linalg.inv(start), grip[mine])
+        found[mine] = constraints.transform(np.linalg.inv(start), initial[mine])
     near = np.abs(found - V).max(axis=1) <= in_place_tolerance(V, weld)
     found[near] = V[near]
     return None if near.all() else frozen(found)

@@ -1,4 +1,4 @@
-"""Content of an opened file: a state, with how it was looked at and its timeline."""
+"""Content of an opened file: a state with its view and timeline."""
 
 from pathlib import Path
 from typing import NamedTuple

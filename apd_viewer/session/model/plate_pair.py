@@ -1,4 +1,4 @@
-"""Pair of plates facing each other, and what it measures of a shape between them."""
+"""Pair of plates facing each other, and readings of a shape between them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import State
 
-# Stiffness proposed where walls have none and would crumple.
+# Stiffness proposed for walls without any, which would crumple.
 PROPOSED_STIFFNESS = 0.001
 # Tolerances for opposite directions, and for equal positions relative to the mesh size.
 _OPPOSITE, _SAME = 1e-9, 1e-9
@@ -54,7 +54,7 @@ class PlatePair(NamedTuple):
         low, high = (obstacles[k].place + shifts[k] for k in (self.low, self.high))
         return float((high - low) @ self.axis)
 
-    def documents_to(self, state: State, distance: float, steps: int) -> tuple[Document, ...]:
+    def press_documents(self, state: State, distance: float, steps: int) -> tuple[Document, ...]:
         """Documents with both plates moved to a ``distance`` in equal steps.
 
         Raises
@@ -71,10 +71,13 @@ class PlatePair(NamedTuple):
             raise InputError(sentence.format(first=first))
         if abs(now - distance) <= _SAME * size:
             raise InputError(tr("The plates are at this distance already; enter another one."))
-        shares = np.arange(1, steps + 1) / steps
-        return tuple(self._moved(state, 0.5 * share * (now - distance)) for share in shares)
+        fractions = np.arange(1, steps + 1) / steps
+        return tuple(
+            self._document_with_plates_moved(state, 0.5 * fraction * (now - distance))
+            for fraction in fractions
+        )
 
-    def _moved(self, state: State, by: float) -> Document:
+    def _document_with_plates_moved(self, state: State, by: float) -> Document:
         """Document with each plate moved by a length towards the other."""
         obstacles = list(state.document.obstacles)
         for k, sign in ((self.low, 1.0), (self.high, -1.0)):
@@ -82,7 +85,7 @@ class PlatePair(NamedTuple):
         return replace(state.document, obstacles=tuple(obstacles))
 
     def reading(self, state: State) -> PlateReading:
-        """Reading of a state."""
+        """Distance of the plates in a state, and the loads on them."""
         loads = state.frame.loads
         known = len(loads) == len(state.document.obstacles)
         low, high = (loads[[self.low, self.high]] @ self.axis).tolist() if known else (0.0, 0.0)
@@ -105,7 +108,7 @@ class PlateReading(NamedTuple):
     deflection : float
         Reduction of the distance since the plates were placed.
     load_low, load_high : float
-        Force on each, energy per length: that of a material of stiffness 1.
+        Force on each plate, as energy per length of a material of stiffness 1.
     """
 
     distance: float
@@ -120,7 +123,7 @@ class PlateReading(NamedTuple):
 
 
 def plate_pair(document: Document) -> PlatePair | None:
-    """Last pair of plates that face each other; None without one."""
+    """Last pair of plates that face each other; None if there is none."""
     plates = [k for k, each in enumerate(document.obstacles) if each.kind is ObstacleKind.PLATE]
     for high, low in combinations(reversed(plates), 2):
         axes = document.obstacles[low].axis, document.obstacles[high].axis

@@ -65,7 +65,7 @@ class State:
         """True if handle ``k`` has been moved, or holds vertices away from rest."""
         whole = self.document.relative_to_rest
         moved = whole.handles[k].is_moved
-        return moved or memo.is_displaced(whole.mesh.V, whole.grip, whole.labels, HANDLE + k)
+        return moved or memo.is_displaced(whole.mesh.V, whole.initial_positions, whole.labels, HANDLE + k)
 
     @property
     def is_contact_active(self) -> bool:
@@ -87,8 +87,8 @@ class State:
         return np.array([each.shift for each in obstacles]).reshape(-1, 3)
 
     @property
-    def document_as_come(self) -> Document:
-        """Document with the obstacles moved as far as they have come."""
+    def document_with_reached_obstacles(self) -> Document:
+        """Document with the obstacles moved as far as contact has let them."""
         if self.frame.share_reached >= 1.0:
             return self.document
         come = zip(self.document.obstacles, self.obstacle_shifts, strict=True)
@@ -143,7 +143,7 @@ def initial_document(mesh: Mesh, labels: np.ndarray | None = None) -> Document:
     return Document(
         mesh,
         labels,
-        grip=mesh.V,
+        initial_positions=mesh.V,
         member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
         handles=tuple(Handle(default_name(tr("Handle"), k)) for k in range(1, count + 1)),
         settings=Settings(contact=contact_by_default(DEFAULT_METHOD, len(mesh.V))),
@@ -201,11 +201,11 @@ def welded_state(state: State) -> State:
         mesh=mesh,
         labels=_shared_codes(before.labels, mesh.weld, FREE),
         member=_shared_codes(before.member, mesh.weld, 0),
-        grip=beside(before.grip),
+        initial_positions=beside(before.initial_positions),
     )
     loose = {part.first for part in document.loose_components}
     document = replace(
-        document, staying_components=tuple(sorted(loose.intersection(document.staying_components)))
+        document, immobile_components=tuple(sorted(loose.intersection(document.immobile_components)))
     )
     inspection, U = inspect(mesh), beside(state.frame.U)
     frame = replace(shape_frame(mesh, inspection, U), shifts=state.frame.shifts)

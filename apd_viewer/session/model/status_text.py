@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def findings_sentences(findings: Sequence[Finding]) -> str | None:
-    """Sentences about the findings of an opened mesh; None without any.
+    """Sentences about the findings of an opened mesh; None if there is none.
 
     Findings about its file are quoted; others are only mentioned, as meshes of some formats always have some.
     """
@@ -179,6 +179,6 @@ def self_intersection_warnings(state: State, check: ShapeCheck | None) -> tuple[
 
 
 def held_turn_phrase(check: ShapeCheck | None, k: int) -> str:
-    """Phrase on the turn of handle ``k`` held by the surface; empty without a turn."""
+    """Phrase on the turn of handle ``k`` that the surface reaches; empty if unknown."""
     held = check.turns[k].degrees[1] if check is not None and k < len(check.turns) else None
     return "" if held is None else tr("the surface holds {angle:.1f}°").format(angle=held).replace("-", "−")

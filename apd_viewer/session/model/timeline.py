@@ -11,12 +11,28 @@ import numpy as np
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, shape_frame
 
-# Limits of what is kept; beyond them the first steps go.
+# Limits of a timeline; the oldest steps beyond them are dropped.
 MOST_STEPS = 2000
 MOST_BYTES = 512 * 2**20
-# Parts of a document that say what is seen and measured of a shape, and not what shape it is.
-OVER_IT = "member", "regions", "measurements", "target_shape", "missing_target_shape", "base", "poses"
-_OF_IT = "mesh", "labels", "grip", "handles", "settings", "staying_components", "obstacles"
+# Fields of a document that affect its display and measurements but not its shape, and those that do.
+MEASURING_FIELDS = (
+    "member",
+    "regions",
+    "measurements",
+    "target_shape",
+    "missing_target_shape",
+    "base",
+    "poses",
+)
+_SHAPE_FIELDS = (
+    "mesh",
+    "labels",
+    "initial_positions",
+    "handles",
+    "settings",
+    "immobile_components",
+    "obstacles",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,33 +42,37 @@ class TimelineStep:
     Attributes
     ----------
     begins_run : bool
-        Whether it precedes a motion; the steps up to the next such state follow from it.
-    answer : State or None
-        State of the method Wall at the same place of the obstacles, where it was solved as well.
+        True for the state before a motion; the steps up to the next such state belong to its run.
+    wall_result : State or None
+        State solved by the method Wall with the obstacles at the same positions; None if not solved.
     """
 
     state: State
     begins_run: bool = False
-    answer: State | None = None
+    wall_result: State | None = None
 
     @property
-    def first(self) -> State | None:
-        """State of the method that the motion was solved with; None if that is Wall."""
+    def non_wall_state(self) -> State | None:
+        """State solved by another method than Wall; None if there is only one by Wall."""
         return None if self.state.document.settings.traits.is_wall else self.state
 
     @property
-    def wall(self) -> State | None:
-        """State of the method Wall; None without one."""
-        return self.answer or (self.state if self.first is None else None)
+    def wall_state(self) -> State | None:
+        """State solved by the method Wall; None if there is none."""
+        return self.wall_result or (self.state if self.non_wall_state is None else None)
 
-    def lacks_answer(self, settings: Mapping[str, Any]) -> bool:
-        """True unless there is an answer of the wall with these settings."""
+    def lacks_wall_result(self, settings: Mapping[str, Any]) -> bool:
+        """True unless the method Wall has solved the step with these settings."""
         own = self.state.document.with_settings(**settings).settings
-        return self.first is not None and (self.answer is None or self.answer.document.settings != own)
+        return self.non_wall_state is not None and (
+            self.wall_result is None or self.wall_result.document.settings != own
+        )
 
     def has_shape_of(self, state: State) -> bool:
-        """True if one of both states has the shape of a state and all it depends on."""
-        return any(each is not None and _is_same_shape(each, state) for each in (self.state, self.answer))
+        """True if one of the step's states has the shape of ``state`` and equal inputs."""
+        return any(
+            each is not None and _is_same_shape(each, state) for each in (self.state, self.wall_result)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,14 +83,14 @@ class Timeline:
     ----------
     steps : tuple of TimelineStep
     dropped : int
-        Number of first steps left out, as they were too many.
+        Number of the oldest steps that were dropped beyond the limit.
     """
 
     steps: tuple[TimelineStep, ...] = ()
     dropped: int = 0
 
-    def is_of(self, document: Document) -> bool:
-        """True if the steps are shapes of the document's mesh, whatever its rest shape."""
+    def belongs_to(self, document: Document) -> bool:
+        """True if the steps are shapes of the document's mesh; its rest shape may differ."""
         return bool(self.steps) and self.steps[-1].state.document.mesh.F is document.mesh.F
 
     def index_of(self, state: State) -> int | None:
@@ -79,56 +99,56 @@ class Timeline:
         return next((k for k in numbers if self.steps[k].has_shape_of(state)), None)
 
     def run_of(self, k: int) -> range:
-        """Numbers of the steps of the run that step ``k`` belongs to."""
+        """Numbers of the steps in the run that contains step ``k``."""
         starts = [i for i, step in enumerate(self.steps) if step.begins_run]
         first = max((i for i in starts if i <= k), default=0)
         return range(first, min((i for i in starts if i > k), default=len(self.steps)))
 
-    def unanswered(self, k: int, settings: Mapping[str, Any]) -> list[int]:
-        """Numbers of the steps in the run of step ``k`` that lack an answer of the wall."""
-        return [i for i in self.run_of(k) if self.steps[i].lacks_answer(settings)]
+    def steps_without_wall_result(self, k: int, settings: Mapping[str, Any]) -> list[int]:
+        """Numbers of the steps in the run of step ``k`` not solved by the method Wall."""
+        return [i for i in self.run_of(k) if self.steps[i].lacks_wall_result(settings)]
 
-    def number_of(self, state: State) -> int | None:
-        """Number of the step that a motion came to with just this state."""
+    def index_of_recorded(self, state: State) -> int | None:
+        """Number of the step recorded with this very state object; None if there is none."""
         return next((k for k, step in enumerate(self.steps) if step.state is state), None)
 
-    def with_answer(self, k: int, answer: State) -> Timeline:
-        """Timeline with the answer of the wall at step ``k``."""
-        step = replace(self.steps[k], answer=answer)
-        return replace(self, steps=(*self.steps[:k], step, *self.steps[k + 1 :]))._bounded()
+    def with_wall_result(self, k: int, result: State) -> Timeline:
+        """Timeline with a state solved by the method Wall at step ``k``."""
+        step = replace(self.steps[k], wall_result=result)
+        return replace(self, steps=(*self.steps[:k], step, *self.steps[k + 1 :]))._within_limit()
 
-    def begun_at(self, state: State) -> Timeline:
+    def with_run_from(self, state: State) -> Timeline:
         """Timeline with a new run from a state, after earlier runs of the same mesh."""
-        kept = self if self.is_of(state.document) else Timeline()
+        kept = self if self.belongs_to(state.document) else Timeline()
         if kept.steps and _is_same_shape(kept.steps[-1].state, state):
             return kept
-        if kept.steps and kept.steps[-1].begins_run:  # of a run that never went on
+        if kept.steps and kept.steps[-1].begins_run:  # a run without any step
             kept = replace(kept, steps=kept.steps[:-1])
         known = kept.index_of(state)
-        answer = None if known is None else kept.steps[known].answer
-        return kept._with_step(TimelineStep(state, True, answer))
+        result = None if known is None else kept.steps[known].wall_result
+        return kept._with_added_step(TimelineStep(state, True, result))
 
-    def followed_by(self, state: State, begins_run: bool = False) -> Timeline:
-        """Timeline with one more step; the oldest are dropped beyond the limit."""
-        return self._with_step(TimelineStep(state, begins_run))
+    def with_state(self, state: State, begins_run: bool = False) -> Timeline:
+        """Timeline with a state as its next step; the oldest steps may be dropped."""
+        return self._with_added_step(TimelineStep(state, begins_run))
 
-    def _with_step(self, step: TimelineStep) -> Timeline:
-        return replace(self, steps=(*self.steps, step))._bounded()
+    def _with_added_step(self, step: TimelineStep) -> Timeline:
+        return replace(self, steps=(*self.steps, step))._within_limit()
 
-    def _bounded(self) -> Timeline:
-        """Timeline without its first steps beyond the limit."""
-        answers = sum(step.answer is not None for step in self.steps)
-        shapes = MOST_BYTES // max(1, self.steps[-1].state.frame.U.nbytes) - answers
+    def _within_limit(self) -> Timeline:
+        """Timeline without the oldest steps beyond the limit."""
+        results = sum(step.wall_result is not None for step in self.steps)
+        shapes = MOST_BYTES // max(1, self.steps[-1].state.frame.U.nbytes) - results
         surplus = max(0, len(self.steps) - max(2, min(MOST_STEPS, shapes)))
         return replace(self, steps=self.steps[surplus:], dropped=self.dropped + surplus)
 
     def state_at(self, k: int, current: Document, of_wall: bool = False) -> State:
         """State of step ``k``, with regions and measurements of the current document.
 
-        ``of_wall`` is that of the method Wall, where it is known.
+        With ``of_wall``, that of the method Wall, if there is one.
         """
-        state = (self.steps[k].wall if of_wall else None) or self.steps[k].state
-        own = {name: getattr(current, name) for name in OVER_IT}
+        state = (self.steps[k].wall_state if of_wall else None) or self.steps[k].state
+        own = {name: getattr(current, name) for name in MEASURING_FIELDS}
         is_kept = all(value is getattr(state.document, name) for name, value in own.items())
         if is_kept or state.document.mesh is not current.mesh:
             return state
@@ -139,17 +159,17 @@ NO_TIMELINE = Timeline()
 
 
 def timeline_of_shapes(state: State, shapes: Iterable[np.ndarray]) -> Timeline:
-    """Timeline of given ``shapes`` (n, 3) of the mesh of a state that is at rest."""
+    """Timeline of given ``shapes`` (n, 3) of the mesh of a state in equilibrium."""
     found = Timeline()
     for U in shapes:
         step = state
         if U is not state.frame.U:
             frame = shape_frame(state.document.mesh, state.inspection, U)
             step = state.updated(frame=replace(frame, energy=None))
-        found = found.followed_by(step, begins_run=not found.steps)
+        found = found.with_state(step, begins_run=not found.steps)
     return found
 
 
 def _is_same_shape(a: State, b: State) -> bool:
-    same = all(getattr(a.document, name) is getattr(b.document, name) for name in _OF_IT)
+    same = all(getattr(a.document, name) is getattr(b.document, name) for name in _SHAPE_FIELDS)
     return same and a.frame.U is b.frame.U

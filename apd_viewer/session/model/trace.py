@@ -80,7 +80,7 @@ class Trace:
 
     @property
     def released_at(self) -> float | None:
-        """Seconds from the start to the release of the mouse; None without one."""
+        """Seconds from the start to the release of the mouse; None if there is none."""
         moment = self._start.released
         return None if moment is None else moment - self._start.moment
 

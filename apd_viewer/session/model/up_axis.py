@@ -1,4 +1,4 @@
-"""Up axis of a mesh: coordinates of its front view, and a guess by its flat foot."""
+"""Up axis of a mesh: axes of its front view, and a guess from its flat bottom."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _FRAMES = {
 }
 # glTF prescribes +Y and 3MF +Z; meshes in other formats use either.
 _PRESCRIBED = {".glb": "+Y", ".gltf": "+Y", ".3mf": "+Z"}
-_FLAT = 0.005  # depth of a foot, as a fraction of the diagonal of the bounding box
-_WIDE = 0.3  # least area of a foot, as a fraction of the side of the bounding box that it lies on
-_UNLIKE = 0.5  # largest area of the opposite end, as a fraction of that of the foot
-_MOST_FACES = 300_000  # more would keep the window waiting
+_FLAT = 0.005  # thickness of the bottom layer, as a fraction of the diagonal of the bounding box
+_WIDE = 0.3  # least area of the bottom, as a fraction of the side of the bounding box that it lies on
+_UNLIKE = 0.5  # largest area of the opposite end, as a fraction of that of the bottom
+_MOST_FACES = 300_000  # larger meshes get no guess, as it would delay the window
 
 
 class UpAxis(Enum):
@@ -71,9 +71,9 @@ class UpAxis(Enum):
 
 
 def standing_axis(mesh: Mesh) -> UpAxis | None:
-    """Up axis for which a mesh stands on a flat foot, or None where that is not plain.
+    """Up axis for which a mesh stands on a flat bottom; None if that is ambiguous.
 
-    It is +Y or +Z. A box, a can and a sphere have none: a foot is wide, and the opposite end is not.
+    It is +Y or +Z. A box, a can and a sphere have none: a bottom is wide, and the opposite end is not.
     """
     if len(mesh.F) > _MOST_FACES:
         return None
@@ -81,14 +81,14 @@ def standing_axis(mesh: Mesh) -> UpAxis | None:
     across = 0.5 * np.abs(np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]))
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
     depth = _FLAT * float(np.linalg.norm(high - low))
-    at_low = (points <= low + depth).all(axis=1)  # (m, 3): triangles at the end of each axis
+    at_low = (points <= low + depth).all(axis=1)  # (m, 3): triangles at the lower end of each axis
     at_high = (points >= high - depth).all(axis=1)
     ends = np.array([(across * at_low).sum(axis=0), (across * at_high).sum(axis=0)])
     sides = np.prod(high - low) / np.maximum(high - low, 1e-300)
     found = [
         axis
-        for axis in (UpAxis.PLUS_Y, UpAxis.PLUS_Z)  # files have one or the other
-        for foot, top in [ends[:, axis.index]]
-        if foot >= _WIDE * sides[axis.index] > 0.0 and top <= _UNLIKE * foot
+        for axis in (UpAxis.PLUS_Y, UpAxis.PLUS_Z)  # the up axis of nearly all files
+        for bottom, top in [ends[:, axis.index]]
+        if bottom >= _WIDE * sides[axis.index] > 0.0 and top <= _UNLIKE * bottom
     ]
     return found[0] if len(found) == 1 else None

@@ -28,12 +28,12 @@ class MirrorPartner(NamedTuple):
 
     Attributes
     ----------
-    share : float
+    fraction : float
         Fraction of vertices of both that are mirror images of each other, 0 to 1.
     """
 
     number: int
-    share: float
+    fraction: float
 
 
 def mirror_plane(mesh: Mesh, axis: int) -> MirrorPlane:
@@ -62,15 +62,15 @@ def _box(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @memoised
 def _images(V: np.ndarray, F: np.ndarray, labels: np.ndarray, label: int, plane: MirrorPlane) -> np.ndarray:
-    """Fraction of the mirror images of a label's vertices on each label, (256,)."""
+    """Fractions (256,) of a label's mirror images that lie on each label."""
     named = _used_vertices(V, F)
     ids = np.flatnonzero((labels == label) & named)
     if not len(ids):
         return np.zeros(256)
     reach = max(_NEAR * diagonal(V[ids]), _NEAR_VERTEX * diagonal(V[named]))
     found = nearest_mirror_vertices(V, ids, named, plane, np.full(len(ids), reach))
-    shares: np.ndarray = np.bincount(labels[found[found >= 0]], minlength=256) / len(ids)
-    return shares
+    fractions: np.ndarray = np.bincount(labels[found[found >= 0]], minlength=256) / len(ids)
+    return fractions
 
 
 def mirror_partner(document: Document, k: int) -> MirrorPartner | None:
@@ -82,8 +82,8 @@ def mirror_partner(document: Document, k: int) -> MirrorPartner | None:
     mine = _images(mesh.V, mesh.joined_F, labels, HANDLE + k, plane)
     likely = int(np.argmax(mine[HANDLE : HANDLE + len(document.handles)]))
     theirs = _images(mesh.V, mesh.joined_F, labels, HANDLE + likely, plane)
-    share = float(min(mine[HANDLE + likely], theirs[HANDLE + k]))
-    return MirrorPartner(likely, share) if share >= _LIKE else None
+    fraction = float(min(mine[HANDLE + likely], theirs[HANDLE + k]))
+    return MirrorPartner(likely, fraction) if fraction >= _LIKE else None
 
 
 def with_pair_moved(document: Document, k: int, pose: np.ndarray) -> Document:

@@ -61,11 +61,11 @@ class MotionReference(NamedTuple):
         """Current centre of the handle, (3,)."""
         return self._carried_point(self.document.centre(self.handle))
 
-    def _carried_point(self, gripped: np.ndarray | None) -> np.ndarray:
+    def _carried_point(self, point: np.ndarray | None) -> np.ndarray:
         handle = self.document.handles[self.handle]
-        if gripped is None:
+        if point is None:
             raise InputError(tr("“{name}” is empty; paint it first.").format(name=handle.name))
-        carried: np.ndarray = transform(handle.pose, gripped[None])[0]
+        carried: np.ndarray = transform(handle.pose, point[None])[0]
         return carried
 
     @property
@@ -125,9 +125,9 @@ class AmountKind(Enum):
             case AmountKind.ANGLE | AmountKind.LENGTH | AmountKind.LENGTH_OR_PERCENT | AmountKind.NUMBER:
                 return False
 
-    def amount_at(self, amount: float, share: float) -> float:
-        """Amount at fraction ``share`` of a motion."""
-        return float(amount**share) if self.is_factor else share * amount
+    def amount_at(self, amount: float, fraction: float) -> float:
+        """Amount at a fraction of a motion."""
+        return float(amount**fraction) if self.is_factor else fraction * amount
 
     def remaining_amount(self, total: float, motion: Motion, now: MotionReference) -> float:
         """Amount still missing to reach a total measured from rest.
@@ -151,7 +151,7 @@ class AmountKind(Enum):
 
 @dataclass(frozen=True, eq=False)
 class MotionKind:
-    """Kind of handle motion, a row of the table.
+    """Kind of handle motion, an entry of ``MOTION_KINDS``.
 
     Attributes
     ----------

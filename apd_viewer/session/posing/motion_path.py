@@ -62,10 +62,10 @@ class MotionStep:
         if abs(self.angle) > MOST_TURNS * 2.0 * math.pi:
             raise InputError(tr("Enter at most {most} turns at a time.").format(most=MOST_TURNS))
 
-    def pose_at(self, document: Document, share: float) -> np.ndarray:
-        """Pose (4, 4) of the handle at fraction ``share``; raises InputError."""
+    def pose_at(self, document: Document, fraction: float) -> np.ndarray:
+        """Pose (4, 4) of the handle at a fraction; raises InputError."""
         amount = self.motion.kind.amount
-        return self._pose(document, [amount.amount_at(each, share) for each in self.amounts])
+        return self._pose(document, [amount.amount_at(each, fraction) for each in self.amounts])
 
     def _pose(self, document: Document, amounts: Sequence[float]) -> np.ndarray:
         return self.motion.pose_after(MotionReference(document, self.handle, self.line), amounts)
@@ -90,8 +90,10 @@ class MotionStep:
         turn = abs(self.angle)
         last = min(1.0, 2.0 * math.pi / turn) if turn else 1.0
         count = math.ceil(last * turn / _ARC) if turn else 1
-        shares = (1.0 - last + last * n / count for n in range(count))
-        there = (with_pair_moved(document, self.handle, self.pose_at(document, share)) for share in shares)
+        fractions = (1.0 - last + last * n / count for n in range(count))
+        there = (
+            with_pair_moved(document, self.handle, self.pose_at(document, fraction)) for fraction in fractions
+        )
         return [*there, end]
 
     def end_document(self, document: Document) -> Document:
@@ -103,7 +105,7 @@ class MotionStep:
             pose = self._pose(document, [each * n / count for each in self.amounts])
             end = with_pair_moved(end, self.handle, pose)
         size = diagonal(document.mesh.V)
-        if _are_alike(before.pose, end.handles[self.handle].pose, size) and not _are_alike(
+        if _are_equal_poses(before.pose, end.handles[self.handle].pose, size) and not _are_equal_poses(
             before.pose, pose, size
         ):
             sentence = tr("“{name}” is its own mirror image and cannot move out of the mirror plane.")
@@ -111,7 +113,7 @@ class MotionStep:
         return end
 
 
-def _are_alike(pose: np.ndarray, other: np.ndarray, size: float) -> bool:
+def _are_equal_poses(pose: np.ndarray, other: np.ndarray, size: float) -> bool:
     """True if two poses (4, 4) are equal up to rounding."""
     away = np.abs(other - pose)
     return bool(away[:, :3].max() <= _ROUNDING and away[:, 3].max() <= _ROUNDING * size)
@@ -124,7 +126,7 @@ class MotionPath:
     Attributes
     ----------
     document : Document
-        Document with its handles at their grips.
+        Document with its handles at their initial positions.
     steps : tuple of MotionStep
         Steps of this handle in order; none if it stays.
     """
@@ -133,11 +135,11 @@ class MotionPath:
     handle: int
     steps: tuple[MotionStep, ...]
 
-    def pose_at(self, share: float) -> np.ndarray:
-        """Pose (4, 4) at ``share`` of the path: 0 is rest, 1 the end."""
+    def pose_at(self, fraction: float) -> np.ndarray:
+        """Pose (4, 4) at ``fraction`` of the path: 0 is rest, 1 the end."""
         document = self.document
         for step in self.steps:
-            document = document.with_pose(self.handle, step.pose_at(document, share))
+            document = document.with_pose(self.handle, step.pose_at(document, fraction))
         return document.handles[self.handle].pose
 
     @property
@@ -157,10 +159,10 @@ class MotionPath:
 
 
 def motion_paths(document: Document, steps: Sequence[MotionStep]) -> tuple[HandlePath | MotionPath, ...]:
-    """Path of each handle from its grip along a typed motion; raises InputError."""
+    """Path of each handle along a typed motion; raises InputError."""
     for step in steps:
         step.check_turns()
-    document = _at_grip(document)
+    document = _with_handles_unmoved(document)
     own = [tuple(step for step in steps if step.handle == k) for k in range(len(document.handles))]
     return tuple(_path(document, k, mine) for k, mine in enumerate(own))
 
@@ -181,19 +183,19 @@ def total_turn(path: HandlePath | MotionPath) -> float:
     return abs(path.angle)
 
 
-def _at_grip(document: Document) -> Document:
+def _with_handles_unmoved(document: Document) -> Document:
     return replace(document, handles=tuple(handle.with_pose(IDENTITY) for handle in document.handles))
 
 
 def document_along(
-    document: Document, paths: Sequence[HandlePath | MotionPath], share: float = 1.0
+    document: Document, paths: Sequence[HandlePath | MotionPath], fraction: float = 1.0
 ) -> Document:
     """Document with handles moved along their paths, keeping turns of any size."""
-    document = _at_grip(document)
+    document = _with_handles_unmoved(document)
     for k, path in enumerate(paths):
-        count = max(1, math.ceil(share * total_turn(path) / _STEP))
+        count = max(1, math.ceil(fraction * total_turn(path) / _STEP))
         for step in range(1, count + 1):
-            document = document.with_handle_moved(k, path.pose_at(share * step / count))
+            document = document.with_handle_moved(k, path.pose_at(fraction * step / count))
     return document
 
 

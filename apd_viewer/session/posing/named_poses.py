@@ -1,6 +1,6 @@
 """Named poses: stored handle poses relative to the rest shape.
 
-They are relative to the rest shape, since the grip shape changes with every stroke and every reset.
+They are relative to the rest shape, since initial positions change with every stroke and every reset.
 """
 
 from collections.abc import Iterator
@@ -20,22 +20,25 @@ _SAME = 1e-7
 
 
 @memoised
-def _grip_motion(V: np.ndarray, grip: np.ndarray, labels: np.ndarray, label: int) -> np.ndarray:
-    """Motion (4, 4) of the vertices with a label from rest to their grip."""
+def _motion_to_initial_positions(
+    V: np.ndarray, initial: np.ndarray, labels: np.ndarray, label: int
+) -> np.ndarray:
+    """Motion (4, 4) from rest to the initial positions of the vertices with a label."""
     mine = labels == label
-    if grip is V or np.array_equal(V[mine], grip[mine]):
+    if initial is V or np.array_equal(V[mine], initial[mine]):
         return IDENTITY
-    return frozen(fitted_motion(V[mine], grip[mine]))
+    return frozen(fitted_motion(V[mine], initial[mine]))
 
 
 _size = memoised(diagonal)
 
 
-def _gripped_handle(document: Document, k: int) -> Handle:
-    """Handle ``k`` with its motion before gripping, estimated if not recorded."""
+def _handle_with_earlier_motion(document: Document, k: int) -> Handle:
+    """Handle ``k`` with its motion before its initial pose, estimated if not recorded."""
     handle = document.handles[k]
     if not handle.earlier_poses:
-        motion = _grip_motion(document.mesh.V, document.grip, document.labels, HANDLE + k)
+        arrays = document.mesh.V, document.initial_positions, document.labels
+        motion = _motion_to_initial_positions(*arrays, HANDLE + k)
         handle = replace(handle, earlier_poses=() if motion is IDENTITY else (motion,))
     return handle
 
@@ -43,41 +46,42 @@ def _gripped_handle(document: Document, k: int) -> Handle:
 def handle_placements(document: Document) -> tuple[HandlePlacement, ...]:
     """Current placements of all handles with vertices."""
     found = [
-        _gripped_handle(document, k).relative_to_rest
+        _handle_with_earlier_motion(document, k).relative_to_rest
         for k in range(len(document.handles))
         if document.label_counts[HANDLE + k]
     ]
     return tuple(HandlePlacement(handle.name, handle.pose, handle.waypoints) for handle in found)
 
 
-def _targets(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]]:
-    """Handles of a document at their placements in a named pose, with their numbers."""
+def _placed_handles(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]]:
+    """Numbers of the handles in a named pose, and the handles placed as in it."""
     numbers = {
         handle.name: k for k, handle in enumerate(document.handles) if document.label_counts[HANDLE + k]
     }
     for placement in pose.placements:
         k = numbers.get(placement.handle)
         if k is not None:
-            there = _gripped_handle(document, k).with_pose_from_rest(placement.pose, placement.waypoints)
+            handle = _handle_with_earlier_motion(document, k)
+            there = handle.with_pose_from_rest(placement.pose, placement.waypoints)
             yield k, document.handles[k].with_pose(there.pose, there.waypoints)
 
 
 def with_named_pose(document: Document, pose: NamedPose) -> Document:
     """Document with its handles in a named pose; other handles are unchanged."""
-    for k, handle in _targets(document, pose):
+    for k, handle in _placed_handles(document, pose):
         document = document.with_handle(k, handle)
     return document
 
 
 def missing_handles(document: Document, pose: NamedPose) -> list[str]:
     """Names of the handles in a named pose missing from the document."""
-    found = {document.handles[k].name for k, _ in _targets(document, pose)}
+    found = {document.handles[k].name for k, _ in _placed_handles(document, pose)}
     return [placement.handle for placement in pose.placements if placement.handle not in found]
 
 
 def is_in_pose(document: Document, pose: NamedPose) -> bool:
     """True if all existing handles of a named pose are in it."""
-    size, there = _size(document.mesh.V), list(_targets(document, pose))
+    size, there = _size(document.mesh.V), list(_placed_handles(document, pose))
     return bool(there) and all(_are_equal_poses(document.handles[k], handle, size) for k, handle in there)
 
 

@@ -25,7 +25,7 @@ _ROUNDING = 1e-6
 def contact_distance(state: State, thickness: float | None) -> float:
     """Contact distance of walls and obstacles, mesh units."""
     mesh = state.document.mesh
-    return contact_thickness(diagonal(mesh.V[_corners(mesh.F)]), thickness)
+    return contact_thickness(diagonal(mesh.V[_used_vertices(mesh.F)]), thickness)
 
 
 def obstacle_clearance(obstacle: NamedObstacle, state: State) -> float:
@@ -35,22 +35,22 @@ def obstacle_clearance(obstacle: NamedObstacle, state: State) -> float:
     """
     U, F = state.frame.U, state.document.mesh.F
     if obstacle.kind is ObstacleKind.PLATE:
-        return float(((U[_corners(F)] - obstacle.place) @ checked_direction(obstacle.axis)).min())
+        return float(((U[_used_vertices(F)] - obstacle.place) @ checked_direction(obstacle.axis)).min())
     return clearance(obstacle.to_obstacle(1.0), np.zeros(3), U, F)
 
 
 @memo.memoised
-def _corners(F: np.ndarray) -> np.ndarray:
+def _used_vertices(F: np.ndarray) -> np.ndarray:
     """Sorted ids of the vertices used by triangles."""
     return frozen(np.unique(F))
 
 
-def is_clear(obstacle: NamedObstacle, state: State, distance: float) -> bool:
+def is_obstacle_clear(obstacle: NamedObstacle, state: State, distance: float) -> bool:
     """True if an obstacle keeps at least ``distance`` from the shape."""
     return obstacle_clearance(obstacle, state) >= (1.0 - _ROUNDING) * distance
 
 
-def moved_clear(obstacle: NamedObstacle, state: State, distance: float) -> NamedObstacle:
+def obstacle_moved_clear(obstacle: NamedObstacle, state: State, distance: float) -> NamedObstacle:
     """Obstacle moved back along its axis to ``distance`` from the shape.
 
     Each step equals the missing clearance, so that no free position is skipped.
@@ -89,8 +89,8 @@ def reset_obstacles(state: State) -> tuple[NamedObstacle, ...]:
     apart, found = contact_distance(state, state.document.settings.thickness), []
     for obstacle in state.document.obstacles:
         obstacle = obstacle.with_shift_applied(np.zeros(3))
-        clear = is_clear(obstacle, state, apart)
-        found.append(obstacle if clear else moved_clear(obstacle, state, apart))
+        clear = is_obstacle_clear(obstacle, state, apart)
+        found.append(obstacle if clear else obstacle_moved_clear(obstacle, state, apart))
     return tuple(found)
 
 
@@ -101,9 +101,11 @@ def obstacles_outside_shape(state: State, thickness: float | None) -> tuple[Name
     """
     apart, found = contact_distance(state, thickness), []
     for obstacle in state.document.obstacles:
-        clear = is_clear(obstacle, state, apart)
+        clear = is_obstacle_clear(obstacle, state, apart)
         found.append(
-            obstacle if clear else moved_clear(obstacle.with_shift_applied(np.zeros(3)), state, apart)
+            obstacle
+            if clear
+            else obstacle_moved_clear(obstacle.with_shift_applied(np.zeros(3)), state, apart)
         )
     return tuple(found)
 
@@ -111,7 +113,7 @@ def obstacles_outside_shape(state: State, thickness: float | None) -> tuple[Name
 def touching_plate(name: str, axis: np.ndarray, state: State, distance: float) -> NamedObstacle:
     """Plate touching the shape from behind, with its normal along ``axis`` (3,)."""
     axis = checked_direction(axis)
-    X = state.frame.U[_corners(state.document.mesh.F)]
+    X = state.frame.U[_used_vertices(state.document.mesh.F)]
     middle = 0.5 * (X.min(axis=0) + X.max(axis=0))
     place = middle + (float((X @ axis).min()) - distance - float(middle @ axis)) * axis
     return NamedObstacle(name, ObstacleKind.PLATE, frozen(place), frozen(axis + 0.0))

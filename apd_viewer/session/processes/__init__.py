@@ -13,5 +13,6 @@
                                     <- path -------------
 
 Every process is a :class:`ChildProcess`: messages by two pipes, large arrays beside them in shared memory.
-It ends with its owner and ignores Ctrl+C; the log gets the last lines of its standard error if it fails.
+It ends with its parent process and ignores Ctrl+C; if it fails, the log gets the last lines of its standard
+error.
 """

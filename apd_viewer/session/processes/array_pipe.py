@@ -82,7 +82,7 @@ class ArrayPacker:
     def packed_message(self, value: object) -> bytes:
         """Return the message for ``value``; raises MemoryError."""
         self._mentioned, self._arrays, self._meshes = {}, [], []
-        content = pickled(value, self._number)
+        content = pickled_value(value, self._number)
         forgotten = [number for key, (number, _) in self._known.items() if key not in self._mentioned]
         arrays = self._layout()
         self._known = self._mentioned
@@ -158,7 +158,7 @@ class ArrayUnpacker:
             envelope.close()
         for mesh in meshes:
             self._known[mesh.number] = self._mesh(mesh)
-        return unpickled(content, self._known)
+        return unpickled_value(content, self._known)
 
     def _mesh(self, description: _Mesh) -> Mesh:
         known = self._known
@@ -168,7 +168,7 @@ class ArrayUnpacker:
         )
 
 
-def pickled(value: object, number_of: Callable[[object], int | None]) -> bytes:
+def pickled_value(value: object, number_of: Callable[[object], int | None]) -> bytes:
     """Pickle ``value``, with numbers in place of the numbered objects."""
 
     class Pickler(pickle.Pickler):
@@ -180,7 +180,7 @@ def pickled(value: object, number_of: Callable[[object], int | None]) -> bytes:
     return buffer.getvalue()
 
 
-def unpickled(content: bytes, known: Mapping[int, Any]) -> Any:
+def unpickled_value(content: bytes, known: Mapping[int, Any]) -> Any:
     """Restore a pickled value, given the numbered objects."""
 
     class Unpickler(pickle.Unpickler):

@@ -1,4 +1,4 @@
-"""Set-up of every child process, including its termination with the owner."""
+"""Set-up of every child process, including its end with the parent process."""
 
 import contextlib
 import ctypes
@@ -12,31 +12,31 @@ from typing import BinaryIO
 _DEATH_OF_THE_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
 
 
-def set_up_process(owner_pid: int) -> None:
-    """Prepare this process to serve its owner, before large imports.
+def set_up_process(parent_pid: int) -> None:
+    """Prepare this process to serve its parent process, before large imports.
 
     Parameters
     ----------
-    owner_pid : int
+    parent_pid : int
         Number of the process that started this one.
     """
     faulthandler.enable()
-    # Ctrl+C ends the owner, and this process only with it.
+    # Ctrl+C ends the parent process, and this process only with it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.stdout = sys.stderr
-    # A killed owner closes our input, but native code may run for seconds before reading it. On Linux a
+    # A killed parent closes our input, but native code may run for seconds before reading it. On Linux a
     # signal ends this process with the thread that started it, so that thread must live as long.
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_DEATH_OF_THE_PARENT, signal.SIGKILL)
-        # Linux does not signal an owner killed while this interpreter was starting.
-        if os.getppid() != owner_pid:
+        # Linux sends no signal if the parent was killed while this interpreter was starting.
+        if os.getppid() != parent_pid:
             os._exit(0)
 
 
 def run_service(
     reply_descriptor: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: int = 0
 ) -> None:
-    """Call ``serve(source, sink)`` until the owner closes ``source``.
+    """Call ``serve(source, sink)`` until the parent process closes ``source``.
 
     Parameters
     ----------
@@ -45,10 +45,10 @@ def run_service(
     serve : callable
         Reads messages from ``source`` and writes messages to ``sink``; see :mod:`array_pipe`.
     niceness : int
-        Above 0 where other processes come first.
+        Greater than 0 to give other processes priority.
     """
     if hasattr(os, "nice"):
         os.nice(niceness)
-    # If the owner has died, unread messages are lost when the sink is closed.
+    # If the parent process has died, unread messages are lost when the sink is closed.
     with contextlib.suppress(OSError), os.fdopen(reply_descriptor, "wb") as sink:
         serve(sys.stdin.buffer, sink)

@@ -23,7 +23,7 @@ replies = os.dup(1)
 os.dup2(2, 1)
 sys.path[:] = sys.argv[2:]
 from apd_viewer.session.processes.child_boot import set_up_process
-set_up_process(owner_pid=int(sys.argv[1]))
+set_up_process(parent_pid=int(sys.argv[1]))
 from apd_viewer.session.{module} import main
 main(replies)
 """
@@ -50,7 +50,7 @@ class Process(Protocol):
 
 
 class ChildProcess:
-    """Process with messages to and from its owner.
+    """Child process exchanging messages with this process.
 
     The exit code and the last lines of the standard error of one that fails are logged.
 
@@ -107,7 +107,7 @@ class ChildProcess:
         self._failed = not self._killed
         return False
 
-    def receive(self) -> bytes | None:
+    def receive_message(self) -> bytes | None:
         """Wait for a message; None if the process has ended."""
         with contextlib.suppress(OSError, ValueError):
             if self._process is not None:
@@ -157,7 +157,7 @@ class ChildProcess:
         return cast("Process", process)
 
     def _read_errors(self, errors: BinaryIO) -> None:
-        """Keep the last lines of standard error; copy all to the log and the owner's."""
+        """Copy standard error to the log and that of this process; keep its last lines."""
         with errors:
             for line in errors:
                 words = line.decode(errors="replace").rstrip()[:_LINE_LENGTH]

@@ -14,7 +14,7 @@ from apd_viewer.session.processes.child_boot import run_service
 from apd_viewer.session.processes.child_process import START_SCRIPT, ChildProcess
 from apd_viewer.session.processes.request_and_reply import CompilationProgress
 
-# The window and the solver come first: on two cores the window would otherwise be ready twice as late.
+# The window and the solver have priority: on two cores the window would otherwise be ready twice as late.
 _NICENESS = 10
 # Largest fraction reported before the end, since uncounted kernels take time, too.
 _NEARLY_ALL = 0.99
@@ -32,7 +32,7 @@ class Compilation:
 
     def __init__(self, send: Callable[[CompilationProgress], object]) -> None:
         self._tell = send
-        self._stop = report_compilations(lambda share: self._report(min(share, _NEARLY_ALL)))
+        self._stop = report_compilations(lambda fraction: self._report(min(fraction, _NEARLY_ALL)))
 
     def run(self, is_interrupted: Callable[[], bool]) -> None:
         """Compile until ``is_interrupted()``; errors appear in later requests."""
@@ -42,8 +42,8 @@ class Compilation:
             self._stop()
             self._report(1.0)
 
-    def _report(self, share: float) -> None:
-        self._tell(CompilationProgress(share))
+    def _report(self, fraction: float) -> None:
+        self._tell(CompilationProgress(fraction))
 
 
 class CompilerProcesses:
@@ -72,7 +72,7 @@ class CompilerProcesses:
 
 
 def main(reply_descriptor: int) -> None:
-    """Serve the window's process; ``reply_descriptor`` is the descriptor for answers."""
+    """Answer the parent process; ``reply_descriptor`` is the descriptor for replies."""
     run_service(reply_descriptor, serve, _NICENESS)
 
 

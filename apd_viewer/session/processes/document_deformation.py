@@ -26,7 +26,7 @@ def deformation_of(
         rest=rest,
         factored=factored,
         soft=held.soft,
-        loose=document.staying_components,
+        loose=document.immobile_components,
         obstacles=document.active_obstacles,
         **settings,
     )
@@ -41,8 +41,8 @@ def document_iteration(
 ) -> PathIteration:
     """Iteration of a document's deformation towards its poses.
 
-    Paths beyond half a turn are followed from the grip in steps; otherwise the handles move to the poses at
-    once. The shape thus depends on the document alone, and not on the pace of a drag.
+    Paths beyond half a turn are followed from the initial positions in steps; otherwise the handles move to
+    the poses at once. The shape thus depends on the document alone, and not on the pace of a drag.
 
     Parameters
     ----------
@@ -63,7 +63,9 @@ def document_iteration(
         return PathIteration(solver, stops, U, start_shifts)
     has_come = start_shifts is None or np.array_equal(start_shifts, shifts)
     is_there = U is not None and has_come and _is_in_place(solver, held, U)
-    return PathIteration(solver, stops, document.grip, np.zeros_like(shifts), is_path_hidden=is_there)
+    return PathIteration(
+        solver, stops, document.initial_positions, np.zeros_like(shifts), is_path_hidden=is_there
+    )
 
 
 def _stop(document: Document) -> PathStop:

@@ -15,7 +15,7 @@ _NICENESS = 10  # displayed frames have priority
 
 
 def main(reply_descriptor: int) -> None:
-    """Serve the owner; ``reply_descriptor`` is the file descriptor for answers."""
+    """Answer the parent process; ``reply_descriptor`` is the descriptor for replies."""
     run_service(reply_descriptor, serve, _NICENESS)
 
 

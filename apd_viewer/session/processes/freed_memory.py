@@ -15,7 +15,7 @@ def keep_freed_memory() -> None:
     By default, depending on earlier allocations, all memory of a frame may be returned and requested again:
     16,000 pages for 164,000 vertices, a third of the time of the frame.
     """
-    if mallopt := _of_glibc("mallopt"):
+    if mallopt := _glibc_function("mallopt"):
         for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
             mallopt(*option)
 
@@ -26,16 +26,16 @@ def share_freed_memory() -> None:
     Call it before starting threads. By default each thread has its own arena: after a window had opened 20
     files in turn, 100 MiB were free in the arenas of the reading threads, more after every file.
     """
-    if mallopt := _of_glibc("mallopt"):
+    if mallopt := _glibc_function("mallopt"):
         mallopt(*_MOST_ARENAS)
 
 
 def release_freed_memory() -> None:
     """Return freed memory to the system, on glibc."""
-    if trim := _of_glibc("malloc_trim"):
+    if trim := _glibc_function("malloc_trim"):
         trim(0)
 
 
-def _of_glibc(name: str) -> Any:
+def _glibc_function(name: str) -> Any:
     """Function of the C library by name; None if missing."""
     return getattr(ctypes.CDLL(None), name, None) if sys.platform.startswith("linux") else None

@@ -48,7 +48,7 @@ def _path(process: ChildProcess, query: GeodesicQuery) -> CarriedPath | None:
     shape = np.ascontiguousarray(query.F, np.int32), np.ascontiguousarray(query.U)
     if not process.send_messages(*shape, ends):
         return None
-    corners, weights = process.receive(), process.receive()
+    corners, weights = process.receive_message(), process.receive_message()
     if corners is None or weights is None:
         return None
     return CarriedPath(

@@ -15,7 +15,7 @@ from apd_viewer.session.processes.child_boot import run_service
 
 
 def main(reply_descriptor: int) -> None:
-    """Serve the owner; ``reply_descriptor`` is the file descriptor for answers."""
+    """Answer the parent process; ``reply_descriptor`` is the descriptor for replies."""
     run_service(reply_descriptor, serve)
 
 

@@ -124,6 +124,6 @@ class RemoteFactor:
 
     def _answer_to(self, *messages: np.ndarray) -> bytes | None:
         """Return the answer of the process; None if it has died."""
-        answer = self._process.receive() if self._process.send_messages(*messages) else None
+        answer = self._process.receive_message() if self._process.send_messages(*messages) else None
         self._missing = answer is None
         return answer

@@ -112,7 +112,7 @@ class RequestStage(Enum):
     RECEIVED = "received"
     TURNED_TO = "turned to"  # all earlier requests are answered or dropped
     UNDER_WAY = "under way"  # sent every second while the request is being processed
-    ANSWERED = "answered"  # or dropped; no more messages follow
+    ANSWERED = "answered"  # answered or dropped; no more messages follow
 
 
 class RequestProgress(NamedTuple):
@@ -124,9 +124,9 @@ class RequestProgress(NamedTuple):
 
 @dataclass(frozen=True)
 class CompilationProgress:
-    """Progress of kernel compilation on this computer; ``share`` is 1 at the end."""
+    """Progress of kernel compilation on this computer; ``fraction`` is 1 at the end."""
 
-    share: float
+    fraction: float
 
 
 SolverMessage = Reply | RequestProgress | CompilationProgress | LogRecord
@@ -142,7 +142,7 @@ def factor_key(document: Document) -> tuple[object, ...]:
     return (
         *(getattr(document, name) for name in _OF_DOCUMENT),
         *(getattr(document.settings, name) for name in _OF_SETTINGS),
-        document.staying_components if document.settings.contact else None,
+        document.immobile_components if document.settings.contact else None,
         *(getattr(handle, name) for handle in document.handles for name in _OF_HANDLE),
     )
 
@@ -155,7 +155,7 @@ def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
 
 
 def obstacle_key(document: Document) -> tuple[object, ...]:
-    """Key of the obstacles as first placed; a changed key needs new contact data."""
+    """Key of the initial obstacles; a changed key needs new contact data."""
     if not document.has_active_obstacles:
         return ()
     each = ((one.kind, one.place, one.axis, one.radius, one.length) for one in document.obstacles)

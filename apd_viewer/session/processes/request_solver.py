@@ -94,14 +94,14 @@ class RequestSolver:
                 done = self._run_idle_work(when_idle)
             if not self._requests.wait_for_value(PAUSE):
                 release_freed_memory()
-        self._drop()
+        self._discard_deformation()
 
     def answer(self, request: Request) -> None:
         """Answer a request, or prepare for the next one."""
-        self.switch_to_mesh(request.document.mesh)
+        self.discard_other_mesh(request.document.mesh)
         if request.document.paint_problem:
-            # Such requests are sent during painting, for preparations alone.
-            if request.with_cost:  # a comparison of methods waits for an answer
+            # Requests without complete paint are sent during painting, only to prepare for a later one.
+            if request.with_cost:  # sent by a comparison of methods, which waits for an answer
                 raise InputError(request.document.paint_problem)
             with contextlib.suppress(InputError):
                 compute_decimations(self._rest_of(request))
@@ -117,10 +117,10 @@ class RequestSolver:
         else:
             self._begin_factorizations()
 
-    def switch_to_mesh(self, mesh: Mesh) -> None:
-        """Discard preparations if they were made for a different mesh."""
+    def discard_other_mesh(self, mesh: Mesh) -> None:
+        """Discard the preparations for another mesh, if there are any."""
         if self._rest is not None and self._rest[0] is not mesh:
-            self._drop()
+            self._discard_deformation()
             self._rest = self._tray = None
 
     @property
@@ -133,7 +133,7 @@ class RequestSolver:
         when_idle(lambda: self._requests.is_ready)
         return not self._requests.is_ready
 
-    def _drop(self) -> None:
+    def _discard_deformation(self) -> None:
         """Discard the deformation, and end its factorizations."""
         self._solver = self._walk = None
         for factor in self._factors:
@@ -141,7 +141,7 @@ class RequestSolver:
         self._factors = []
 
     def _fail(self, request: Request, message: str) -> None:
-        self._drop()
+        self._discard_deformation()
         self._tell(Reply(request, finished=True, failure=message))
 
     def _iterate(self, request: Request, solver: Deformation, started: float) -> None:
@@ -213,11 +213,11 @@ class RequestSolver:
             document.settings.calm,
         )
         moved = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
-        poses = document.grip, *moved
+        poses = document.initial_positions, *moved
         around = request_and_reply.obstacle_key(document)
         fresh = self._solver is None or not request_and_reply.are_same_keys(key, self._key)
         if self._solver is None or fresh:
-            self._drop()  # frees memory before the next solver is made
+            self._discard_deformation()  # frees memory before the next solver is made
             self._solver = self._new_deformation(request, held)
         else:
             if not request_and_reply.are_same_keys(goals, self._goals):
@@ -228,11 +228,11 @@ class RequestSolver:
             document.settings.tolerance,
             document.settings.convergence,
         )
-        self._solver.loose.set_loose_motion(document.staying_components)
+        self._solver.loose.set_loose_motion(document.immobile_components)
         self._warning = self._solver.loose.warning
         jumps = request.generation != self._generation
         elsewhere = jumps or not request_and_reply.are_same_keys(around, self._placed)
-        # Aiming again would reset the paper method's handle to its target.
+        # Only after a change: equal targets would reset the handle of the method "paper" to its target.
         if fresh or elsewhere or not request_and_reply.are_same_keys(poses, self._poses):
             U = request.U if fresh or elsewhere else None
             walks = request.iterate and (jumps or (fresh and _must_start_at_rest(self._solver, request)))

@@ -61,7 +61,7 @@ def _answer(process: ChildProcess, query: ShapeQuery) -> ShapeCheck | None:
     )
     if not process.send_messages(*said):
         return None
-    crossing, boxes, turned = process.receive(), process.receive(), process.receive()
+    crossing, boxes, turned = process.receive_message(), process.receive_message(), process.receive_message()
     if crossing is None or boxes is None or turned is None:
         return None
     ids = None if crossing == NOT_CHECKED else np.frombuffer(crossing, dtype=np.int64)

@@ -1,6 +1,6 @@
 """Shared memory for arrays sent to the solver and shapes sent back.
 
-The owner of the solver creates and removes the blocks; the solver only opens them.
+The parent process of the solver creates and removes the blocks; the solver only opens them.
 """
 
 import os
@@ -94,11 +94,11 @@ class SharedCounters:
 
 
 class SharedShapeBuffer:
-    """Shared buffer for one shape, written by the solver and copied by its owner.
+    """Shared buffer for one shape, written by the solver and copied by its parent.
 
     Three counters beside it: the shapes put so far, the last one copied, the last one displayed. Each is
     written by one side only and read by the other at any time. The solver writes a shape once the last one
-    has been copied, the owner copies it once it has been put; see :class:`SharedCounters` for why either
+    has been copied, the parent copies it once it has been put; see :class:`SharedCounters` for why either
     then sees it whole.
 
     Parameters
@@ -106,7 +106,7 @@ class SharedShapeBuffer:
     n : int
         Number of vertices.
     name : str, optional
-        Of the block that its owner has made.
+        Name of the block created by the parent process.
 
     Raises
     ------
@@ -141,7 +141,7 @@ class SharedShapeBuffer:
         self._counters.store(_PUT, number)
         return number
 
-    # Methods for the owner
+    # Methods for the parent process
 
     def take_shape(self, number: int) -> np.ndarray:
         """Copy shape ``number``, and free the buffer."""
@@ -163,7 +163,7 @@ def untrack_shared_memory() -> None:
 
 
 def _create(size: int) -> SharedMemory:
-    # The owner's process id distinguishes the block from those of other programs.
+    # The process id distinguishes the block from those of other programs.
     block = SharedMemory(f"apd-{os.getpid()}-{secrets.token_hex(4)}", create=True, size=size)
     try:
         # Linux overcommits and kills the process at first use: reserve all of it now.

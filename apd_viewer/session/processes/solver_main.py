@@ -1,7 +1,7 @@
 """Main function of the solver process.
 
 A thread reads, so that the solver finds the newest request between two iterations. The process has nothing to
-save: it ends at once with its owner.
+save: it ends at once with its parent process.
 """
 
 import contextlib
@@ -32,7 +32,7 @@ _LEAST_SPENT = 0.001  # CPU seconds per report that count as work; even a pollin
 
 
 def main(reply_descriptor: int) -> None:
-    """Serve the owner; ``reply_descriptor`` is the file descriptor for messages."""
+    """Answer the parent process; ``reply_descriptor`` is the descriptor for replies."""
     untrack_shared_memory()
     run_service(reply_descriptor, _serve_when_idle)
 
@@ -45,7 +45,7 @@ def _serve_when_idle(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 class SolverMessageSender:
-    """Thread-safe sender of messages to the owner."""
+    """Thread-safe sender of messages to the parent process."""
 
     def __init__(self, sink: BinaryIO) -> None:
         self._sink = sink
@@ -53,9 +53,9 @@ class SolverMessageSender:
 
     def __call__(self, message: SolverMessage) -> None:
         """Send a message, with requests named by their numbers."""
-        # A write error means that the owner is gone; the source of requests ends as well.
+        # A write error means that the parent process is gone; the source of requests ends as well.
         with self._one_at_a_time, contextlib.suppress(OSError, ValueError):
-            array_pipe.write_message(self._sink, array_pipe.pickled(message, _request_number))
+            array_pipe.write_message(self._sink, array_pipe.pickled_value(message, _request_number))
 
 
 def _request_number(thing: object) -> int | None:
@@ -105,7 +105,7 @@ class _Pulse:
 
 
 class _Forwarder(QueueHandler):
-    """Log handler forwarding records to the owner."""
+    """Log handler forwarding records to the parent process."""
 
     def __init__(self, tell: SolverMessageSender) -> None:
         super().__init__(queue=None)  # type: ignore[arg-type]
@@ -141,7 +141,7 @@ def serve(
                 request: Request = unpacker.unpacked_value(message)
                 send(RequestProgress(RequestStage.RECEIVED, request))
                 requests.put(request)
-        finally:  # without an owner there is nothing to log to
+        finally:  # the parent process, and with it the log, is gone
             requests.close()
             on_source_end()
 

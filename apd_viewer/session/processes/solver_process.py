@@ -108,7 +108,7 @@ class SolverProcess:
         self._received.clear()
         number, tray = next(self._numbers), self._shape_buffer_for(request)
         self._watch.expect_answer(number, _allowed_silence(len(request.document.mesh.F)))
-        # With every request: the process may skip earlier ones. It has the decimations it computed itself.
+        # Sent with every request, as the process may skip earlier ones; it knows those it computed itself.
         known = () if request.document.mesh is self._finder_of else decimations
         name = tray.name if tray else None
         request = replace(request, number=number, shape_buffer=name, decimations=known)
@@ -140,10 +140,10 @@ class SolverProcess:
         return self._tray[1]
 
     def _with_first_start(self, request: Request) -> Request:
-        """Request with the start shape of the first similar request, sent only once.
+        """Request with the start shape of the first request that has the same factors.
 
-        The process continues from its current shape, and needs the start shape only for the first of them. It
-        is therefore not sent with every pose.
+        The process continues from its current shape, and needs the start shape only for the first of them:
+        an equal array is sent only once.
         """
         start = self._start
         if (
@@ -158,8 +158,8 @@ class SolverProcess:
 
     def _listen(self) -> None:
         try:
-            while (message := self._process.receive()) is not None:
-                self._handle_message(array_pipe.unpickled(message, self._requests))
+            while (message := self._process.receive_message()) is not None:
+                self._handle_message(array_pipe.unpickled_value(message, self._requests))
         finally:
             self.is_alive = False
             self._watch.close()
@@ -173,7 +173,7 @@ class SolverProcess:
         if isinstance(message, logging.LogRecord):
             logging.getLogger(message.name).handle(message)
         elif isinstance(message, CompilationProgress):
-            self._compiling(message.share)
+            self._compiling(message.fraction)
         elif isinstance(message, Reply):
             self._handle_reply(message)
         elif message.request is not None:

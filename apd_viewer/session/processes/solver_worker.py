@@ -61,7 +61,7 @@ class SolverWorker:
 
     Attributes
     ----------
-    compiled_share : float or None
+    compiled_fraction : float or None
         Share of the kernels compiled for this computer so far; None before that is known. ``wake`` is called
         when it changes.
     silent_seconds : int
@@ -70,7 +70,7 @@ class SolverWorker:
     """
 
     def __init__(self, wake: Callable[[], object]) -> None:
-        self.compiled_share: float | None = None
+        self.compiled_fraction: float | None = None
         self.silent_seconds = 0
         self._wake = wake
         self._requests: Mailbox[Request | _Call] = Mailbox()
@@ -218,8 +218,8 @@ class SolverWorker:
     def _store(self, mesh: Mesh, decimations: tuple[Decimation, ...]) -> None:
         self._known = mesh, decimations
 
-    def _show_progress(self, share: float) -> None:
-        self.compiled_share = share
+    def _show_progress(self, fraction: float) -> None:
+        self.compiled_fraction = fraction
         self._wake()
 
     def _silence(self, seconds: int) -> None:

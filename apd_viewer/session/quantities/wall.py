@@ -45,12 +45,12 @@ class WallText(NamedTuple):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """Texts and name of the material, as :meth:`from_words` takes them."""
+        """Texts and name of the material, in the form accepted by :meth:`from_words`."""
         return (*self[:-1], self.material.name if self.material else "")
 
     @classmethod
     def from_words(cls, *words: str) -> "WallText":
-        """Wall of some or all of its words; an unknown material is left out."""
+        """Wall from some or all of its words; an unknown material is ignored."""
         known = {material.name: material for material in wall_material.WALL_MATERIALS}
         *texts, name = (*words, *[""] * len(cls._fields))[: len(cls._fields)]
         return cls._make((*texts, known.get(name)))
@@ -67,18 +67,18 @@ class WallText(NamedTuple):
         return comma_separated(filter(None, (known and known.title, thickness, density, young)))
 
     def usable_thickness(self, unit: Unit) -> float | None:
-        """Thickness in mesh units, typed or of the material; None without a valid one."""
+        """Thickness in mesh units, typed or of the material; None if neither is valid."""
         known = "" if self.material is None else f"{self.material.thickness} mm"
         with suppress(InputError):
             return parse_thickness(self.thickness.strip() or known, unit)
         return None
 
     def contact_distance(self, unit: Unit) -> float | None:
-        """Typed thickness in mesh units, which walls in contact keep; None without."""
+        """Typed thickness in mesh units, the distance in contact; None if there is none."""
         return self._replace(material=None).usable_thickness(unit)
 
     def usable_density(self) -> float | None:
-        """Density in g/cm³, typed or of the material; None without a valid one."""
+        """Density in g/cm³, typed or of the material; None if neither is valid."""
         with suppress(InputError):
             return wall_material.parse_density(self.density)
         return None if self.density.strip() or self.material is None else self.material.density
@@ -89,7 +89,7 @@ NO_WALL = WallText()
 
 @dataclass(frozen=True)
 class Wall:
-    """Wall of a mesh as numbers; None where unknown.
+    """Wall of a mesh as numbers; None if unknown.
 
     Attributes
     ----------

@@ -81,7 +81,14 @@ def handle_from_json(fields: JsonFields) -> Handle:
     falloff = fields.number("falloff", 0.0, LARGEST_NUMBER) if fields.has_value("falloff") else 0.0
     line = frozen(fields.array("line", 3)) if fields.has_value("line") else None
     return Handle(
-        fields.text("name"), pose, pivot, falloff, waypoints, flags_from_json(fields), _earlier(fields), line
+        fields.text("name"),
+        pose,
+        pivot,
+        falloff,
+        waypoints,
+        flags_from_json(fields),
+        _earlier_poses(fields),
+        line,
     )
 
 
@@ -108,8 +115,8 @@ def _check_affine(*poses: np.ndarray) -> None:
         )
 
 
-def _earlier(fields: JsonFields) -> tuple[np.ndarray, ...]:
-    """Poses of a handle before it was gripped."""
+def _earlier_poses(fields: JsonFields) -> tuple[np.ndarray, ...]:
+    """Poses of a handle on its path from rest to its initial position."""
     poses = tuple(map(frozen, fields.arrays("earlier", _MOST_WAYPOINTS, 4, 4)))
     _check_affine(*poses)
     if any(not np.linalg.det(each) for each in poses):
@@ -132,7 +139,7 @@ _ROUNDING = 1e-9
 
 
 def measurements_to_json(measurements: tuple[Measurement, ...]) -> dict[str, Any]:
-    """JSON field of the measurements; empty without any."""
+    """JSON field of the measurements; empty if there is none."""
     return {"measurements": [_measurement_to_json(each) for each in measurements]} if measurements else {}
 
 

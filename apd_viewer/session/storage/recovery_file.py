@@ -85,7 +85,7 @@ def find_recovery_files(folder: Path) -> list[RecoveryFile]:
 
 
 def _claim(path: Path) -> RecoveryFile | None:
-    """Recovery file at ``path``; None if its owner lives, or it is claimed or gone."""
+    """Recovery file at ``path``; None if its program runs, or it is claimed or gone."""
     try:
         lock = acquire_lock(lock_path(path))
     except OSError:
@@ -109,7 +109,7 @@ def claim_path(folder: Path) -> tuple[Path, FileLock]:
     """Unused path in ``folder``, and its lock; raises OSError."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     make_private(folder, 0o700)
-    for _ in range(_MOST_TRIES):  # another program may be testing the lock at its start
+    for _ in range(_MOST_TRIES):  # another instance that is starting may be testing the lock
         path = folder / f"{os.getpid()}-{time.time_ns()}{SESSION_SUFFIX}"
         if (lock := acquire_lock(lock_path(path))) is not None:
             return path, lock
@@ -117,7 +117,7 @@ def claim_path(folder: Path) -> tuple[Path, FileLock]:
 
 
 def lock_path(path: Path) -> Path:
-    """Path of the lock file beside ``path``, locked while its owner lives."""
+    """Path of the lock file beside ``path``, locked while its program runs."""
     return path.with_suffix(".lock")
 
 

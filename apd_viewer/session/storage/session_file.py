@@ -94,7 +94,7 @@ def save_session(
     arrays = {"labels": document.labels, "member": document.member}
     if mesh.has_welded_seams:
         arrays[_WELD] = mesh.weld.representative
-    positions = {"grip": document.grip, "shape": state.frame.U}
+    positions = {"grip": document.initial_positions, "shape": state.frame.U}
     # Rest positions are left out: they are restored from the mesh.
     arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
     steps, arrays_of_steps = timeline_to_json(timeline, state) if timeline.steps else (None, {})
@@ -150,7 +150,7 @@ def _opened(path: Path, with_timeline: bool) -> OpenedFile:
         archive = Archive(_content(path))
         said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER)
         _check_version(said, path)
-        mesh = _weld(mesh_location.find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
+        mesh = _welded_mesh(mesh_location.find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
         state, arrays = initial_state(mesh), _arrays(said, archive, mesh)
         document = with_target(
             session_json.document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
@@ -189,7 +189,7 @@ def _check_version(fields: JsonFields, path: Path) -> None:
         raise ValueError(tr("its “version” is damaged"))
 
 
-def _weld(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
+def _welded_mesh(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
     """Mesh with its seams welded as in the session."""
     if _WELD not in fields.texts("arrays", max_count=100):
         return mesh
@@ -219,7 +219,12 @@ def _check_shape(X: np.ndarray, mesh: Mesh, name: str) -> None:
 def _array_reader(archive: Archive, state: State) -> ArrayReader:
     """Reader of the arrays of a timeline; each is read once."""
     mesh, document = state.document.mesh, state.document
-    own = {"labels": document.labels, "grip": document.grip, "shape": state.frame.U, "rest": mesh.V}
+    own = {
+        "labels": document.labels,
+        "grip": document.initial_positions,
+        "shape": state.frame.U,
+        "rest": mesh.V,
+    }
     known = {(name, "|u1" if name == "labels" else "<f8"): array for name, array in own.items()}
 
     def read(name: str, kind: str) -> np.ndarray:
@@ -321,7 +326,7 @@ def target_to_json(
 
 
 def has_mesh(path: Path, mesh: Mesh) -> bool:
-    """True if the session at ``path`` contains the mesh, or still finds it."""
+    """True if the session at ``path`` contains the mesh, or finds its file unchanged."""
     if mesh_location.is_mesh_in_file(mesh):
         return True
     try:

@@ -34,7 +34,7 @@ _POINTS = ("position", "focal", "up")
 _WALL = WallText._fields
 _AXES = "xyz"
 _NO_OVERLAY = "none"
-# Settings of sessions older than the settings, if different from today's defaults.
+# Values of settings for sessions older than the setting, if different from the current default.
 _OF_OLDER_SESSIONS = {"calm": False}
 
 
@@ -56,10 +56,10 @@ def document_to_json(document: Document) -> dict[str, Any]:
             if document.obstacles
             else {}
         ),
-        # Sessions without this field were written when loose parts stayed at rest.
+        # Sessions without this field were written when all loose parts were immobile.
         **(
-            {"staying": list(document.staying_components)}
-            if document.staying_components or document.loose_components
+            {"staying": list(document.immobile_components)}
+            if document.immobile_components or document.loose_components
             else {}
         ),
         **part_json.measurements_to_json(document.measurements),
@@ -96,7 +96,7 @@ def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndar
         else (),
         mirror_axis=_axis(fields.text("mirror")) if fields.has_value("mirror") else None,
     )
-    return replace(document, staying_components=_staying_components(fields, document, arrays["shape"]))
+    return replace(document, immobile_components=_staying_components(fields, document, arrays["shape"]))
 
 
 def _obstacles(fields: JsonFields) -> tuple[NamedObstacle, ...]:
@@ -114,13 +114,13 @@ def _axis(name: str) -> int:
 
 
 def _staying_components(fields: JsonFields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
-    """Parts staying at rest; all loose parts in older sessions of a deformed shape."""
+    """Immobile loose parts; in older sessions of a deformed shape, all loose parts."""
     n = len(document.mesh.V)
     if fields.has_value("staying"):
-        staying = fields.counts("staying", n)
-        if any(first >= n for first in staying):
+        immobile = fields.counts("staying", n)
+        if any(first >= n for first in immobile):
             raise ValueError(tr("“staying” in it refers to a vertex that does not exist"))
-        return staying
+        return immobile
     return () if shape is document.mesh.V else tuple(part.first for part in document.loose_components)
 
 

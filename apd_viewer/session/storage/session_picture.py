@@ -14,7 +14,7 @@ PICTURE_SIDE = 256  # largest side in pixels, as requested by file managers
 
 
 def session_picture(path: Path) -> bytes | None:
-    """PNG picture in a session file; None without one.
+    """PNG picture in a session file; None if there is none.
 
     Raises
     ------

@@ -31,9 +31,9 @@ def write_timeline(
     Parameters
     ----------
     newtons : sequence of (float, float)
-        Per load, for each step and for the wall there; NaN where unknown.
+        Newtons per load at each step, for its state and for that of the method Wall; NaN if unknown.
     of_wall : bool
-        The shapes are those of the method Wall, where they are known; a table has the readings of both.
+        Write the shapes solved by the method Wall, if there are any; a table has the readings of both.
 
     Raises
     ------
@@ -42,7 +42,9 @@ def write_timeline(
     """
     if path.suffix.lower() == _TABLE:
         pairs = zip(timeline.steps, newtons, strict=True)
-        rows = [[k, *_row(step.state, a), *_row(step.wall, b)] for k, (step, (a, b)) in enumerate(pairs)]
+        rows = [
+            [k, *_row(step.state, a), *_row(step.wall_state, b)] for k, (step, (a, b)) in enumerate(pairs)
+        ]
         write_table(path, (*_COLUMNS, *_OF_WALL), rows)
         return
     check_animation(path)
@@ -50,13 +52,13 @@ def write_timeline(
     with tempfile.TemporaryDirectory(prefix="apd-timeline-") as folder:
         files = [Path(folder, f"{k}.npy") for k in range(len(timeline.steps))]
         for file, step in zip(files, timeline.steps, strict=True):
-            np.save(file, ((step.wall if of_wall else None) or step.state).frame.U)
+            np.save(file, ((step.wall_state if of_wall else None) or step.state).frame.U)
         times = [float(k) for k in range(len(files))]
         write_animation(Animation(last.mesh, last.labels, last.member, files, times), path)
 
 
 def _row(state: State | None, newtons: float) -> list[float | None]:
-    """Readings of a step; None or NaN for those unknown."""
+    """Readings of a step; None or NaN if unknown."""
     if state is None:
         return [None] * len(_OF_WALL)
     pair, frame = plate_pair(state.document), state.frame

@@ -1,4 +1,4 @@
-"""JSON conversion of a timeline, with its arrays beside it.
+"""JSON conversion of a timeline; its arrays are stored separately.
 
 Programs that know no timeline open the session without it.
 """
@@ -14,32 +14,37 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.timeline import MOST_STEPS, NO_TIMELINE, OVER_IT, Timeline, TimelineStep
+from apd_viewer.session.model.timeline import (
+    MEASURING_FIELDS,
+    MOST_STEPS,
+    NO_TIMELINE,
+    Timeline,
+    TimelineStep,
+)
 from apd_viewer.session.storage import session_json
 
-MOST_BYTES = 128 * 2**20  # of all arrays in a session
+MOST_BYTES = 128 * 2**20  # limit for all arrays of a timeline in a session file
 _ARRAYS = "labels", "grip", "shape"
 _KINDS = {"labels": "|u1", "grip": "<f8", "shape": "<f8"}
 ArrayReader = Callable[[str, str], np.ndarray]
 
 
 def saved_timeline(timeline: Timeline, state: State) -> Timeline:
-    """Timeline as far as a session of a state keeps it.
+    """Part of a timeline that is stored in the session file of ``state``.
 
-    That is two steps or more of the same rest shape; where they need more than ``MOST_BYTES`` the first ones
-    go.
+    It has at least two steps, all of the same rest shape; the oldest beyond ``MOST_BYTES`` are left out.
     """
     mesh = state.document.mesh
     steps = [step for step in timeline.steps if step.state.document.mesh is mesh]
-    kept = steps[-max(2, MOST_BYTES // (2 * mesh.V.nbytes)) :]  # shape and grip of each
+    kept = steps[-max(2, MOST_BYTES // (2 * mesh.V.nbytes)) :]  # two arrays of positions per step
     if len(kept) < 2:
         return NO_TIMELINE
     return Timeline(tuple(kept), timeline.dropped + len(timeline.steps) - len(kept))
 
 
 def timeline_to_json(timeline: Timeline, state: State) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """JSON of a saved timeline, and its arrays by name, for the session of a state."""
-    own = {"labels": state.document.labels, "grip": state.document.grip, "shape": state.frame.U}
+    """JSON of a saved timeline and its arrays by name, for the session of a state."""
+    own = {"labels": state.document.labels, "grip": state.document.initial_positions, "shape": state.frame.U}
     names = {id(array): name for name, array in ({"rest": state.document.mesh.V} | own).items()}
     arrays: dict[str, np.ndarray] = {}
     documents: dict[int, int] = {}
@@ -47,7 +52,7 @@ def timeline_to_json(timeline: Timeline, state: State) -> tuple[dict[str, Any], 
     rows = []
     for step in timeline.steps:
         document, frame = step.state.document, step.state.frame
-        found = dict(zip(_ARRAYS, (document.labels, document.grip, frame.U), strict=True))
+        found = dict(zip(_ARRAYS, (document.labels, document.initial_positions, frame.U), strict=True))
         for name, array in found.items():
             if id(array) not in names:
                 names[id(array)] = f"timeline-{name}-{len(arrays)}"
@@ -69,13 +74,13 @@ def timeline_to_json(timeline: Timeline, state: State) -> tuple[dict[str, Any], 
 
 
 def _document_to_json(document: Document) -> dict[str, Any]:
-    """JSON of what a document says of its shape."""
+    """JSON of the fields of a document that determine its shape."""
     bare = replace(document, regions=(), measurements=(), poses=())
     return session_json.document_to_json(bare)
 
 
 def timeline_from_json(fields: JsonFields, state: State, read: ArrayReader) -> tuple[Timeline, State]:
-    """Timeline from JSON for the session of a state, and the state as its step.
+    """Timeline from JSON, and the session's state, replaced by its step if it has one.
 
     Parameters
     ----------
@@ -92,11 +97,11 @@ def timeline_from_json(fields: JsonFields, state: State, read: ArrayReader) -> t
 
 def _document(fields: JsonFields, state: State, read: ArrayReader) -> Document:
     mesh = state.document.mesh
-    labels, grip = (read(fields.text(name), _KINDS[name]) for name in _ARRAYS[:2])
+    labels, initial = (read(fields.text(name), _KINDS[name]) for name in _ARRAYS[:2])
     none = frozen(np.zeros(len(mesh.V), dtype=np.uint8))
-    arrays = {"labels": labels, "grip": grip, "member": none, "shape": mesh.V}
+    arrays = {"labels": labels, "grip": initial, "member": none, "shape": mesh.V}
     found = session_json.document_from_json(fields, mesh, arrays)
-    return replace(found, **{name: getattr(state.document, name) for name in OVER_IT})
+    return replace(found, **{name: getattr(state.document, name) for name in MEASURING_FIELDS})
 
 
 def _step(fields: JsonFields, state: State, documents: list[Document], read: ArrayReader) -> TimelineStep:

@@ -45,7 +45,7 @@ class Actions:
         self.view = ViewActions(menus, commands)
         self.display = DisplayActions(self._maker, commands.display_options)
         self.help = help_actions(self._maker, commands)
-        self._fill(*menus.empty_menus())
+        self._fill(*menus.make_empty_menus())
 
     def _make_edit(self, editing: EditController, open_settings: Callable[[], object]) -> None:
         make = self._maker.make
@@ -83,7 +83,7 @@ class Actions:
         self.view.fill(view, self.display)
         helps.addActions(list(self.help.values()))
 
-    def set_available(self, is_open: bool, is_at_rest: bool) -> None:
+    def enable_actions(self, is_open: bool, is_at_rest: bool) -> None:
         """Enable the actions possible with an open mesh, at rest or deformed."""
         own = [*self.file.mesh_actions, *self.simulate.mesh_actions, self.pose.symmetric]
         for action in (*own, *self.select.files, *self.select.changes):

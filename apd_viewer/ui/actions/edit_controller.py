@@ -97,7 +97,7 @@ class EditController:
             self._session.shapes.restore()
 
     def bake(self) -> None:
-        """Make the shape on screen the rest shape."""
+        """Make the displayed shape the rest shape."""
         if self._may_begin():
             self._session.shapes.bake()
 

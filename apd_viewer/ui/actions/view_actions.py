@@ -214,7 +214,7 @@ class DisplayActions:
             choose = partial(display_options.choose_finish, finish)
             self.finishes[finish] = maker.make(name, title, image, tip, None, choose)
         maker.make_exclusive(self.finishes.values())
-        self._follow()
+        self._connect_display_options()
 
     def _make_measures(self, maker: ActionMaker) -> None:
         heat = self._looks.overlay
@@ -278,13 +278,13 @@ class DisplayActions:
             switch, said = self.switches[name], tip if has else lack
             switch.setEnabled(has)
             switch.blockSignals(True)
-            switch.setChecked(has and on)  # the choice is kept for a file that has it
+            switch.setChecked(has and on)  # the stored choice stays for other files
             switch.blockSignals(False)
             switch.setStatusTip(said)
             switch.setToolTip(said)
 
-    def _follow(self) -> None:
-        """Keep check marks and tooltips in step with the display options."""
+    def _connect_display_options(self) -> None:
+        """Update check marks and tooltips when display options change."""
         looks, switches = self._looks, self.switches
         looks.overlay.changed.connect(self._check_measure)
         looks.before_after.dismissed.connect(partial(switches["compare"].setChecked, False))

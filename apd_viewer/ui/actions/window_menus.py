@@ -97,7 +97,7 @@ class WindowMenus:
         window.addToolBar(Qt.ToolBarArea.LeftToolBarArea, bar)
         return bar
 
-    def empty_menus(self) -> list[QMenu]:
+    def make_empty_menus(self) -> list[QMenu]:
         """The menus File, Edit, Tools, Select, Handle, Simulate, View and Help, now empty."""
         for menu in self._menus:
             menu.clear()

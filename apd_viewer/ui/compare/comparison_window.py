@@ -199,7 +199,7 @@ class ComparisonWindow(QWidget):
     @Slot()
     def _receive(self) -> None:
         # A queued signal may arrive after the window has been closed.
-        if self.comparison is not None and self.comparison.receive():
+        if self.comparison is not None and self.comparison.receive_reply():
             self._show()
 
     # Display of shapes, readings and messages
@@ -215,7 +215,7 @@ class ComparisonWindow(QWidget):
             self.views[method].show_status(*_status_texts(method, comparison))
             self.table.show_readings(row, method_readings(state, outcome))
         under_way = comparison.current_method
-        self.progress.follow(comparison.outcomes[under_way].frame if under_way else None, bool(under_way))
+        self.progress.set_frame(comparison.outcomes[under_way].frame if under_way else None, bool(under_way))
         self.stop.setEnabled(under_way is not None)
         there = any(
             comparison.outcomes[m].frame is not None for m in self.chosen_methods if m in comparison.outcomes

@@ -89,7 +89,7 @@ class LinkedViews(QWidget):
         self._frame(both)
 
     def look_along(self, axis: str) -> None:
-        """Frame all shapes along an axis: see :meth:`CameraController.along`."""
+        """Frame all shapes along an axis: see :meth:`CameraController.look_along`."""
         self._first_view.viewport.camera_controller.look_along(axis)
         self.frame_shapes()
 
@@ -230,7 +230,7 @@ class SharedScale(QWidget):
         self._show()
 
     def show_span(self, span: tuple[float, float] | None) -> None:
-        """Show the smallest and largest value of all shapes, or none if None."""
+        """Show the smallest and largest value of all shapes; None hides them."""
         self.span = span
         self._bar.show_values(span, None)
         self.fit.setEnabled(span is not None)
@@ -345,7 +345,7 @@ class MethodView(QWidget):
         self.values = self._change.area_change(surface.shape)
         write_shades(self.values, True, self._scale.end, surface.shades)
         surface.update_shades()
-        surface.set_color_map(self._scale.measure.colors, self._scale.neutral_share)
+        surface.set_color_map(self._scale.measure.colors, self._scale.neutral_fraction)
         self.values_changed.emit()
 
     @property

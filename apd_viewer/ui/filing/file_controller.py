@@ -65,7 +65,7 @@ class FileController:
         self.run_after_save_prompt(lambda: self._session.autosave.restore(recovery_file))
 
     def open_path(self, path: str | Path) -> None:
-        """Open a file in the background; a point cache goes onto the open mesh."""
+        """Open a file in the background; a point cache is applied to the open mesh."""
         if Path(path).suffix.lower() in POINT_CACHES:
             self._session.files.open(path)
         else:
@@ -143,12 +143,12 @@ class FileController:
 
         self._session.files.save(path, self._view(), embeds, then, self._picture(), changed, over)
 
-    def remember_opened(self, state: State) -> None:
-        """Add a new mesh's files to the recent ones, and release freed memory."""
+    def remember_mesh_files(self, state: State) -> None:
+        """Add the files of an opened mesh to the recent files, and release freed memory."""
         for path in (user_file(state.document.mesh), self._session.saved_work.path):
             if path is not None and path.is_file():  # a mesh embedded in a session may have no file
                 self._memory.remember_file(path)
-        release_freed_memory()  # memory of closed meshes, which may be too fragmented for reuse
+        release_freed_memory()  # that of closed meshes may be too fragmented for reuse
 
     def remember_animation(self, path: Path | None) -> None:
         """Add the file of an animation to the recent ones, before that of its mesh."""

@@ -70,7 +70,7 @@ class RecoveryBar(QFrame):
 
     @property
     def text(self) -> str:
-        """Text of the current offer; empty without one."""
+        """Text of the current offer; empty if there is none."""
         return self._text.text() if not self.isHidden() else ""
 
     def offer(self, recovery_files: list[RecoveryFile]) -> None:

@@ -158,7 +158,7 @@ class CommandSearch(QtWidgets.QFrame):
 
     @property
     def marked_entry(self) -> Searchable | None:
-        """Selected entry, run by Enter; None without one."""
+        """Selected entry, run by Enter; None if there is none."""
         return self._found[self.list.row] if 0 <= self.list.row < len(self._found) else None
 
 

@@ -68,8 +68,8 @@ class HelpController(QObject):
         for name, command in (
             ("manual", self.open_manual),
             ("help", self.context.explain_next_click),
-            ("find_command", self.open_search),
-            ("shortcuts", self.open_sheet),
+            ("find_command", self.toggle_search),
+            ("shortcuts", self.toggle_sheet),
             ("tour", self.begin_tour),
         ):
             connect_action(actions.help[name], command)
@@ -80,8 +80,8 @@ class HelpController(QObject):
         self._wished = False
         self._mesh: object = None
 
-    def open_sheet(self) -> None:
-        """Open the shortcut sheet, or close it if open."""
+    def toggle_sheet(self) -> None:
+        """Open the shortcut sheet, or close it if it is open."""
         if not self._close_sheet():
             self._close_card(self.search)
             self.tour.card.hide()
@@ -91,8 +91,8 @@ class HelpController(QObject):
         """Open the first page of the manual."""
         show_manual(FIRST_PAGE)
 
-    def open_search(self) -> None:
-        """Open the command search, or close it if open."""
+    def toggle_search(self) -> None:
+        """Open the command search, or close it if it is open."""
         if not self._close_card(self.search):
             self._close_sheet()
             self.search.open()
@@ -113,7 +113,7 @@ class HelpController(QObject):
         self._memory.has_seen_tour = True
 
     def refresh(self) -> None:
-        """Start a scheduled tour once the sample is open; end it where another mesh is."""
+        """Start a scheduled tour once the sample is open; end it if another mesh is open."""
         state = self._session.store.state
         if state is None or self._session.jobs.current is not None:
             return

@@ -52,7 +52,7 @@ def action_place(name: str) -> ManualPlace:
 
 
 def setting_place(name: str) -> ManualPlace:
-    """Place in the manual describing the preference ``name``."""
+    """Location in the manual of the preference ``name``."""
     return ManualPlace("reference/settings", f"setting-{slug(name)}")
 
 

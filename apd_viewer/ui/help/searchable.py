@@ -225,7 +225,7 @@ class MenuEntry(NamedTuple):
 def menu_entries(bar: QtWidgets.QMenuBar) -> Iterator[MenuEntry]:
     """All entries of a menu bar, in order."""
     for top in bar.actions():
-        for action, within in _leaves(submenu(top)):
+        for action, within in _actions_of_menu(submenu(top)):
             yield MenuEntry(without_mnemonic(top.text()), within, action)
 
 
@@ -236,11 +236,11 @@ def submenu(action: QAction) -> QtWidgets.QMenu:
     return menu
 
 
-def _leaves(menu: QtWidgets.QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
+def _actions_of_menu(menu: QtWidgets.QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
     """Actions of a menu with the titles of their submenus."""
     for action in menu.actions():
         if action.menu() is not None:
-            yield from _leaves(submenu(action), without_mnemonic(action.text()))
+            yield from _actions_of_menu(submenu(action), without_mnemonic(action.text()))
         elif not action.isSeparator():
             yield action, within
 

@@ -160,7 +160,7 @@ def mouse_gestures(preset: NavigationPreset) -> list[MouseGesture]:
 _HEIGHT, _CAP, _PADDING, _GAP = 28, 20, 6, 3
 _PROMPT, _NONE, _OR = tr("Press keys…"), trc("keys", "none"), trc("keys", "or")
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
-_ALONE = (  # modifier keys, no shortcut by themselves
+_ALONE = (  # modifier keys, which are no shortcut by themselves
     Qt.Key.Key_Control,
     Qt.Key.Key_Shift,
     Qt.Key.Key_Alt,

@@ -108,7 +108,7 @@ class Tour(QObject):
         self._looking = QTimer(self, singleShot=True, interval=_LOOK, timeout=self.update_target)
         self._reading = QTimer(self, singleShot=True, interval=_READING_TIME, timeout=self._advance)
         canvas.drag_began.connect(self._begin_drag)
-        canvas.drag_ended.connect(self._end_drag)
+        canvas.drag_ended.connect(self._detect_rotation)
 
     @property
     def step_number(self) -> int:
@@ -201,7 +201,7 @@ class Tour(QObject):
         self._turned = False
         self._reading.stop()
 
-    def _end_drag(self) -> None:
+    def _detect_rotation(self) -> None:
         """Detect whether the drag has rotated the handle."""
         old, new = (
             pose[:3, :3] / np.linalg.norm(pose[:3, :3]) for pose in (self._pose, self._canvas.gizmo.pose)

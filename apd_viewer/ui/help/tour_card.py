@@ -120,12 +120,12 @@ class TourCard(QFrame):
         self.back.setVisible(number > 0)
         self.skip.setVisible(number < count - 1)
         self.next.setText(tr("Next") if number < count - 1 else tr("Done"))
-        self.setFixedWidth(self._room_for_all())
+        self.setFixedWidth(self._width_for_buttons())
         self.show_sentence(sentence)
         self.show()
         self.raise_()
 
-    def _room_for_all(self) -> int:
+    def _width_for_buttons(self) -> int:
         """Width of the card for all buttons side by side."""
         edges = self._column.contentsMargins()
         width = edges.left() + edges.right()

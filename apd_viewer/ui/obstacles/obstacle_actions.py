@@ -45,8 +45,8 @@ class ObstacleActions:
         self.remove = make(
             "remove_obstacle", tr("Re&move obstacle"), "remove-obstacle", tip, None, obstacles.remove
         )
-        self.set_available(False, False)
-        obstacles.availability_changed.connect(self.set_available)
+        self.enable_actions(False, False)
+        obstacles.availability_changed.connect(self.enable_actions)
 
     @property
     def mesh_actions(self) -> list[QAction]:
@@ -62,7 +62,7 @@ class ObstacleActions:
         own.addSeparator()
         own.addActions([self.reset, self.remove])
 
-    def set_available(self, in_hand: bool, moved: bool) -> None:
+    def enable_actions(self, in_hand: bool, moved: bool) -> None:
         """Enable the actions for the active obstacle."""
         self.reset.setEnabled(in_hand and moved)
         self.remove.setEnabled(in_hand)

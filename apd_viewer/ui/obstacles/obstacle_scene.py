@@ -59,7 +59,7 @@ class ObstacleScene:
             self._figures.append(_ObstacleActors(self._viewport))
         self.drawn_obstacles = tuple(obstacles)
         for figure, each in zip(self._figures, self.drawn_obstacles, strict=False):
-            figure.show(each, extent)
+            figure.show_obstacle(each, extent)
         for figure in self._figures[len(obstacles) :]:
             figure.hide()
         self._viewport.update()
@@ -84,7 +84,7 @@ class _ObstacleActors:
         self._ends = np.zeros((2, 3))
         viewport.more_boxes.append(lambda: self._box)
 
-    def show(self, shown: DrawnObstacle, extent: ShapeExtent) -> None:
+    def show_obstacle(self, shown: DrawnObstacle, extent: ShapeExtent) -> None:
         """Draw an obstacle at its position, and an outline at its requested one."""
         obstacle = shown.obstacle
         made = (obstacle.kind, *obstacle.axis, obstacle.radius, obstacle.length, extent)

@@ -39,7 +39,7 @@ SIDES_TIP = tr("Add two plates that touch the shape on both sides, to press it b
 
 
 class ObstacleSection(Section):
-    """Fields of the active obstacle, and why obstacles push nothing.
+    """Fields of the active obstacle, and the reason if obstacles have no effect.
 
     It is hidden without an obstacle.
 
@@ -88,10 +88,10 @@ class ObstacleSection(Section):
         self.fields.setVisible(active is not None)
         if active is not None:
             self.fields.show_obstacle(state, active, values)
-        self._explain(state)
+        self._show_idle_reason(state)
         self.heading.show_reading(f"{len(obstacles)}", only_folded=True)
 
-    def _explain(self, state: State) -> None:
+    def _show_idle_reason(self, state: State) -> None:
         """Show why the obstacles have no effect on the shape, if so."""
         why, there = obstacle_readings.idle_reason(state), bool(state.document.obstacles)
         self.note.setText(why)
@@ -211,7 +211,7 @@ class ObstacleFields(QWidget):
         self.distance.selectAll()
 
     def finish_entry(self) -> None:
-        """Hide the error and return the focus after a motion, for Ctrl+Z to undo it."""
+        """Hide the error and return the focus after a motion, so that Ctrl+Z undoes it."""
         self.problem.hide()
         return_focus(self.distance)
 

@@ -41,7 +41,9 @@ class CardStack(QWidget):
         self._below, self._beside = list[QWidget](), list[QWidget]()
         self._fits: dict[QWidget, Callable[[int, int], None]] = {}
         self._grip: QPoint | None = None  # offset of the cursor in the column during a drag
-        self._corner: QPoint | None = None  # position of the column once dragged; None means the default
+        self._corner: QPoint | None = (
+            None  # position of the column once it has been dragged; None means the default
+        )
         self._placing = False
         self._column = column_layout(spacing=_GAP, parent=self)
         canvas.resized.connect(self.reposition)
@@ -126,7 +128,7 @@ class CardStack(QWidget):
             for other in beside:
                 if _are_close(room, other):
                     room.moveLeft(other.geometry().right() + _MARGIN)
-            room = moved_above(room, below)
+            room = rectangle_moved_above(room, below)
         return room
 
     def _shrink_cards(self, shown: Sequence[QWidget]) -> None:
@@ -140,13 +142,13 @@ class CardStack(QWidget):
 
 
 def free_span(canvas: Viewport) -> tuple[int, int]:
-    """Left end and width of what the bars at the left edge of the canvas leave free."""
+    """Left end and width of the canvas part not covered by bars at its left edge."""
     bars = [bar.geometry().right() + 1 for bar in canvas.findChildren(ModeBar) if not bar.isHidden()]
     left = max(bars, default=0)
     return left, canvas.width() - left
 
 
-def moved_above(rect: QRect, below: Sequence[QWidget]) -> QRect:
+def rectangle_moved_above(rect: QRect, below: Sequence[QWidget]) -> QRect:
     """Rectangle moved up until it covers no visible widget."""
     shown = [other for other in below if not other.isHidden()]
     for other in sorted(shown, key=lambda widget: -widget.geometry().bottom()):
@@ -182,7 +184,7 @@ class ModeBar(QToolBar):
         self.hide()
         canvas.resized.connect(self._fit)
 
-    def show_for(self, on: bool) -> None:
+    def show_bar(self, on: bool) -> None:
         """Show the bar if the active tool has modes, or hide it."""
         self.setVisible(on)
         self._fit()

@@ -101,11 +101,11 @@ class DeviationOverlay(QObject):
         self.extremes = ExtremeMarker(canvas, covered_rect)
         self.reading = DeviationReading(canvas, legend)
         self._task = BackgroundTask(self)
-        self._task.done.connect(self._take)
+        self._task.done.connect(self._receive_result)
         self.rest_timer = QTimer(self, singleShot=True, interval=_REST, timeout=self._measure_slowly)
         legend.measure_chosen.connect(self.choose_measure)
         legend.scale_changed.connect(self._rescale)
-        legend.fit_requested.connect(self._fit)
+        legend.fit_requested.connect(self._fit_scale)
         legend.extreme_requested.connect(self.show_next_extreme)
         canvas.viewport.pre_draw.append(self._refresh)
 
@@ -174,12 +174,12 @@ class DeviationOverlay(QObject):
         if self.measure is not None:
             self.scales[self.measure] = Scale(self.measure, reach, neutral)
             self._legend.show_scale(self.scale, self.unit)
-            self._color()
+            self._color_surface()
             self._canvas.viewport.update()
             self.reading.update_legend()
             self.changed.emit()
 
-    def _fit(self) -> None:
+    def _fit_scale(self) -> None:
         """Fit the end of the scale to the largest value."""
         span = self.reading.span
         if span is not None and self.measure is not None:
@@ -238,7 +238,7 @@ class DeviationOverlay(QObject):
             self.rest_timer.start()
         else:
             self.reading.values = measure.traits.values(self._change, surface.shape, lambda: False)
-            self._color()
+            self._color_surface()
         self.reading.schedule_update()
 
     def _measure_soon(self) -> None:
@@ -255,7 +255,7 @@ class DeviationOverlay(QObject):
         values = self.measure.traits.values
         self._task.begin(lambda enough: _SlowValues(seen, values(change, U, enough)))
 
-    def _take(self, result: object) -> None:
+    def _receive_result(self, result: object) -> None:
         """Receive a result from the background thread."""
         if result is None:
             self._legend.show_note(tr("Not enough memory to measure this mesh."))
@@ -268,7 +268,7 @@ class DeviationOverlay(QObject):
         elif isinstance(result, _SlowValues) and self._is_current(result):
             self.reading.values = result.values
             self._legend.show_note(result.seen.measure.traits.note_for(result.values))
-            self._color()
+            self._color_surface()
             self._canvas.viewport.update()
             self.reading.update_legend()
             if result.seen != self._seen:
@@ -282,7 +282,7 @@ class DeviationOverlay(QObject):
             return False
         return seen == now or (lags and (seen.measure, seen.change) == (now.measure, now.change))
 
-    def _color(self) -> None:
+    def _color_surface(self) -> None:
         """Colour the surface by the values on their scale."""
         values = self.reading.values
         if values is None:
@@ -292,7 +292,7 @@ class DeviationOverlay(QObject):
         surface, scale = self._canvas.surface, self.scale
         write_shades(values, scale.measure.is_signed, scale.end, surface.shades)
         surface.update_shades()
-        neutral = scale.neutral_share if scale.measure.is_signed else -1.0
+        neutral = scale.neutral_fraction if scale.measure.is_signed else -1.0
         surface.set_color_map(scale.measure.colors, neutral)
 
     def show_next_extreme(self, step: int = 1) -> None:
@@ -382,7 +382,7 @@ class DocumentMeasures(NamedTuple):
 
     @classmethod
     def from_document(cls, document: Document, keeps_apart: bool) -> DocumentMeasures:
-        """Measures of a document, with contact or without."""
+        """Calmness and contact pressure of a document; pressure is NaN without contact."""
         falloffs = (handle.falloff for handle in document.handles)
         given = *falloffs, keeps_apart, document.settings.thickness
         return cls(given, lambda: _calmness(document), _pressure(document, keeps_apart))

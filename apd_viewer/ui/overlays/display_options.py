@@ -54,7 +54,7 @@ class DisplayOptions:
         self._texture: Texture | None = None
         self.cards = CardStack(canvas.viewport, below)
         self.before_after, self.cutting_plane, self.legend = (
-            BeforeAfter(canvas),
+            BlendCard(canvas),
             CuttingPlane(canvas),
             Legend(),
         )
@@ -66,49 +66,49 @@ class DisplayOptions:
         self.target_ghost = Ghost(canvas.viewport, AMBER_GLASS_SHADER)
         self.orientation = canvas.orientation
         self.overlay = DeviationOverlay(
-            canvas, self.legend, self.cards.geometry, _recalled_scales(preferences.display_options)
+            canvas, self.legend, self.cards.geometry, _stored_scales(preferences.display_options)
         )
         self.turntable = Turntable(canvas.viewport)
         self._recall()
-        self.overlay.changed.connect(self._keep)
-        self._keep()
+        self.overlay.changed.connect(self._store_options)
+        self._store_options()
 
     def show_ghost(self, on: bool) -> None:
         """Show the rest shape around the mesh, or hide it."""
         self.ghost.visible = on
-        self._keep()
+        self._store_options()
 
     def show_target(self, on: bool) -> None:
         """Show the target shape around the mesh, or hide it."""
         self.target_ghost.visible = on
-        self._keep()
+        self._store_options()
 
     def show_ground(self, on: bool) -> None:
         """Show axes and grid, or hide them."""
         self.ground.visible = on
-        self._keep()
+        self._store_options()
 
     def show_shadow(self, on: bool) -> None:
         """Show the shadow on the ground, or hide it."""
         self.shadow.visible = on
-        self._keep()
+        self._store_options()
 
     def show_orientation(self, on: bool) -> None:
         """Show the axes in the corner, or hide them."""
         self.orientation.visible = on
-        self._keep()
+        self._store_options()
 
     def show_file_colors(self, on: bool) -> None:
         """Show the vertex colours of the file under the paint, or hide them."""
         self.shows_file_colors = on
         self._canvas.coloring.show_file_colors(on)
-        self._keep()
+        self._store_options()
 
     def show_textures(self, on: bool) -> None:
         """Show the texture of the file under the paint, or hide it."""
         self.shows_textures = on
         self._canvas.surface.texture = self._texture if on else None
-        self._keep()
+        self._store_options()
 
     @property
     def finish(self) -> Finish:
@@ -118,22 +118,22 @@ class DisplayOptions:
     def choose_finish(self, finish: Finish) -> None:
         """Show the mesh in a finish."""
         self._canvas.surface.set_finish(finish)
-        self._keep()
+        self._store_options()
 
     def set_turntable_running(self, on: bool) -> None:
         """Start or stop the turntable."""
-        self.turntable.running = on
+        self.turntable.is_running = on
 
     def follow_state(self, state: State) -> None:
         """Apply the options to the mesh and the target shape of a state."""
         mesh, target = state.document.mesh, state.document.target_shape
         for part in (self.ghost, self.ground, self.before_after, self.cutting_plane):
-            part.follow(mesh)
+            part.set_mesh(mesh)
         self.overlay.set_mesh(mesh, target)
         self._follow_document(state)
         self._texture = mesh.texture[0]
         self.show_textures(self.shows_textures)
-        self.target_ghost.follow(None if target is None else target.mesh)
+        self.target_ghost.set_mesh(None if target is None else target.mesh)
 
     def _follow_document(self, state: State) -> None:
         document = state.document
@@ -152,7 +152,7 @@ class DisplayOptions:
 
     def close(self) -> None:
         """Cancel pending work."""
-        self.turntable.running = False
+        self.turntable.is_running = False
         self.overlay.close()
 
     def _recall(self) -> None:
@@ -170,10 +170,12 @@ class DisplayOptions:
             self._canvas.surface.set_finish(Finish(looks["finish"]))
         self._canvas.coloring.show_file_colors(self.shows_file_colors)
 
-    def _keep(self) -> None:
+    def _store_options(self) -> None:
         """Store the options in the preferences, except the cutting plane."""
         measure = self.overlay.measure
-        self._canvas.coloring.set_covered(measure is not None or self._canvas.surface.texture is not None)
+        self._canvas.coloring.suppress_file_colors(
+            measure is not None or self._canvas.surface.texture is not None
+        )
         looks = {
             "overlay": "" if measure is None else measure.value,
             "ghost": "on" if self.ghost.visible else "",
@@ -191,7 +193,7 @@ class DisplayOptions:
         self._memory.display_options = looks
 
 
-def _recalled_scales(looks: dict[str, str]) -> dict[Measure, Scale]:
+def _stored_scales(looks: dict[str, str]) -> dict[Measure, Scale]:
     """Scales read from stored options; invalid ones are skipped."""
     scales = {}
     for measure in Measure:
@@ -205,7 +207,7 @@ def _recalled_scales(looks: dict[str, str]) -> dict[Measure, Scale]:
 
 
 _WHOLE = 200
-_BLENDS = SliderScale(_WHOLE, lambda step: step / _WHOLE, lambda share: share * _WHOLE, _WHOLE)
+_BLENDS = SliderScale(_WHOLE, lambda step: step / _WHOLE, lambda fraction: fraction * _WHOLE, _WHOLE)
 
 
 class _ReturningSlider(Slider):
@@ -228,7 +230,7 @@ class _ReturningSlider(Slider):
         self.go_back()
 
 
-class BeforeAfter(QFrame):
+class BlendCard(QFrame):
     """Card with a slider to blend the rest shape and the deformed shape."""
 
     dismissed = Signal()
@@ -261,7 +263,7 @@ class BeforeAfter(QFrame):
         self.slider.go_back()
         self.setVisible(on)
 
-    def follow(self, mesh: Mesh) -> None:
+    def set_mesh(self, mesh: Mesh) -> None:
         """Reset the slider for another mesh."""
         if mesh is not self._mesh:
             self._mesh = mesh
@@ -278,7 +280,7 @@ class BeforeAfter(QFrame):
 
 
 _STEPS = 400
-_POSITIONS = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)
+_POSITIONS = SliderScale(_STEPS, lambda step: step / _STEPS, lambda fraction: fraction * _STEPS, _STEPS // 2)
 
 
 class CuttingPlane(QFrame):
@@ -346,8 +348,8 @@ class CuttingPlane(QFrame):
         self.setVisible(on)
         self._cut()
 
-    def follow(self, mesh: Mesh) -> None:
-        """Set the mesh to cut; the box around its rest shape bounds the plane."""
+    def set_mesh(self, mesh: Mesh) -> None:
+        """Set the mesh to cut; the bounding box of its rest shape limits the plane."""
         if mesh is not self._mesh:
             self._mesh = mesh
             used = mesh.V[mesh.F.ravel()]
@@ -365,9 +367,9 @@ class CuttingPlane(QFrame):
     @property
     def plane(self) -> tuple[np.ndarray, np.ndarray]:
         """Point (3,) of the plane and normal (3,) towards the visible side."""
-        axis, share = self._group.checkedId(), self.slider.value() / _STEPS
+        axis, fraction = self._group.checkedId(), self.slider.value() / _STEPS
         point = (self._low + self._high) / 2
-        point[axis] = self._low[axis] + share * (self._high[axis] - self._low[axis])
+        point[axis] = self._low[axis] + fraction * (self._high[axis] - self._low[axis])
         normal = np.zeros(3)
         normal[axis] = 1.0 if self.flip.isChecked() else -1.0
         return point, normal

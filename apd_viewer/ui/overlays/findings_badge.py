@@ -7,7 +7,7 @@ from PySide6.QtGui import QAction, QKeyEvent
 from PySide6.QtWidgets import QToolButton
 
 from apd_viewer.language import tr, trn
-from apd_viewer.ui.preferences.shortcuts import with_keys
+from apd_viewer.ui.preferences.shortcuts import text_with_keys
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 ENTER_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -41,7 +41,7 @@ class Badge(QToolButton):
         else:
             self.setText(issue_count_text(number))
             tip = tr("Issues found in the mesh, and where they are")
-            self.setToolTip(with_keys(tip, self._action) if self._action else tip)
+            self.setToolTip(text_with_keys(tip, self._action) if self._action else tip)
         self.setAccessibleName(self.text())
         self._draw_symbol()
 

@@ -47,7 +47,7 @@ class FindingsController(QObject):
         self.badge.toggled.connect(self._toggle)
         self.list.chosen.connect(self._show)
         self.list.stay_toggled.connect(
-            lambda k, on: session.settings.set_staying(self._listed[k].components, on)
+            lambda k, on: session.settings.set_components_immobile(self._listed[k].components, on)
         )
         self.list.weld_requested.connect(session.shapes.weld)
         self.list.dismissed.connect(self._dismiss)
@@ -95,16 +95,18 @@ class FindingsController(QObject):
             rows = [FindingRow(each.sentence, parts, each.kind == SEAMS) for each, parts in self._listed]
             self.list.open(issue_count_text(len(self._findings)), rows)
             self.refresh()
-            application.focusChanged.connect(self._follow_keys)
+            application.focusChanged.connect(self._close_on_focus_change)
         else:
-            application.focusChanged.disconnect(self._follow_keys)
+            application.focusChanged.disconnect(self._close_on_focus_change)
             self.list.hide()
             self._canvas.coloring.mark(None)
 
     def refresh(self) -> None:
-        """Update the check boxes of the loose components staying in place."""
+        """Update the check boxes of the immobile loose components."""
         if self.badge.isChecked():
-            self.list.show_staying(self._session.store.required_state().document.staying_components)
+            self.list.show_immobile_components(
+                self._session.store.required_state().document.immobile_components
+            )
 
     def _listed_findings(self) -> list[ListedFinding]:
         """All findings, with loose components listed below the finding about them."""
@@ -121,7 +123,7 @@ class FindingsController(QObject):
         self.badge.setFocus()
 
     def _show(self, number: int) -> None:
-        self.list.show_marked(number)
+        self.list.show_marked_finding(number)
         vertices = self._listed[number].finding.vertices
         self._canvas.coloring.mark(vertices)
         self._canvas.view.show_vertices(vertices, QRectF(self.list.geometry()))
@@ -129,7 +131,7 @@ class FindingsController(QObject):
     def _close_on_click(self, _: QPointF) -> None:
         self.close()
 
-    def _follow_keys(self, _: QWidget | None, now: QWidget | None) -> None:
+    def _close_on_focus_change(self, _: QWidget | None, now: QWidget | None) -> None:
         """Close the list when the focus leaves the list, the badge and the canvas."""
         stays = self.badge, self._canvas.viewport
         if now is not None and now not in stays and not self.list.isAncestorOf(now) and now is not self.list:
@@ -203,13 +205,13 @@ class FindingRow(QFrame):
         row_layout(
             spot, (text, 1), (self.stay, 0, centre), (self.weld, 0, centre), margins=margins, parent=self
         )
-        self.show_marked(False)
+        self.show_mark(False)
 
-    def show_staying(self, staying: tuple[int, ...]) -> None:
-        """Check the box if all components of the row are in ``staying``."""
-        self.stay.setChecked(set(self._parts) <= set(staying))
+    def show_immobile_components(self, immobile: tuple[int, ...]) -> None:
+        """Check the box if all components of the row are among the ``immobile`` ones."""
+        self.stay.setChecked(set(self._parts) <= set(immobile))
 
-    def show_marked(self, on: bool) -> None:
+    def show_mark(self, on: bool) -> None:
         """Show whether the finding is marked on the mesh."""
         self.setAccessibleName(
             tr("{sentence} Shown on the mesh.").format(sentence=self._sentence) if on else self._sentence
@@ -288,15 +290,15 @@ class FindingList(QFrame):
         self._place()
         self.rows[0].setFocus(Qt.FocusReason.PopupFocusReason)
 
-    def show_marked(self, number: int) -> None:
+    def show_marked_finding(self, number: int) -> None:
         """Emphasise the finding marked on the mesh."""
         for k, row in enumerate(self.rows):
-            row.show_marked(k == number)
+            row.show_mark(k == number)
 
-    def show_staying(self, staying: tuple[int, ...]) -> None:
-        """Check the boxes of the rows with components in ``staying``."""
+    def show_immobile_components(self, immobile: tuple[int, ...]) -> None:
+        """Check the boxes of the rows with ``immobile`` components."""
         for row in self.rows:
-            row.show_staying(staying)
+            row.show_immobile_components(immobile)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""

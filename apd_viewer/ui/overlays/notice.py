@@ -17,8 +17,8 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.filing.file_requests import FileRequests
-from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, free_span, moved_above
-from apd_viewer.ui.preferences.shortcuts import with_keys
+from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, free_span, rectangle_moved_above
+from apd_viewer.ui.preferences.shortcuts import text_with_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
@@ -207,7 +207,7 @@ class Notice(QFrame):
         self.adjustSize()
         left = start + (span - self.width()) // 2
         place = QRect(QPoint(left, canvas.height() - self.height() - 2 * _MARGIN), self.size())
-        self.setGeometry(moved_above(place, self._below))
+        self.setGeometry(rectangle_moved_above(place, self._below))
         self.close_button.setFixedSize(_CLOSE, _CLOSE)
         beside = self.geometry().right() - _CLOSE - 4
         middle = self.geometry().center().y()
@@ -312,7 +312,7 @@ class NextStepHint:
         self._waits = ""
         self._asked: tuple[Document, Tool, int, int | None] | None = None
         for action in tools.values():
-            action.changed.connect(self._say_again)
+            action.changed.connect(self._refresh_shortcuts)
 
     def record_drag(self) -> None:
         """Record a drag and hide the hint; no more hints are needed."""
@@ -327,7 +327,7 @@ class NextStepHint:
         """Show a message while the store is previewing."""
         waits = ""
         if store.is_previewing:
-            waits = _WAITS.format(percent=math.floor(100.0 * (store.compiled_share or 0.0)))
+            waits = _WAITS.format(percent=math.floor(100.0 * (store.compiled_fraction or 0.0)))
         if waits != self._waits:
             self._waits = waits
             self.hide_hint()
@@ -337,7 +337,7 @@ class NextStepHint:
         self._asked = document, tool, handle, obstacle
         self._invitation.show_text(self._waits or self._sentence(*self._asked))
 
-    def _say_again(self) -> None:
+    def _refresh_shortcuts(self) -> None:
         """Update the shortcuts named in the visible hint."""
         if self._asked is not None and not self._invitation.isHidden():
             self._invitation.show_text(self._waits or self._sentence(*self._asked))
@@ -348,27 +348,29 @@ class NextStepHint:
             if obstacle is not None or nothing_held:  # moving obstacles needs no painted base or handle
                 return self._obstacle_hint(document, tool, obstacle)
         if not document.label_counts[BASE]:
-            return with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
+            return text_with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
         if not document.label_counts[HANDLE:].any():
-            return with_keys(tr("Now paint the part to move: the handle"), self._tools[Tool.HANDLE])
+            return text_with_keys(tr("Now paint the part to move: the handle"), self._tools[Tool.HANDLE])
         if document.paint_problem:
             return document.paint_problem
         if not document.label_counts[HANDLE + handle]:
             name = document.handles[handle].name
-            return with_keys(
+            return text_with_keys(
                 tr("Paint the part that “{name}” moves").format(name=name), self._tools[Tool.HANDLE]
             )
         if tool is Tool.REGION and not document.member.any():
             return tr("Paint a part to measure or keep its area")
         if self.has_moved or document.relative_to_rest.is_posed:
             return ""
-        return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])
+        return (
+            _TWIST if tool is Tool.MOVE else text_with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])
+        )
 
     def _obstacle_hint(self, document: Document, tool: Tool, obstacle: int | None) -> str:
         if self.has_moved or any(each.shift.any() for each in document.obstacles):
             return ""
         if tool is not Tool.MOVE:
-            return with_keys(tr("Now move an obstacle"), self._tools[Tool.MOVE])
+            return text_with_keys(tr("Now move an obstacle"), self._tools[Tool.MOVE])
         if obstacle is None:
             return _SELECT
         return _PUSH_PLATE if document.obstacles[obstacle].kind is ObstacleKind.PLATE else _PUSH

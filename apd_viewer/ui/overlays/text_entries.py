@@ -110,7 +110,7 @@ class TextEntries:
     def _choose(self, text: str, act: StrokeEffect) -> None:
         ids = self._parse_or_explain(self.vertices, text, self._session.typed_values.parse_vertices)
         if isinstance(ids, np.ndarray) and not self._give_up():
-            self.vertices.close_card()  # the next key is a command again
+            self.vertices.close_card()  # so that the next key is a command, not text
             self._canvas.strokes.paint_vertices(ids, act)
 
     # Brush entry

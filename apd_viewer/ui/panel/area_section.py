@@ -40,7 +40,7 @@ _AREA_TIP = tr("Target of the total area, in percent of the rest area")
 
 
 def reading_grid(rows: Sequence[tuple[str, str]]) -> tuple[QGridLayout, list[QLabel]]:
-    """Grid with ``rows`` of a title and its tooltip, and the labels of the values."""
+    """Grid with a row for each title and tooltip, and the labels for its values."""
     grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
     grid.setColumnStretch(0, 1)
     values = []
@@ -162,7 +162,7 @@ class AreaSection(QWidget):
             self.unreached.hide()
 
     def show_preview(self, compiled: float) -> None:
-        """Show that there is no solved shape yet, and the compiled fraction."""
+        """Show that there is no solved shape yet, and the compiled fraction of kernels."""
         self.percent.setText(readings.NO_VALUE)
         self.verdict.setText(tr("A preview: no area is kept yet."))
         self.area.setText(tr("Compiled so far: {percent} %").format(percent=math.floor(100.0 * compiled)))
@@ -182,7 +182,7 @@ class AreaSection(QWidget):
         self.activity.setToolTip(tr("Stability: {words}").format(words=stability))
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the parts beyond the style sheet's reach."""
+        """Recolour the parts not covered by the style sheet."""
         self._theme = theme
         self.target.set_theme(theme)
         self.unit.set_theme(theme)
@@ -273,7 +273,7 @@ class VolumeSection(Section):
         self.column.addWidget(self._contact)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour the parts beyond the style sheet's reach."""
+        """Recolour the parts not covered by the style sheet."""
         super().set_theme(theme)
         self.target.set_theme(theme)
         self.crossings.set_theme(theme)
@@ -348,7 +348,7 @@ class CrossingsButton(QToolButton):
         self.show_pending()
 
     def show_pending(self, cannot_cross: bool = False) -> None:
-        """Show that checking waits for the shape to stop, or that contact rules it out."""
+        """Show that the check waits for convergence, or is needless under contact."""
         if cannot_cross:
             self._show_text(tr("no self-intersections"), _KEPT_APART, "sound")
             return

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
 
 _FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
-# The stiffness has a slider, and the distance of walls is that of the wall's thickness.
+# Settings without a field here: stiffness has a slider, and thickness follows the wall fields.
 _ELSEWHERE = ("stiffness", "thickness")
 
 

@@ -1,4 +1,4 @@
-"""Side panel: area, and pages of parts and method, and of measurements."""
+"""Side panel: area, page of parts and method, page of measurements."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.session.state_store import StateStore
 
-_WIDTH = 324  # fits a region with a target, so that adding one does not resize the view
+_WIDTH = 324  # px: fits a region with a target, so that adding one does not resize the view
 _ROW = 22  # px: height of a count
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
@@ -75,7 +75,7 @@ class PaintSection(Section):
 
 
 class Panel(QWidget):
-    """Side panel: the area, above a page of what is done and one of what is measured.
+    """Side panel: the area, above a page of settings and a page of measurements.
 
     Attributes
     ----------
@@ -202,12 +202,12 @@ class Panel(QWidget):
         self.handles.show_settings(state, self.unit, handle)
         self.regions.show_settings(state, region)
 
-    def show_in_hand(self, tool: Tool, obstacle: int | None) -> None:
-        """Tint the active row of the parts that a tool is for; one of several lists."""
+    def highlight_edited_part(self, tool: Tool, obstacle: int | None) -> None:
+        """Highlight the active row in the list of the parts that a tool edits."""
         moves_obstacle = tool is Tool.MOVE and obstacle is not None
-        self.obstacles.list.set_in_hand(moves_obstacle)
-        self.regions.list.set_in_hand(tool is Tool.REGION)
-        self.handles.list.set_in_hand(not moves_obstacle and tool is not Tool.REGION)
+        self.obstacles.list.set_highlighted(moves_obstacle)
+        self.regions.list.set_highlighted(tool is Tool.REGION)
+        self.handles.list.set_highlighted(not moves_obstacle and tool is not Tool.REGION)
 
     def cancel_slider_drag(self) -> bool:
         """Cancel a slider drag in progress; True if there was one."""
@@ -227,7 +227,7 @@ class Panel(QWidget):
     def _show_preview(self, state: State, store: StateStore) -> None:
         """Hide area and volume while the shape is only a preview."""
         if store.is_previewing:
-            self.area.show_preview(store.compiled_share or 0.0)
+            self.area.show_preview(store.compiled_fraction or 0.0)
             self.volume.show_preview()
             self.strain.show_preview()
         elif self._previews:

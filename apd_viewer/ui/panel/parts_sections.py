@@ -68,8 +68,8 @@ class PartsSection(Section):
         name = QLabel(tr("Base")), 1
         return row_layout(Swatch(BASE_COLOR), name, self._base_count, self.base, margins=(9, 4, 5, 0))
 
-    def offer(self, *groups: Sequence[QAction]) -> None:
-        """Fill the menu of what can be added, with a line between the groups."""
+    def add_actions(self, *groups: Sequence[QAction]) -> None:
+        """Add actions to the menu of the add button, with a separator between groups."""
         for actions in groups:
             self.add.menu().addSeparator()
             self.add.menu().addActions(list(actions))

@@ -46,18 +46,18 @@ class SizeSection(Section):
         self.extent = self._row(
             tr("Bounding box"), tr("Extent along x, y and z; {later}").format(later=later), wide=True
         )
-        self.box, self.box_change = self._rows(
+        self.box, self.box_change = self._reading_labels(
             tr("Bounding box volume"),
             tr("Volume of the bounding box along x, y and z; {later}").format(later=later),
         )
-        self.packed, self.packed_change = self._rows(
+        self.packed, self.packed_change = self._reading_labels(
             tr("Smallest box volume"),
             tr(
                 "Volume of the smallest bounding box found, in any orientation: the space it takes up "
                 "in a carton or a bale; {later}"
             ).format(later=later),
         )
-        self.compact, self.compact_change = self._rows(
+        self.compact, self.compact_change = self._reading_labels(
             tr("Compactness"),
             tr("36 π V² / A³ of volume V and area A, for closed surfaces: 1 for a sphere, 0.52 for a cube"),
         )
@@ -81,7 +81,7 @@ class SizeSection(Section):
         self._grid.addWidget(reading, row, 1, 1, 2 if wide else 1)
         return reading
 
-    def _rows(self, title: str, tip: str) -> tuple[QLabel, QLabel]:
+    def _reading_labels(self, title: str, tip: str) -> tuple[QLabel, QLabel]:
         """Labels of a reading and of its change from rest."""
         reading = self._row(title, tip)
         name = tr("{title}, change").format(title=title)

@@ -55,7 +55,8 @@ class StatusBar(QStatusBar):
         self.pause = QToolButton(text=tr("Pause"), clicked=self._press_pause)
         self._silence = ""
         policy = self.pause.sizePolicy()
-        policy.setRetainSizeWhenHidden(True)  # keeps its space, so that nothing moves at every drag
+        # The button keeps its space while hidden, so that the bar does not shift at every drag.
+        policy.setRetainSizeWhenHidden(True)
         self.pause.setSizePolicy(policy)
         self.compiling = CompilingProgress()
         self.progress = ConvergenceProgress(is_waiting=self.compiling.isVisible)
@@ -84,7 +85,7 @@ class StatusBar(QStatusBar):
         self.hint.show_text(text)
 
     def show_brush_size(self, brush: BrushSize, unit: Unit) -> None:
-        """Show the brush size for a moment."""
+        """Briefly show the brush size."""
         size = (
             f"{brush.radius:.0f} px"
             if brush.mesh_radius is None
@@ -93,7 +94,7 @@ class StatusBar(QStatusBar):
         self.showMessage(tr("Brush {size}").format(size=size), 1500)
 
     def show_edge_angle(self, degrees: float) -> None:
-        """Show the edge angle limiting a fill for a moment."""
+        """Briefly show the edge angle at which a fill stops."""
         self.showMessage(tr("Edge angle {angle:g}°").format(angle=degrees), 1500)
 
     def show_session(self, session: Session) -> None:
@@ -104,11 +105,11 @@ class StatusBar(QStatusBar):
         self._cancel.setVisible(job is not None and job.can_be_cancelled)
         self.extent.setText(_vertices(state) if state else "")
         self.extent.setToolTip(_extent(state, session.store.unit) if state else "")
-        self.compiling.follow(session.store.compiled_share)
+        self.compiling.show_fraction(session.store.compiled_fraction)
         activity = session.store.activity
         self._silence = session.store.silence_text
         self._show_pause(activity)
-        self.progress.follow(state.frame if state else None, activity.value == _SOLVING)
+        self.progress.set_frame(state.frame if state else None, activity.value == _SOLVING)
         iteration = state.frame.iteration if state else 0
         pace = 1e3 * session.store.seconds_per_iteration
         # No rate to show for an opened or restored shape that this window has not iterated.
@@ -161,7 +162,7 @@ class CompilingProgress(QWidget):
         row_layout(bar, text, spacing=0, margins=(8, 0, 0, 0), parent=self)
         self.hide()
 
-    def follow(self, fraction: float | None) -> None:
+    def show_fraction(self, fraction: float | None) -> None:
         """Show the fraction of kernels compiled; hide if None or 1."""
         self.setVisible(fraction is not None and fraction < 1.0)
         if fraction is not None:

@@ -60,12 +60,12 @@ class VolumeController(QObject):
             (name, getattr(DEFAULT_SETTINGS, name)) for name in _OF_WALL
         }
         panel.measures.wall_fields.entered.connect(self._type)
-        panel.measures.wall_fields.entered.connect(self.follow_wall)
-        panel.method.contact_chosen.connect(self._keep_apart)
+        panel.measures.wall_fields.entered.connect(self.update_wall_settings)
+        panel.method.contact_chosen.connect(self._set_contact)
         panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
 
     def show_check(self) -> None:
-        """Show the latest check results of the shape on screen."""
+        """Show the latest check results of the displayed shape."""
         if (state := self._session.store.state) is None:
             return
         checks, mesh = self._session.shape_checks, state.document.mesh
@@ -90,7 +90,7 @@ class VolumeController(QObject):
             self._walls[mesh] = usual if path is None else known.get(resolved_path(path), usual)
         self._panel.measures.show_wall(self._walls[mesh])
 
-    def follow(self, old: State | None, new: State) -> None:
+    def follow_settings(self, old: State | None, new: State) -> None:
         """Update checks and wall fields after changes of contact or wall thickness."""
         if old is None or old.document.mesh is not new.document.mesh:
             return
@@ -141,10 +141,10 @@ class VolumeController(QObject):
             and state.document.settings.contact
             and state.document.settings.thickness != thickness
         ):
-            self._keep_apart(True)
+            self._set_contact(True)
 
-    def follow_wall(self) -> None:
-        """Update the settings that follow from the wall and the unit."""
+    def update_wall_settings(self) -> None:
+        """Update the settings that are derived from the wall and the unit."""
         if (state := self._session.store.state) is None:
             return
         self.update_wall_distance()
@@ -155,10 +155,10 @@ class VolumeController(QObject):
             self._session.settings.change(**changes)
 
     def wall_settings(self, *names: str) -> dict[str, float | None]:
-        """Settings by name that follow from the wall, but for those typed elsewhere.
+        """Settings by name that are derived from the wall, unless typed elsewhere.
 
-        Thickness and Poisson's ratio of the method Wall, and the yield radius; none of a wall that is no
-        quantity or not thin.
+        Thickness and Poisson's ratio of the method Wall, and the yield radius; none if the wall is invalid or
+        not thin.
         """
         state = self._session.store.required_state()
         try:
@@ -176,11 +176,11 @@ class VolumeController(QObject):
         return changes
 
     def contact_distance(self) -> float | None:
-        """Typed wall thickness in mesh units; None without one."""
+        """Typed wall thickness in mesh units; None if there is none."""
         return self._panel.measures.wall_fields.value.contact_distance(self._session.store.unit)
 
-    def _keep_apart(self, on: bool) -> None:
-        """Turn contact on, at the distance of the wall thickness, or off."""
+    def _set_contact(self, on: bool) -> None:
+        """Turn contact on or off; its distance is the wall thickness."""
         wall, unit = self._panel.measures.wall_fields.value, self._session.store.unit
         thickness = wall.contact_distance(unit)
         self._texts[thickness] = wall.thickness

@@ -88,7 +88,7 @@ class WallFields(QWidget):
         return WallText._make((self.thickness.text(), *own, material))
 
     def show_wall(self, wall: WallText, unit: Unit) -> None:
-        """Show a wall, of a mesh in a unit."""
+        """Show a wall, with its lengths in the unit of the mesh."""
         is_other = wall.material is not self._typed.material or wall == NO_WALL
         self._typed, self._unit, self._kept = wall, unit, ""
         self.material.setCurrentIndex(self.material.findData(wall.material))

@@ -15,7 +15,7 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QLinearGradient, QPainte
 from apd_viewer.presentation.axis import Axis
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
-# Pixels.
+# Sizes in pixels, unless noted.
 _PAD = 8.0
 _GAP = 6.0
 _ROW = 1.25  # height of a text row, in line heights of the font
@@ -202,7 +202,7 @@ class ChartArea:
 
 PixelPositions = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
-# Pixels.
+# Sizes in pixels, unless noted.
 DOT_RADIUS = 4.0
 _SMALL_DOT = 1.75
 _HALF = 5.0  # half the side of a dot's pixmap

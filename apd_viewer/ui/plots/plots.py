@@ -122,10 +122,10 @@ class Plots(QWidget):
         self._histogram = menu.addAction(
             tr("Local change as CSV…"), partial(self._ask, "local-change", ".csv", self.write_histogram)
         )
-        menu.aboutToShow.connect(self._offer)
+        menu.aboutToShow.connect(self._enable_save_actions)
         return menu
 
-    def _offer(self) -> None:
+    def _enable_save_actions(self) -> None:
         """Enable the save actions with available data."""
         for action in self._pictures:
             action.setEnabled(any(not view.isHidden() for view in self.views.values()))
@@ -271,9 +271,9 @@ class Plots(QWidget):
         state = self._store.state
         assert state is not None
         octaves = np.concatenate([[-np.inf], np.log2(_FINE), [np.inf]])
-        shares = self._local_change(state).surface_fractions(octaves)
+        fractions = self._local_change(state).surface_fractions(octaves)
         edges = np.concatenate([[0.0], _FINE, [np.nan]])
-        write_table(path, _HISTOGRAM, np.column_stack([edges[:-1], edges[1:], shares]))
+        write_table(path, _HISTOGRAM, np.column_stack([edges[:-1], edges[1:], fractions]))
 
 
 class ChartView(QWidget):

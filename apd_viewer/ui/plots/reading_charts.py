@@ -112,14 +112,14 @@ def local_change(change: LocalChange | None, empty: str = "") -> Chart:
     x = ratio_axis(reach)
     edges = np.linspace(x.low, x.high, _BINS + 1)
     # The outermost bins include all values beyond the axis.
-    shares = 100.0 * change.surface_fractions(np.concatenate([[-np.inf], edges[1:-1], [np.inf]]))
+    fractions = 100.0 * change.surface_fractions(np.concatenate([[-np.inf], edges[1:-1], [np.inf]]))
     texts = (
         (tr("mean {percent} %").format(percent=_percent(change.mean)), "ink"),
         (tr("99th {percent} %").format(percent=_percent(change.p99)), "quiet"),
         (tr("max {percent} %").format(percent=_percent(change.largest)), "quiet"),
     )
-    y = rounded_axis(0.0, float(shares.max()), " %")
-    return Chart(title, texts, x, y, bars=Bars(edges, shares))
+    y = rounded_axis(0.0, float(fractions.max()), " %")
+    return Chart(title, texts, x, y, bars=Bars(edges, fractions))
 
 
 def _seconds(trace: Trace) -> Axis:

@@ -30,7 +30,7 @@ class MotionField(QWidget):
     line_requested : Signal()
         The line to bend about is to be picked on the mesh.
     steps : NumberField
-        In how many steps the handle gets there, each at rest on the timeline; 1 moves it at once.
+        Number of steps of the motion, each solved and put on the timeline; 1 moves the handle at once.
     problem : QLabel
         Error in the amount.
     """
@@ -105,7 +105,7 @@ class MotionField(QWidget):
             self.problem.hide()
 
     def finish_entry(self) -> None:
-        """Hide the error and return the focus after a motion, for Ctrl+Z to undo it."""
+        """Hide the error and return the focus after a motion, so that Ctrl+Z undoes it."""
         self.problem.hide()
         return_focus(self.amount)
 

@@ -39,16 +39,16 @@ class MotionGhost(MouseTool):
         viewport.tools.insert(0, self)  # the first tool is drawn last, over the gizmo
 
     def show_motion(self, start: Document, documents: Sequence[Document]) -> None:
-        """Show all handles moved by a motion, at its end, with their paths."""
+        """Show the handles moved by a motion at its end, with their paths."""
         end = documents[-1].handles
         moved = [k for k, handle in enumerate(start.handles) if not np.array_equal(handle.pose, end[k].pose)]
         self.traces = []
         patches = []
         for k in moved:
-            ids, F = _patch(start, k)
+            ids, F = _handle_patch(start, k)
             poses = [document.handles[k].pose for document in documents]
-            self.traces.append((handle_color(k), motion_trace(start.grip[ids], poses)))
-            patches.append((transform(poses[-1], start.grip[ids]), F, handle_color(k)))
+            self.traces.append((handle_color(k), motion_trace(start.initial_positions[ids], poses)))
+            patches.append((transform(poses[-1], start.initial_positions[ids]), F, handle_color(k)))
         self._show_patches(patches)
         self._viewport.tool_layer.update()
 
@@ -63,9 +63,9 @@ class MotionGhost(MouseTool):
         """Show all handles at their positions in a document, without paths."""
         self.traces, patches = [], []
         for k, handle in enumerate(document.handles):
-            ids, F = _patch(document, k)
+            ids, F = _handle_patch(document, k)
             if len(F):
-                patches.append((transform(handle.pose, document.grip[ids]), F, handle_color(k)))
+                patches.append((transform(handle.pose, document.initial_positions[ids]), F, handle_color(k)))
         self._show_patches(patches)
         self._viewport.tool_layer.update()
 
@@ -101,7 +101,7 @@ class MotionGhost(MouseTool):
         return bool((eye.depth(points) > 1e-6 * eye.distance).all())
 
 
-def _patch(document: Document, k: int) -> tuple[np.ndarray, np.ndarray]:
+def _handle_patch(document: Document, k: int) -> tuple[np.ndarray, np.ndarray]:
     """Vertex indices (n,) of handle ``k``, and its triangles (m, 3) into them."""
     mine = document.labels == HANDLE + k
     ids, place = np.flatnonzero(mine), np.cumsum(mine) - 1
@@ -136,7 +136,8 @@ def _draw_path(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> N
 _STILL = 1e-9
 # Fraction of the fastest vertex's speed: a slower centre is near the axis, and its path almost a point.
 _CENTRAL = 0.5
-# Traces the path outside the handle: on its surface it would be hard to see.
+# Distance of the traced point from the centre, relative to the fastest vertex: on the surface, the path
+# would be hard to see.
 _ASIDE = 1.6
 # Half the drawn length of the axis, in radii of the handle.
 _AXIS = 1.8
@@ -157,12 +158,12 @@ class MotionTrace(NamedTuple):
     axis: np.ndarray
 
 
-def motion_trace(grip: np.ndarray, poses: Sequence[np.ndarray]) -> MotionTrace:
+def motion_trace(initial: np.ndarray, poses: Sequence[np.ndarray]) -> MotionTrace:
     """Path of a handle's centre, or of a point off a rotation axis through it.
 
     Parameters
     ----------
-    grip : (n, 3) float array
+    initial : (n, 3) float array
         Vertices of the handle.
     poses : sequence of (4, 4) float arrays
         Along one rotation or one translation.
@@ -171,14 +172,14 @@ def motion_trace(grip: np.ndarray, poses: Sequence[np.ndarray]) -> MotionTrace:
     if len(poses) < 2:
         return MotionTrace(nothing, nothing)
     step = poses[1] @ np.linalg.inv(poses[0])
-    path = np.array([transform(pose, _tracer(grip, poses[0], step)[None])[0] for pose in poses])
-    size = float(np.linalg.norm(grip - grip.mean(axis=0), axis=1).max())
-    return MotionTrace(path, _axis(step, path[0], _AXIS * size))
+    path = np.array([transform(pose, _tracer(initial, poses[0], step)[None])[0] for pose in poses])
+    size = float(np.linalg.norm(initial - initial.mean(axis=0), axis=1).max())
+    return MotionTrace(path, _rotation_axis_ends(step, path[0], _AXIS * size))
 
 
-def _tracer(grip: np.ndarray, pose: np.ndarray, step: np.ndarray) -> np.ndarray:
-    centre: np.ndarray = grip.mean(axis=0)
-    points = np.vstack([centre, grip])
+def _tracer(initial: np.ndarray, pose: np.ndarray, step: np.ndarray) -> np.ndarray:
+    centre: np.ndarray = initial.mean(axis=0)
+    points = np.vstack([centre, initial])
     now = transform(pose, points)
     speed = np.linalg.norm(transform(step, now) - now, axis=1)
     if speed[0] >= _CENTRAL * speed.max():
@@ -187,8 +188,8 @@ def _tracer(grip: np.ndarray, pose: np.ndarray, step: np.ndarray) -> np.ndarray:
     return centre + _ASIDE * (fastest - centre)
 
 
-def _axis(step: np.ndarray, point: np.ndarray, reach: float) -> np.ndarray:
-    """End points of a small rotation's axis (4, 4), centred next to a point."""
+def _rotation_axis_ends(step: np.ndarray, point: np.ndarray, reach: float) -> np.ndarray:
+    """End points of the axis of a small motion (4, 4), centred near ``point``."""
     rigid = rigid_transform(step, point)
     if rigid.angle < _STILL:
         return np.empty((0, 3))
@@ -217,8 +218,8 @@ class MotionPreview:
         if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
             self._field.request_preview()
 
-    def show_requested(self) -> None:
-        """Show requested handle positions not reached yet, or blocked by contact."""
+    def show_requested_positions(self) -> None:
+        """Show handle positions that are requested but not reached, as under contact."""
         state = self._session.store.state
         if state is None:
             return

@@ -50,7 +50,7 @@ class PoseController:
 
     def _go_to(self, k: int) -> None:
         if self._may_begin():
-            self._session.poses.go_to(k)
+            self._session.poses.go_to_pose(k)
 
     def _may_begin(self) -> bool:
         return self._session.store.state is not None and not self._give_up()
@@ -112,7 +112,7 @@ def _sentence(document: Document, k: int) -> str:
     name = document.handles[partner.number].name
     if partner.number == k:
         return tr("This handle is its own mirror image: it moves within the mirror plane.")
-    if partner.share < _ALIKE:
+    if partner.fraction < _ALIKE:
         said = tr("“{name}” moves along; {share:.0f} % of the two are mirror images.")
-        return said.format(name=name, share=100.0 * partner.share)
+        return said.format(name=name, share=100.0 * partner.fraction)
     return tr("“{name}” moves along, mirrored.").format(name=name)

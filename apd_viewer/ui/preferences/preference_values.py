@@ -26,7 +26,7 @@ class PreferenceValues(QObject):
         super().__init__()
         self._settings = settings
         self._values: dict[Preference[Any], Any] = {}
-        # A list, since signal connections would keep the followers' window alive forever.
+        # A list, since signal connections would keep the window of the callbacks alive forever.
         self._followers: list[tuple[Preference[Any], Callable[[Any], object]]] = []
 
     def __getitem__(self, preference: Preference[T]) -> T:
@@ -40,7 +40,7 @@ class PreferenceValues(QObject):
         if stored is None:
             return preference.default
         try:
-            return preference.allowed.from_text(str(stored))
+            return preference.allowed.parse_text(str(stored))
         except ValueError:
             _LOGGER.warning("The setting %s cannot be %r; using the default", preference.name, stored)
             return preference.default
@@ -61,7 +61,7 @@ class PreferenceValues(QObject):
             self.choose(preference, preference.default)
             self._settings.remove(preference.name)  # the default may improve in a later version
 
-    def follow(self, preference: Preference[T], use: Callable[[T], object]) -> None:
+    def apply_now_and_on_change(self, preference: Preference[T], use: Callable[[T], object]) -> None:
         """Call ``use`` with the value now and after every change."""
         self.on_change(preference, use)
         use(self[preference])
@@ -89,7 +89,7 @@ class Choice(Generic[T]):
 
     options: tuple[Option[T], ...]
 
-    def from_text(self, stored: str) -> T:
+    def parse_text(self, stored: str) -> T:
         """Value for a stored text; raises ValueError if it is not allowed."""
         for option in self.options:
             if option.stored == stored:
@@ -109,7 +109,7 @@ class NumberRange:
     most: float
     suffix: str
 
-    def from_text(self, stored: str) -> float:
+    def parse_text(self, stored: str) -> float:
         """Parse a stored number; raises ValueError if it is out of range."""
         value = float(stored)
         if not self.least <= value <= self.most:  # this form also rejects NaN

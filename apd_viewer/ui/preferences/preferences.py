@@ -203,7 +203,7 @@ class Preferences:
 
 
 class UpAxes:
-    """Chosen up axes; those of meshes without a file last as long as the mesh.
+    """Chosen up axes; for a mesh without a file, only while the mesh exists.
 
     Parameters
     ----------

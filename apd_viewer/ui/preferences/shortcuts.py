@@ -174,7 +174,7 @@ def _can_be_read(keys: str | None) -> bool:
     )
 
 
-def with_keys(words: str, action: QAction) -> str:
+def text_with_keys(words: str, action: QAction) -> str:
     """Text followed by the current keys of an action, if any."""
     keys = native_keys(keys_of(action))
     return tr("{words} ({keys})").format(words=words, keys=keys) if keys else words
@@ -185,7 +185,7 @@ def show_shortcut_in_tooltip(widget: QWidget, action: QAction) -> None:
     tip = widget.toolTip()
 
     def say() -> None:
-        widget.setToolTip(with_keys(tip, action))
+        widget.setToolTip(text_with_keys(tip, action))
 
     action.changed.connect(say)
     say()

@@ -57,8 +57,8 @@ class Camera:
     @cached_property
     def axes(self) -> np.ndarray:
         """Unit vectors right, up and forward, as rows of a (3, 3) array."""
-        forward = unit(self.focal - self.position)
-        right = unit(np.cross(forward, self.up))
+        forward = unit_vector(self.focal - self.position)
+        right = unit_vector(np.cross(forward, self.up))
         return np.array([right, np.cross(right, forward), forward])
 
     @property
@@ -73,7 +73,7 @@ class Camera:
 
     @property
     def overlay_scale(self) -> float:
-        """Size of the gizmo over its full size; below 1 in a small view."""
+        """Size of overlays relative to their full size; less than 1 in a small view."""
         return max(_LEAST_SCALE, min(1.0, self.width / _ROOMY, self.height / _ROOMY))
 
     @property
@@ -99,7 +99,7 @@ class Camera:
         """Origin and unit direction of the ray through a pixel position."""
         right, up, forward = self.axes
         aside = self.pixel_height * ((x - self.width / 2) * right + (self.height / 2 - y) * up)
-        return self.position, unit(forward + aside)
+        return self.position, unit_vector(forward + aside)
 
     def project(self, points: np.ndarray) -> np.ndarray:
         """Pixel positions (k, 2) of points (k, 3); undefined behind the camera."""
@@ -125,7 +125,9 @@ class Camera:
         pitch = rotation(yaw @ self.axes[0], -np.deg2rad(DEGREES_PER_PIXEL * dy))
         turn = pitch @ yaw
         return replace(
-            self, position=self.focal + turn @ (self.position - self.focal), up=unit(turn @ self.axes[1])
+            self,
+            position=self.focal + turn @ (self.position - self.focal),
+            up=unit_vector(turn @ self.axes[1]),
         )
 
     def panned(self, dx: float, dy: float) -> Camera:
@@ -187,8 +189,8 @@ class Camera:
         return replace(self, position=self.focal + self.distance * direction, up=up)
 
 
-def unit(v: np.ndarray) -> np.ndarray:
-    """``v`` scaled to length one."""
+def unit_vector(v: np.ndarray) -> np.ndarray:
+    """Vector ``v`` scaled to length one."""
     return v / np.linalg.norm(v)
 
 
@@ -280,10 +282,10 @@ def surrounding_box(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np
     return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
-def uncovering_shift(camera: Camera, covered: QRectF) -> tuple[float, float]:
-    """Pixel shift to the left or up, centring the uncovered part of the picture.
+def centring_shift(camera: Camera, covered: QRectF) -> tuple[float, float]:
+    """Shift in pixels, left or up, centring the view in the uncovered part.
 
-    ``covered`` is a part at the lower right; as many pixels must be free around what is shown.
+    ``covered`` is a part at the lower right; the displayed mesh must have as many free pixels around it.
     """
     wide, tall = max(0.0, camera.width - covered.left()), max(0.0, camera.height - covered.top())
     beside, above = (camera.width - wide) * camera.height, (camera.height - tall) * camera.width

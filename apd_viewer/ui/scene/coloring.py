@@ -37,7 +37,7 @@ class Coloring:
     def begin_mesh(self, document: Document) -> np.ndarray:
         """Set a new mesh; return its colours (n, 4) uint8, without preview or marks."""
         self._document, self.previewed_ids = document, None
-        self._marks.show(None)
+        self._marks.mark_vertices(None)
         return colors_of(document, unpainted_colors=self._file_colors)
 
     def show_file_colors(self, on: bool) -> None:
@@ -45,7 +45,7 @@ class Coloring:
         self._of_file = on
         self._repaint()
 
-    def set_covered(self, on: bool) -> None:
+    def suppress_file_colors(self, on: bool) -> None:
         """Suppress the file's vertex colours while an overlay or texture is shown."""
         if on != self._covered:
             self._covered = on
@@ -61,7 +61,7 @@ class Coloring:
         if self._document is not None and self._document.mesh.colors is not None:
             self._restore(np.arange(len(self._document.labels)))
 
-    def follow(self, document: Document) -> None:
+    def follow_document(self, document: Document) -> None:
         """Update the colours to a new document of the mesh."""
         before, self._document = self._document, document
         if before is not None and not _have_same_colors(before, document):
@@ -92,12 +92,12 @@ class Coloring:
         if document is None:
             return
         if before is not None:
-            self._marks.show(None)
+            self._marks.mark_vertices(None)
             self._restore(before)
         if vertices is None:
             return
         every = np.arange(len(document.mesh.V))
-        self._marks.show(
+        self._marks.mark_vertices(
             document.mesh.weld.with_coincident_vertices(vertices) if len(vertices) else every, vertices
         )
         self._surface.set_colors(self._marks.colors(), self._marks.ids)
@@ -177,7 +177,7 @@ class VertexMarks(MouseTool):
         self.ids: np.ndarray | None = None
         self._dotted = _NONE
 
-    def show(self, ids: np.ndarray | None, dotted: np.ndarray = _NONE) -> None:
+    def mark_vertices(self, ids: np.ndarray | None, dotted: np.ndarray = _NONE) -> None:
         """Mark the vertices ``ids``, with dots at ``dotted`` if useful."""
         self.ids = ids
         self._dotted = dotted[:: 1 + len(dotted) // _MOST_DOTS] if self._needs_dots(dotted) else _NONE

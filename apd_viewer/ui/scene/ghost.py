@@ -39,7 +39,7 @@ class RestActor(ABC):
         self._on = on
         self._show()
 
-    def follow(self, mesh: Mesh | None) -> None:
+    def set_mesh(self, mesh: Mesh | None) -> None:
         """Set the mesh; hide the actor if None."""
         if mesh is not self._mesh:
             self._mesh = mesh

@@ -74,14 +74,14 @@ class Ground(MouseTool, RestActor):
         self.grid_corners[:, up.index] = (low if up.sign > 0 else high)[up.index]
         self._actor.SetPosition(*self.grid_corners.mean(axis=0))
         self._box = tuple(self.grid_corners.T.ravel())
-        return _lines(self.grid_corners, {axis: self._ticks(axis) for axis in self._level})
+        return _lines(self.grid_corners, {axis: self._ticks(axis) for axis in self._horizontal_axes})
 
     @property
     def _up_axis(self) -> UpAxis:
         return self._viewport.camera_controller.camera.up_axis
 
     @property
-    def _level(self) -> tuple[int, int]:
+    def _horizontal_axes(self) -> tuple[int, int]:
         """Indices of the two horizontal axes."""
         first, second = (axis for axis in range(3) if axis != self._up_axis.index)
         return first, second
@@ -104,7 +104,7 @@ class Ground(MouseTool, RestActor):
         painter.save()
         painter.setPen(ink)
         taken: list[QRectF] = []
-        for axis in self._level:
+        for axis in self._horizontal_axes:
             self._write_along(painter, axis, taken)
         text = tr("grid {length}").format(length=self._unit.format_length(format_short(self.grid_step)))
         room = QRectF(self._viewport.width() - 128, _BELOW, 116, 18)
@@ -118,7 +118,7 @@ class Ground(MouseTool, RestActor):
         """
         eye, other, ticks = (
             self._viewport.camera_controller.camera,
-            sum(self._level) - axis,
+            sum(self._horizontal_axes) - axis,
             self._ticks(axis),
         )
         side = 0 if eye.position[other] < self.grid_corners[:, other].mean() else 1

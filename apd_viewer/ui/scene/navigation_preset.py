@@ -24,9 +24,9 @@ class CameraMotion(Enum):
 
 @dataclass(frozen=True)
 class NavigationPreset:
-    """Drags that move the camera as another program has it; all others orbit.
+    """Drags that move the camera as in another program; all others orbit.
 
-    The wheel zooms in all of them, to what is under the cursor.
+    The wheel zooms in all presets, towards the point under the cursor.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class NavigationPreset:
     sentence : str
         What the drags do, for the status bar and the sheet of shortcuts.
     chords : tuple
-        Button, key held with it, and motion, each.
+        Button, key held with it, and motion of each drag.
     """
 
     title: str
@@ -43,13 +43,13 @@ class NavigationPreset:
     chords: tuple[tuple[Qt.MouseButton, Qt.KeyboardModifier, CameraMotion], ...]
 
     def motion(self, button: Qt.MouseButton, keys: Qt.KeyboardModifier) -> CameraMotion:
-        """Motion of a drag: by a chord whose key is held rather than by one without a key."""
+        """Camera motion of a drag; a chord with a held key precedes one without a key."""
         found = [chord for chord in self.chords if chord[0] == button and (chord[1] & keys) == chord[1]]
         found.sort(key=lambda chord: chord[1] == _ALONE)
         return found[0][2] if found else CameraMotion.ORBIT
 
-    def goes_first(self, button: Qt.MouseButton, keys: Qt.KeyboardModifier) -> bool:
-        """True for a drag that tools do not get: by a chord with Alt."""
+    def precedes_tools(self, button: Qt.MouseButton, keys: Qt.KeyboardModifier) -> bool:
+        """True for a drag with Alt, which moves the camera before tools see it."""
         return any(chord[:2] == (button, _ALT) for chord in self.chords) and bool(keys & _ALT)
 
 

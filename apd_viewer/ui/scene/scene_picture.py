@@ -254,9 +254,9 @@ class OffscreenScene:
         self._surface.set_mesh(state.surface_index, state.frame.U, colors_of(state.document))
         self._surface.shows_edges, self._surface.shading = edges, shading
         used = np.unique(state.surface_index.F)
-        self.size = self._aim(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
+        self.size = self._frame_points(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
 
-    def _aim(self, points: np.ndarray) -> QSize:
+    def _frame_points(self, points: np.ndarray) -> QSize:
         """Frame all points, and return a fitting picture size."""
         eye = self._viewport.camera_controller.camera
         right, up, _ = eye.axes
@@ -281,7 +281,7 @@ class OffscreenScene:
 
     def colored_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
         """Picture of ``U`` coloured by scalars on a ``scale``."""
-        neutral = scale.neutral_share if scale.measure.is_signed else -1.0
+        neutral = scale.neutral_fraction if scale.measure.is_signed else -1.0
         self._surface.set_color_map(scale.measure.colors, neutral)
         self._surface.shades[:] = shades
         self._surface.update_shades()

@@ -123,8 +123,8 @@ class Surface:
             self._given = U
             self.shape_revision += 1
         if self._blend is not None:
-            rest, share = self._blend
-            U = rest + share * (U - rest)
+            rest, fraction = self._blend
+            U = rest + fraction * (U - rest)
         self.U = np.ascontiguousarray(U, dtype=np.float64).view()
         self.U.flags.writeable = False
         low, high = self.arrays.set_points(self.U, self._origin)
@@ -144,9 +144,9 @@ class Surface:
         """True during a :meth:`blend`."""
         return self._blend is not None
 
-    def blend(self, rest: np.ndarray | None, share: float = 1.0) -> None:
-        """Show the interpolation at ``share`` from ``rest`` (n, 3) to the shape."""
-        self._blend = None if rest is None or len(rest) != len(self._given) else (rest, share)
+    def blend(self, rest: np.ndarray | None, fraction: float = 1.0) -> None:
+        """Show the interpolation at ``fraction`` from ``rest`` (n, 3) to the shape."""
+        self._blend = None if rest is None or len(rest) != len(self._given) else (rest, fraction)
         if self.surface_index is not None:
             self.set_points(self._given)
 
@@ -267,7 +267,7 @@ class Surface:
 
     @property
     def picking_index(self) -> SurfaceIndex | None:
-        """Surface index, if already built."""
+        """Surface index for picking; None until it is built."""
         return None if isinstance(self.surface_index, PreviewSurface) else self.surface_index
 
     def hit(self, position: QPointF) -> Hit | None:
@@ -292,8 +292,8 @@ class Surface:
         assert self.surface_index is not None
         a, b, c = self.U[self.surface_index.F[hit.face]]
         weights = np.linalg.lstsq(np.column_stack([b - a, c - a]), hit.point - a, rcond=None)[0]
-        shares: np.ndarray = np.clip([1.0 - weights.sum(), *weights], 0.0, 1.0)
-        return shares / shares.sum()
+        fractions: np.ndarray = np.clip([1.0 - weights.sum(), *weights], 0.0, 1.0)
+        return fractions / fractions.sum()
 
     def distances(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Distances (k,) of rays to the surface; infinite for misses.

@@ -317,7 +317,7 @@ class MouseDispatcher:
         if self._holder is not None:
             return
         self._button = event.button()
-        alone = self._navigation.preset.goes_first(event.button(), event.modifiers())
+        alone = self._navigation.preset.precedes_tools(event.button(), event.modifiers())
         first = [self._navigation] if alone else []
         takers = (tool for tool in (*first, *self._all_tools()) if tool.press(event))
         self._holder = next(takers, None)

@@ -85,7 +85,7 @@ class SettingsDialog(QDialog):
 
 
 def _align(grids: list[QGridLayout]) -> None:
-    """Align titles and controls of all groups, whatever the length of the texts."""
+    """Align titles and controls of all groups, regardless of the lengths of texts."""
     for column, least in enumerate((_TITLES, _CONTROLS)):
         found = [grid.itemAtPosition(row, column) for grid in grids for row in range(1, grid.rowCount())]
         width = max([least, *(item.sizeHint().width() for item in found if item is not None)])
@@ -189,15 +189,17 @@ def connect_preferences(
     values: PreferenceValues, session: Session, tools: ToolChoice, brush: BrushSize
 ) -> None:
     """Apply the preferences to session and tools, now and after changes."""
-    values.follow(preference_table.UNDO_MEMORY, session.gestures.limit_memory)
-    values.follow(preference_table.AUTOSAVE, session.autosave.set_interval)
-    values.follow(preference_table.SELECTION_MODE, tools.set_mode)
-    values.follow(preference_table.BRUSH_RADIUS, brush.set_radius)
+    values.apply_now_and_on_change(preference_table.UNDO_MEMORY, session.gestures.limit_memory)
+    values.apply_now_and_on_change(preference_table.AUTOSAVE, session.autosave.set_interval)
+    values.apply_now_and_on_change(preference_table.SELECTION_MODE, tools.set_mode)
+    values.apply_now_and_on_change(preference_table.BRUSH_RADIUS, brush.set_radius)
 
 
 def connect_menu(values: PreferenceValues, schemes: dict[Qt.ColorScheme, QAction]) -> None:
     """Keep the colour scheme checked in the menu."""
-    values.follow(preference_table.COLOR_SCHEME, lambda scheme: schemes[scheme].setChecked(True))
+    values.apply_now_and_on_change(
+        preference_table.COLOR_SCHEME, lambda scheme: schemes[scheme].setChecked(True)
+    )
 
 
 def connect_language(values: PreferenceValues, show_failure: Callable[[str], object]) -> None:

@@ -156,7 +156,7 @@ class ReportController:
         dialog.deleteLater()
 
     def write_report(self, path: Path) -> None:
-        """Write a report of the shape on screen, in the background."""
+        """Write a report of the displayed shape, in the background."""
         session = self._session
         if (state := session.store.state) is None:
             return

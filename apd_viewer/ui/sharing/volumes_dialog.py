@@ -42,7 +42,7 @@ class VolumesDialog(QDialog):
         resize_on_screen(self, _SIZE)
 
     def refresh(self) -> None:
-        """Show the current volumes; the text stays where it is scrolled to."""
+        """Show the current volumes; the scroll position is kept."""
         theme = DARK if self.palette().window().color().lightnessF() < 0.5 else LIGHT
         shown = theme, block_html(self._table())
         if shown != self._shown:

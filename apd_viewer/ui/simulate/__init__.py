@@ -1,1 +1,1 @@
-"""Motions in steps in the view: presses, and the timeline of all of them."""
+"""Motions in steps in the view: presses, and the timeline of all steps."""

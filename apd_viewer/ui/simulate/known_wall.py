@@ -1,4 +1,4 @@
-"""Wall of the open mesh as typed: newtons, and its run behind a press."""
+"""Wall of the open mesh as typed: newtons, and the run of the method Wall."""
 
 import time
 from collections.abc import Callable
@@ -22,11 +22,11 @@ from apd_viewer.session.quantities.newton_conversion import NewtonConversion, ne
 from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall
 from apd_viewer.session.session import Session
 
-_MILLIMETRES = 1e3  # in a metre
+_MILLIMETRES = 1e3  # per metre
 
 
 class KnownWall:
-    """Wall of the open mesh, where thickness, elasticity and unit are known.
+    """Wall of the open mesh, if thickness, elasticity and unit are known.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class KnownWall:
 
     @property
     def value(self) -> Wall | None:
-        """The wall as numbers; None where newtons are not known."""
+        """The wall as numbers; None if newtons are unknown."""
         try:
             wall = parse_wall(self.text(), self._session.store.unit)
         except InputError:
@@ -54,12 +54,12 @@ class KnownWall:
         return None if (wall := self.value) is None else wall.yield_radius
 
     def newtons(self, state: State) -> NewtonConversion | None:
-        """Conversion of the loads of a state into newtons; None where unknown."""
+        """Conversion of the loads of a state into newtons; None if unknown."""
         wall = self.value
         return None if wall is None else self._conversion(state, wall)
 
     def newtons_as_pressed(self, state: State) -> NewtonConversion | None:
-        """Conversion for a wall as thick as that of a state by the method Wall."""
+        """Conversion for the wall thickness of a state solved by the method Wall."""
         wall, settings = self.value, state.document.settings
         if wall is not None and settings.wall_thickness is not None:
             wall = replace(wall, thickness=settings.wall_thickness, poisson=settings.poisson)
@@ -76,10 +76,10 @@ class KnownWall:
             self._conversions[settings, wall] = newton_conversion(wall, material, rest)
         return self._conversions[settings, wall]
 
-    def settings(self, state: State) -> dict[str, Any] | None:
-        """Settings by name that make the document of a state one of the method Wall.
+    def wall_settings(self, state: State) -> dict[str, Any] | None:
+        """Changes of settings, by name, to solve a state by the method Wall.
 
-        None where the wall is not known or not thin, or the mesh too large.
+        None if the wall is unknown or not thin, or the mesh too large.
         """
         wall, document = self.value, state.document
         if wall is None:
@@ -91,20 +91,20 @@ class KnownWall:
             before, after = self.newtons(state), self._conversion(own, wall)
         except InputError:
             return None
-        if gas is not None and before is not None and after is not None:  # the same pressure
+        if gas is not None and before is not None and after is not None:  # keeps the pressure of the gas
             changes["gas"] = gas * before.newtons_per_load / after.newtons_per_load
         return changes
 
     def title(self, settings: Settings) -> str:
-        """Title of a wall by the settings of its method, with its thickness."""
+        """Title of a wall with its thickness, from the settings of the method Wall."""
         thickness, metres = settings.wall_thickness, self._session.store.unit.metres
         if thickness is None or metres is None:
             return settings.traits.short_title
         return tr("Wall {thickness} mm").format(thickness=format_short(_MILLIMETRES * metres * thickness))
 
 
-class WallFollower:
-    """Begins, ends and tells the run of the wall behind a press.
+class WallRunController:
+    """Starts, stops and reports the run of the method Wall after a press.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class WallFollower:
     Attributes
     ----------
     is_due : bool
-        The wall follows once the press under way has ended.
+        True to start the run once the current press has ended.
     """
 
     def __init__(self, session: Session, wall: KnownWall, timeline: Callable[[], Timeline]) -> None:
@@ -123,7 +123,7 @@ class WallFollower:
         self._pressed: State | None = None
 
     def begin_or_stop(self) -> None:
-        """Solve the run of the step on screen by the method Wall, or stop doing so."""
+        """Start solving the run of the displayed step by the method Wall, or stop it."""
         run = self._session.wall_run
         if run.is_running:
             run.stop()
@@ -132,15 +132,15 @@ class WallFollower:
 
     def _begin(self, k: int) -> None:
         pressed = self._timeline().steps[k].state
-        settings = self._wall.settings(pressed)
+        settings = self._wall.wall_settings(pressed)
         if settings is not None:
             self._pressed, self._began = pressed, time.monotonic()
             self._session.wall_run.begin(k, settings)
 
-    def follow(self) -> None:
-        """Begin behind a press that has ended; stop where the wall has become another one."""
+    def update(self) -> None:
+        """Start the run if it is due after a press; stop it if the wall has changed."""
         run, pressed, steps = self._session.wall_run, self._pressed, self._timeline().steps
-        if run.is_running and pressed is not None and self._wall.settings(pressed) != run.settings:
+        if run.is_running and pressed is not None and self._wall.wall_settings(pressed) != run.settings:
             run.stop(tr("The wall has changed: it is solved no further."))
         if self.is_due and not self._session.player.is_playing:
             self.is_due = False
@@ -149,24 +149,24 @@ class WallFollower:
 
     @property
     def may_begin(self) -> bool:
-        """True if the run of the step on screen has steps to be solved."""
+        """True if the method Wall can solve steps in the run of the displayed step."""
         k, timeline = self._number, self._timeline()
         is_busy = self._session.player.is_playing or self._session.wall_run.is_running
         if k is None or is_busy or len(timeline.run_of(k)) == 1:
             return False
-        settings = self._wall.settings(timeline.steps[k].state)
-        # In order: the last step is the last to be answered.
-        return settings is not None and timeline.steps[timeline.run_of(k)[-1]].lacks_answer(settings)
+        settings = self._wall.wall_settings(timeline.steps[k].state)
+        # Steps are solved in order, so it suffices to check the last one.
+        return settings is not None and timeline.steps[timeline.run_of(k)[-1]].lacks_wall_result(settings)
 
     @property
     def _number(self) -> int | None:
-        """Number of the step on screen, or of the last one; None without steps."""
-        steps, shown = self._timeline().steps, self._session.player.shown
+        """Number of the displayed step, else of the last one; None without steps."""
+        steps, shown = self._timeline().steps, self._session.player.shown_step
         return None if not steps else len(steps) - 1 if shown is None else shown
 
     @property
     def progress(self) -> str:
-        """Sentence on the run under way; empty without one."""
+        """Sentence on the progress of the run; empty if none is running."""
         run = self._session.wall_run
         if not run.is_running or self._pressed is None:
             return ""
@@ -180,16 +180,18 @@ class WallFollower:
     # Readings
 
     def newtons_per_load(self) -> list[tuple[float, float]]:
-        """Newtons of a load of 1 at each step, and of the wall there; NaN where unknown."""
+        """Newtons per load at each step, for its state and that by Wall; NaN if unknown."""
         first, own = self._wall.newtons, self._wall.newtons_as_pressed
-        return [(_per_load(step.state, first), _per_load(step.wall, own)) for step in self._timeline().steps]
+        return [
+            (_per_load(step.state, first), _per_load(step.wall_state, own)) for step in self._timeline().steps
+        ]
 
-    def force(self, answer: State | None) -> float | None:
-        """Newtons between the plates in an answer of the wall; None where unknown."""
-        pair = None if answer is None else plate_pair(answer.document)
-        if answer is None or pair is None or not answer.frame.settled:
+    def force(self, state: State | None) -> float | None:
+        """Newtons between the plates in a state by the method Wall; None if unknown."""
+        pair = None if state is None else plate_pair(state.document)
+        if state is None or pair is None or not state.frame.settled:
             return None
-        force = pair.reading(answer).load * _per_load(answer, self._wall.newtons_as_pressed)
+        force = pair.reading(state).load * _per_load(state, self._wall.newtons_as_pressed)
         return None if np.isnan(force) else max(0.0, force)
 
 

@@ -26,25 +26,25 @@ from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.simulate.known_wall import KnownWall, WallFollower
+from apd_viewer.ui.simulate.known_wall import KnownWall, WallRunController
 from apd_viewer.ui.simulate.timeline_charts import PressCharts, StepCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.theme import Theme
 
-_REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: of all steps, and limits of one
+_REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: duration of all steps, and limits of that of one step
 
 _CORNERS = tuple(itertools.product((0, 1), repeat=3))
 
 
 class TimelineReplay(QTimer):
-    """Replay of the steps of a timeline, one after the other.
+    """Replay of the steps of a timeline, one after another.
 
     Parameters
     ----------
     is_repeated : callable
-        True if it begins again at the end.
+        True to start again after the last step.
     """
 
     step_shown = Signal()
@@ -54,29 +54,29 @@ class TimelineReplay(QTimer):
         self._session, self._is_repeated = session, is_repeated
 
     def begin_or_end(self) -> None:
-        """Begin at the step on screen, or at the first one if that is the last; or end."""
+        """Start at the displayed step, or at the first after the last; stop if running."""
         if self.isActive():
             self.end()
             return
         player = self._session.player
-        count, shown = len(player.timeline.steps), player.shown
-        player.show(0 if shown in (None, count - 1) else shown)
+        count, shown = len(player.timeline.steps), player.shown_step
+        player.show_step(0 if shown in (None, count - 1) else shown)
         self.start(min(max(_REPLAY // max(1, count), _FASTEST), _SLOWEST))
 
     def end(self) -> None:
-        """Stay at the step on screen."""
+        """Stop the replay at the displayed step."""
         if self.isActive():
             self.stop()
-            self._session.player.end_show()
+            self._session.player.accept_shown_step()
 
     def _show_next(self) -> None:
         player = self._session.player
         count = len(player.timeline.steps)
-        after = (player.shown if player.shown is not None else count) + 1
+        after = (player.shown_step if player.shown_step is not None else count) + 1
         if self._session.gestures.state_before is None or player.is_playing:
-            self.stop()  # something else was begun
+            self.stop()  # another gesture or motion has begun
         elif after < count or self._is_repeated():
-            player.show(after % count)
+            player.show_step(after % count)
         else:
             self.end()
         self.step_shown.emit()
@@ -90,9 +90,9 @@ class PressController(QObject):
     dock : QDockWidget
         Dock of the panel.
     parts : ActiveParts
-        Take a plate into the hand.
+        Make a plate the active obstacle.
     choose_tool : callable
-        Puts a tool into the hand.
+        Activates a tool.
     cancel_drag : callable
         Function to cancel the current drag.
     wall : callable
@@ -121,7 +121,7 @@ class PressController(QObject):
         self._memory, self._notice, self._viewport = preferences, notice, viewport
         self._axis = 0
         self.known_wall = KnownWall(session, wall)
-        self._wall_follower = WallFollower(session, self.known_wall, lambda: self._timeline)
+        self._wall_run_controller = WallRunController(session, self.known_wall, lambda: self._timeline)
         self.charts = PressCharts(session, self.known_wall)
         self.panel = panel = TimelinePanel()
         dock.setWidget(panel)
@@ -141,10 +141,10 @@ class PressController(QObject):
         panel.open_requested.connect(self._open)
         panel.direction_chosen.connect(self._put_plates)
         panel.step_shown.connect(self._show_step)
-        panel.show_ended.connect(player.end_show)
+        panel.show_ended.connect(player.accept_shown_step)
         panel.show_cancelled.connect(self._session.gestures.cancel)
         panel.play_requested.connect(self._play_or_stop)
-        panel.wall_requested.connect(self._wall_follower.begin_or_stop)
+        panel.wall_requested.connect(self._wall_run_controller.begin_or_stop)
         panel.wall_chosen.connect(self._choose_wall)
         panel.clear_requested.connect(player.clear)
         panel.export_requested.connect(self._export)
@@ -161,7 +161,7 @@ class PressController(QObject):
         if is_new and not self._put_plates(self._axis):
             return
         if not self._timeline.steps:
-            self._session.player.begin()
+            self._session.player.begin_run()
         self._show_and_frame(is_new)
         self.panel.end.setFocus()
         self.panel.end.selectAll()
@@ -175,11 +175,11 @@ class PressController(QObject):
             self._viewport.camera_controller.frame(np.vstack([state.frame.U, *corners]))
 
     def _put_plates(self, axis: int) -> bool:
-        """Put the plates on both sides along an axis, instead of those there."""
+        """Put plates on both sides along an axis, replacing existing ones."""
         before = self._session.store.required_state().document
         thickness = self._wall().contact_distance(self._session.store.unit)
         creases = self._wall_settings("yield_radius")
-        k = self._session.obstacles.put_press(np.eye(3)[axis], thickness, **creases)
+        k = self._session.obstacles.add_press_plates(np.eye(3)[axis], thickness, **creases)
         if k is None:
             return False
         if before.label_counts[FREE] < len(before.labels):
@@ -187,7 +187,7 @@ class PressController(QObject):
                 tr("Base and handles are let go, so that the plates press everything; undo holds them again.")
             )
         self._axis = axis
-        self._session.player.begin()
+        self._session.player.begin_run()
         self._choose_tool(Tool.MOVE)
         self._parts.choose_obstacle(k)
         return True
@@ -205,7 +205,7 @@ class PressController(QObject):
         try:
             pair, text = self._required_pair(), self.panel.end.text()
             extent = pair.extent(state.document)
-            distance = self._session.typed_values.parse_share_or_length(text, extent)
+            distance = self._session.typed_values.parse_fraction_or_length(text, extent)
             said = f"{format_short(100.0 * distance / extent)}\u00a0%"
             self._move_plates(tr("Press to {distance}").format(distance=said), distance)
         except InputError as error:
@@ -214,15 +214,15 @@ class PressController(QObject):
     def _open(self) -> None:
         self._replay.end()
         state = self._session.store.required_state()
-        with suppress(InputError):  # they are open
+        with suppress(InputError):  # the plates are already open
             self._move_plates(tr("Open plates"), self._required_pair().first_distance(state.document))
 
     def _move_plates(self, title: str, distance: float) -> None:
-        self._session.player.choose_wall(False)  # the wall follows what is pressed
+        self._session.player.choose_wall_results(False)  # the press is solved first, the method Wall after it
         state, steps = self._session.store.required_state(), round(self.panel.steps.value())
-        documents = self._required_pair().documents_to(state, distance, steps)
+        documents = self._required_pair().press_documents(state, distance, steps)
         self._session.player.play(title, documents)
-        self._wall_follower.is_due = True
+        self._wall_run_controller.is_due = True
         self.charts.reach = self._required_pair().first_distance(state.document) - distance
         self._dock.window().setFocus()
 
@@ -236,29 +236,29 @@ class PressController(QObject):
 
     def _show_step(self, k: int) -> None:
         if self._timeline.steps:
-            self._session.player.show(min(k, len(self._timeline.steps) - 1))
+            self._session.player.show_step(min(k, len(self._timeline.steps) - 1))
 
     @property
     def _timeline(self) -> Timeline:
         """Steps of the open mesh; empty if the timeline belongs to another mesh."""
         state, timeline = self._session.store.state, self._session.player.timeline
-        return timeline if state is not None and timeline.is_of(state.document) else Timeline()
+        return timeline if state is not None and timeline.belongs_to(state.document) else Timeline()
 
     def show_timeline(self) -> None:
-        """Show the panel with the steps there are."""
+        """Show the panel of the timeline."""
         self._dock.show()
         self._dock.raise_()
         self.refresh()
 
     def show_animation(self) -> None:
-        """Show the panel for the animation that was opened."""
+        """Show the panel with the opened animation."""
         self._replay.end()
         self._show_and_frame(is_new=False)
 
     def _show_and_frame(self, is_new: bool) -> None:
-        """Show the panel; frame what is new, or what has less room than before."""
+        """Show the panel; frame the mesh if plates are new or its view has shrunk."""
         if is_new or not self._dock.isVisible():
-            QTimer.singleShot(0, self, self._frame)  # once the view has its new size
+            QTimer.singleShot(0, self, self._frame)  # after the layout has resized the view
         self.show_timeline()
 
     def _play_or_stop(self) -> None:
@@ -267,21 +267,21 @@ class PressController(QObject):
 
     def _choose_wall(self, shows_wall: bool) -> None:
         self._replay.end()
-        self._session.player.choose_wall(shows_wall)
+        self._session.player.choose_wall_results(shows_wall)
 
     def _export(self) -> None:
         mesh = self._session.store.required_state().document.mesh
         proposed = self._memory.last_folder / f"{mesh.stem}-timeline.csv"
         path = file_dialogs.ask_for_format(self.panel, tr("Export timeline"), proposed, TIMELINE_FORMATS)
         if path is not None:
-            newtons, of_wall = self._wall_follower.newtons_per_load(), self._session.player.shows_wall
+            newtons, of_wall = self._wall_run_controller.newtons_per_load(), self._session.player.shows_wall
             self._session.files.export_timeline(path, self._timeline, newtons, of_wall)
 
     # Display
 
     def refresh(self, *_: object) -> None:
         """Show the state of the session, if the dock is visible."""
-        self._wall_follower.follow()
+        self._wall_run_controller.update()
         state = self._session.store.state
         if state is None or not self._dock.isVisible():
             return
@@ -304,8 +304,8 @@ class PressController(QObject):
             self._show_texts(texts, *step_readings.step_verdict(state))
         self.charts.timeline = self.step_charts.timeline = self._timeline
         self.step_charts.ahead = player.count - player.done if player.is_playing else 0
-        is_running, may_begin = self._session.wall_run.is_running, self._wall_follower.may_begin
-        names = self.charts.names if any(step.answer is not None for step in steps) else ()
+        is_running, may_begin = self._session.wall_run.is_running, self._wall_run_controller.may_begin
+        names = self.charts.names if any(step.wall_result is not None for step in steps) else ()
         self.panel.show_wall(is_running, may_begin, names, player.shows_wall)
         if not player.is_playing:
             self.charts.reach = 0.0
@@ -317,31 +317,31 @@ class PressController(QObject):
         self.panel.show_readings(texts, said, is_calm)
 
     def _show_press_readings(self, state: State) -> None:
-        """Show the readings of a state, with the load of the wall where that is known."""
+        """Show the readings of a state, with the load by the method Wall if known."""
         k, store, method = self._shown_number, self._session.store, state.document.settings.traits
-        answer = None if k is None else self._timeline.steps[k].answer
-        is_of_wall = answer is not None and method.is_wall
+        wall_result = None if k is None else self._timeline.steps[k].wall_result
+        is_of_wall = wall_result is not None and method.is_wall
         said, is_calm = plate_readings.rest_verdict(state)
-        if answer is not None and not answer.frame.settled:
+        if wall_result is not None and not wall_result.frame.settled:
             said, is_calm = tr("The wall did not come to rest here."), False
-        elif k is not None and answer is None and self._session.player.shows_wall and not method.is_wall:
+        elif k is not None and wall_result is None and self._session.player.shows_wall and not method.is_wall:
             said, is_calm = tr("The wall is not solved here: this is {method}."), False
             said = said.format(method=method.short_title)
         newtons = (self.known_wall.newtons_as_pressed if is_of_wall else self.known_wall.newtons)(state)
-        force = None if is_of_wall else self._wall_follower.force(answer)
+        force = None if is_of_wall else self._wall_run_controller.force(wall_result)
         bend = state.document.settings.yield_radius or self.known_wall.yield_radius
         texts = plate_readings.plate_reading_texts(state, store.unit, newtons, force, bend)
         self._show_texts(texts, said, is_calm)
 
     @property
     def _shown_number(self) -> int | None:
-        return self._session.player.shown if self._timeline.steps else None
+        return self._session.player.shown_step if self._timeline.steps else None
 
     @property
     def _progress(self) -> str:
         player = self._session.player
         if not player.is_playing:
-            if wall := self._wall_follower.progress:
+            if wall := self._wall_run_controller.progress:
                 return wall
             dropped = self._timeline.dropped
             said = tr("The first {n} steps were dropped to save memory.")
@@ -362,5 +362,5 @@ class PressController(QObject):
         self.panel.set_theme(theme)
 
     def close(self) -> None:
-        """End a replay under way."""
+        """End a running replay."""
         self._replay.stop()

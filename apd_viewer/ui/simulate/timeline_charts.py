@@ -17,20 +17,20 @@ from apd_viewer.ui.plots.chart_drawing import Chart, Curve, Dots, ReferenceLine
 from apd_viewer.ui.simulate.known_wall import KnownWall
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
-_LEAST, _LEAST_OF_STEPS = 1.0, 0.02  # %: smallest range of the axis of volume, and of charts by step
+_LEAST, _LEAST_OF_STEPS = 1.0, 0.02  # %: smallest range of the volume axis, and of the axes of StepCharts
 
 
 class PressCharts:
-    """Charts of a timeline, with the step on screen.
+    """Charts of a timeline, with the displayed step.
 
-    What the motions came to is one curve, and the answers of the method Wall are another, with dots.
+    One curve shows the states by the methods of the motions, another with dots those by the method Wall.
 
     Attributes
     ----------
     timeline : Timeline
         Timeline to draw.
     reach : float
-        Way to where the plates are asked to go, mesh units.
+        Requested deflection of the plates, mesh units.
     theme : Theme
     """
 
@@ -61,16 +61,17 @@ class PressCharts:
             return Chart("", empty_text=tr("Press a closed mesh to see its volume here."))
         y = rounded_axis(min(float(known.min()), 100.0 - _LEAST), max(float(known.max()), 100.0), " %")
         first, wall = self.names
-        words = tr("Volume"), first, METHODS["wall"].short_title if wall else ""  # without room for more
+        # Short titles: the legend has no room for longer ones.
+        words = tr("Volume"), first, METHODS["wall"].short_title if wall else ""
         return self._chart(words, points, "warm", y, " %")
 
     def _read_curves(self) -> tuple[PlateCurves, ...]:
-        """Curves of the motions and of the wall, read anew where something changed."""
+        """Curves of the motions and of the method Wall, updated after changes."""
         given, steps = (self._wall.text(), self._session.store.unit), self.timeline.steps
         if self._curves_of[0] is not self.timeline or self._curves_of[1] != given:
             self._curves = (
-                plate_curves([step.first for step in steps], self._wall.newtons),
-                plate_curves([step.wall for step in steps], self._wall.newtons_as_pressed),
+                plate_curves([step.non_wall_state for step in steps], self._wall.newtons),
+                plate_curves([step.wall_state for step in steps], self._wall.newtons_as_pressed),
             )
             self._curves_of = self.timeline, given
         return self._curves
@@ -78,7 +79,7 @@ class PressCharts:
     def _chart(
         self, words: tuple[str, str, str], points: Sequence[np.ndarray], color: str, y: Axis, suffix: str
     ) -> Chart:
-        """Chart of curves (s, 2), broken between runs, with the step on screen.
+        """Chart of curves (s, 2), broken between runs, with the displayed step.
 
         ``words`` are its title and the names of the curves.
         """
@@ -113,7 +114,7 @@ class PressCharts:
     def _legend(
         names: Sequence[str], points: Sequence[np.ndarray], number: int | None, color: str, suffix: str
     ) -> list[tuple[str, str]]:
-        """Value of each curve at a step, named where there are two curves."""
+        """Value of each curve at a step, with names if there are two curves."""
         (first, wall), found = names, []
         names = (first, f"\u25cf\u00a0{wall}") if first and wall else ("", "")
         for rows, name, its_color in zip(points, names, (color, "ink"), strict=True):
@@ -124,7 +125,7 @@ class PressCharts:
 
     @property
     def names(self) -> tuple[str, str]:
-        """Names of the two curves; empty where there is none."""
+        """Names of the two curves; empty for a missing one."""
         first, wall = (
             [state.document.settings for state in each.states if state is not None]
             for each in self._read_curves()
@@ -133,19 +134,19 @@ class PressCharts:
 
 
 class StepCharts:
-    """Charts of a timeline, with the step on screen.
+    """Charts of a timeline, with the displayed step.
 
     Parameters
     ----------
     shown : callable
-        Number of the step on screen; None if it is another shape.
+        Number of the displayed step; None for any other shape.
 
     Attributes
     ----------
     timeline : Timeline
-        What is drawn.
+        Timeline to draw.
     ahead : int
-        Steps of the motion under way that are still to come.
+        Number of remaining steps of the current motion.
     theme : Theme
     """
 
@@ -157,7 +158,7 @@ class StepCharts:
         self._curves_of = self.timeline
 
     def _read_curves(self) -> StepCurves:
-        """Curves of the timeline, read anew where it changed."""
+        """Curves of the timeline, updated after changes."""
         if self._curves_of is not self.timeline:
             self._curves, self._curves_of = step_curves(self.timeline), self.timeline
         return self._curves
@@ -179,9 +180,9 @@ class StepCharts:
         return self._chart(curves, rounded_axis(low, high, " %"), said or [(tr("Area and volume"), "quiet")])
 
     def effort_chart(self) -> Chart:
-        """Chart of the energy where it is known, of the mean edge strain otherwise."""
+        """Chart of the energy if it is known, else of the mean edge strain."""
         found = self._read_curves()
-        has_energy = np.isfinite(found.energy).sum() > 1  # that of rest is always known
+        has_energy = np.isfinite(found.energy).sum() > 1  # that of the rest shape is always known
         values = found.energy if has_energy else found.strain
         said, number = [(tr("Energy") if has_energy else tr("Mean edge strain"), "quiet")], self._shown()
         if number is not None and np.isfinite(values[number]):
@@ -195,7 +196,7 @@ class StepCharts:
     def _chart(
         self, rows: Sequence[tuple[np.ndarray, str]], y: Axis, said: Sequence[tuple[str, str]]
     ) -> Chart:
-        """Chart of values by step, broken between runs, with the step on screen."""
+        """Chart of values by step, broken between runs, with the displayed step."""
         steps, count = self.timeline.steps, len(self.timeline.steps)
         if count < 2:
             return Chart("", empty_text=tr("The steps of a motion are drawn here."))

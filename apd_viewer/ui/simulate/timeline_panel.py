@@ -37,17 +37,17 @@ class TimelinePanel(QWidget):
     Attributes
     ----------
     direction_chosen : Signal(int)
-        Axis 0, 1 or 2 that the plates are to close along.
+        Axis 0, 1 or 2 along which the plates shall close.
     press_requested, stop_requested, open_requested : Signal()
-        Close or pause, end, and open again.
+        Close the plates or pause, stop, and open the plates again.
     step_shown : Signal(int)
-        Number of a step to look at; ``show_ended`` follows once it is chosen.
+        Number of a step to display; ``show_ended`` follows once it is chosen.
     play_requested : Signal()
-        Go along all steps, or stop doing so.
+        Replay all steps, or stop the replay.
     wall_requested : Signal()
-        Solve the steps by the method Wall as well, or stop doing so.
+        Solve the steps by the method Wall as well, or stop that run.
     wall_chosen : Signal(bool)
-        Whether to look at the answers of the wall.
+        True to display the states solved by the method Wall.
     reading_rows : list of (QLabel, QLabel, QLabel)
         Title, value and note of each reading.
     """
@@ -163,8 +163,8 @@ class TimelinePanel(QWidget):
         self.position = QLabel(accessibleName=tr("Step of the timeline"))
         self.position.setMinimumWidth(self.fontMetrics().horizontalAdvance("000 / 000"))
         tip = tr("Shapes to look at: of the method that pressed, or of the wall itself")
-        self.answer = ComboBox(accessibleName=tr("Shapes to look at"), toolTip=tip)
-        self.answer.activated.connect(lambda k: self.wall_chosen.emit(k == 1))
+        self.shape_choice = ComboBox(accessibleName=tr("Shapes to look at"), toolTip=tip)
+        self.shape_choice.activated.connect(lambda k: self.wall_chosen.emit(k == 1))
         tip = tr("Export the readings of all steps as a table, or their shapes as an animation")
         self.export = QPushButton(tr("Export…"), toolTip=tip)
         self.export.clicked.connect(self.export_requested)
@@ -172,7 +172,7 @@ class TimelinePanel(QWidget):
         self.clear.clicked.connect(self.clear_requested)
         return row_layout(
             *(self.back, self.replay, self.forward, self.loop, (self.slider, 1), self.position),
-            *(self.answer, self.export, self.clear),
+            *(self.shape_choice, self.export, self.clear),
             spacing=4,
         )
 
@@ -218,7 +218,7 @@ class TimelinePanel(QWidget):
         self.direction.setCurrentIndex(axis)
 
     def show_run(self, is_playing: bool, is_paused: bool, said: str, may_open: bool) -> None:
-        """Show whether a press is under way, and a text on its progress."""
+        """Show whether a press is running, and a text on its progress."""
         go_on = tr("Continue") if is_paused else tr("Pause")
         self.press.setText(go_on if is_playing else tr("Press"))
         self.press.setToolTip(
@@ -251,7 +251,7 @@ class TimelinePanel(QWidget):
             self.replay.setIcon(icon("pause" if is_replaying else "play", self._theme))
 
     def show_wall(self, is_running: bool, may_begin: bool, names: Sequence[str], shows_wall: bool) -> None:
-        """Show whether the wall is solved or could be, and the shapes to choose from."""
+        """Show whether the method Wall is running or can run, and the choice of shapes."""
         self.wall.setVisible(is_running or may_begin)
         self.wall.setText(tr("Stop") if is_running else tr("Solve as wall"))
         self.wall.setToolTip(
@@ -259,14 +259,14 @@ class TimelinePanel(QWidget):
             if is_running
             else tr("Solve these steps by the method Wall, too, in the background: it has true newtons")
         )
-        if [self.answer.itemText(k) for k in range(self.answer.count())] != list(names):
-            self.answer.clear()
-            self.answer.addItems(list(names))
-        self.answer.setVisible(bool(names))
-        self.answer.setCurrentIndex(int(shows_wall))
+        if [self.shape_choice.itemText(k) for k in range(self.shape_choice.count())] != list(names):
+            self.shape_choice.clear()
+            self.shape_choice.addItems(list(names))
+        self.shape_choice.setVisible(bool(names))
+        self.shape_choice.setCurrentIndex(int(shows_wall))
 
     def show_readings(self, texts: Sequence[ReadingText], verdict: str, is_calm: bool) -> None:
-        """Show the readings of the shape on screen; a warning comes first."""
+        """Show the readings of the displayed shape; a warning comes first."""
         while len(self.reading_rows) < len(texts):
             labels = QLabel(objectName="quiet"), QLabel(objectName="value"), QLabel(objectName="quiet")
             for column, label in enumerate(labels):
@@ -288,7 +288,7 @@ class TimelinePanel(QWidget):
             label.setVisible(is_calm is (label is self.calm))
 
     def show_problem(self, sentence: str) -> None:
-        """Show why the plates cannot end there."""
+        """Show why the entered final distance of the plates is impossible."""
         self.problem.show_message(sentence)
         self.end.setFocus()
         self.end.selectAll()

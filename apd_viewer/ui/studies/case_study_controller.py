@@ -65,7 +65,7 @@ class CaseStudyController(QObject):
         self._window, self._dock, self._memory, self._notice = window, dock, preferences, notice
         self._session, self._filing, self._opened = session, files, open_document
         self._ghost = ghost
-        self._studied: Document | None = None  # document of the latest study, kept in its folder
+        self._studied: Document | None = None  # document of the latest study, also stored in its folder
         self.dialog: PlanDialog | None = None
         self.panel = ResultsPanel()
         dock.setWidget(self.panel)
@@ -129,10 +129,10 @@ class CaseStudyController(QObject):
 
     def _is_free(self) -> bool:
         """True if no study is running; otherwise show a message."""
-        if self.run.running:
+        if self.run.is_running:
             self._notice.show_failure(tr("A study is running; wait for it or stop it, then begin another."))
             self._dock.show()
-        return not self.run.running
+        return not self.run.is_running
 
     def _begin_designed(self, document: Document, folder: Path, options: list[str]) -> None:
         self._studied = document
@@ -171,7 +171,7 @@ class CaseStudyController(QObject):
 
     def _stop(self) -> None:
         self.run.stop()
-        if self.run.running:
+        if self.run.is_running:
             self.panel.show_running(True, stopping=True)
 
     # Progress and end of a run
@@ -207,7 +207,7 @@ class CaseStudyController(QObject):
             )
 
         state = self._session.store.state
-        if state is not None and state.document is self._studied:  # saved with the study
+        if state is not None and state.document is self._studied:  # already saved with the study
             go()
         else:
             self._filing.run_after_save_prompt(go)
@@ -220,7 +220,7 @@ class CaseStudyController(QObject):
 
     def ask_before_closing(self, event: QCloseEvent) -> None:
         """Ask before the window closes during a running study."""
-        if not self.run.running or not event.isAccepted():
+        if not self.run.is_running or not event.isAccepted():
             return
         buttons = QMessageBox.StandardButton
         answer = QMessageBox.question(
@@ -311,7 +311,7 @@ class FolderWatch(QObject):
             self._said = ""
             self.results_read.emit(results)
         else:
-            self._seen = None  # try again
+            self._seen = None  # read again at the next check, even if the file is unchanged
             if results != self._said:
                 self.failed.emit(results)
             self._said = results

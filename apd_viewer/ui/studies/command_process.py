@@ -54,7 +54,7 @@ class CommandProcess(QObject):
         self.process_id = 0
 
     @property
-    def running(self) -> bool:
+    def is_running(self) -> bool:
         """True while a command runs."""
         return self._process is not None
 
@@ -83,7 +83,7 @@ class CommandProcess(QObject):
             process.deleteLater()
 
     def interrupt(self) -> bool:
-        """Interrupt the command as Ctrl+C does; False where signals are unsupported."""
+        """Interrupt the command as Ctrl+C does; False if signals are unsupported."""
         if self._process is None or not hasattr(os, "getuid"):  # a process cannot be sent SIGINT on Windows
             return False
         os.kill(self._process.processId(), signal.SIGINT)

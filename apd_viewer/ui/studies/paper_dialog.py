@@ -132,5 +132,5 @@ def _add_cell(grid: QGridLayout, row: int, column: int, label: QLabel) -> None:
     grid.addWidget(label, row, column, side)
 
 
-def _percent(share: str, decimals: int) -> str:
-    return f"{format_signed(100 * float(share), decimals)} %"
+def _percent(fraction: str, decimals: int) -> str:
+    return f"{format_signed(100 * float(fraction), decimals)} %"

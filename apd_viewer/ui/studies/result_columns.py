@@ -150,7 +150,7 @@ class ResultColumn:
         return nlargest(_LONGEST, set(self.texts), key=len)
 
     @property
-    def varies(self) -> bool:
+    def has_differing_texts(self) -> bool:
         """True if the texts of the column differ."""
         return len(set(self.texts)) > 1
 
@@ -186,7 +186,7 @@ def result_columns(table: ResultTable) -> list[ResultColumn]:
             _motions(cells) if table.columns[k] == MOTION_COLUMN else [_plan_column(table.columns[k], cells)]
         )
     readings = [_reading(table, name) for name in sorted(READINGS, key=_reading_position)]
-    plan_columns = [each for each in _without_repeated_notes(found[1:]) if each.varies]
+    plan_columns = [each for each in _without_repeated_notes(found[1:]) if each.has_differing_texts]
     return [found[0], *plan_columns, *(each for each in readings if each.is_numeric)]
 
 

@@ -78,7 +78,7 @@ class ResultModel(QAbstractTableModel):
 
     @contextmanager
     def _moving_rows(self) -> Iterator[None]:
-        """Rearrange the rows after the context, with persistent indexes updated."""
+        """Context manager that re-sorts the rows on exit and updates persistent indexes."""
         self.rows_moving.emit()
         self.layoutAboutToBeChanged.emit()
         before, held = self.order, self.persistentIndexList()
@@ -253,12 +253,12 @@ class ResultsView(QTableView):
         places = sorted({(part.top(), part.bottom() + 1) for part in parts})
         return [int(k) for first, end in places for k in order[first:end]]
 
-    def choose(self, rows: Sequence[int]) -> None:
+    def choose_rows(self, rows: Sequence[int]) -> None:
         """Select rows of the plan, and scroll to the last."""
         self._select(rows, _SELECTION.ClearAndSelect)
         self._show(rows[-1:])
 
-    def toggle(self, row: int) -> None:
+    def toggle_row(self, row: int) -> None:
         """Toggle the selection of a row of the plan."""
         self._select([row], _SELECTION.Toggle)
         self._show([row])

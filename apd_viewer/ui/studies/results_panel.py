@@ -18,7 +18,7 @@ from apd_viewer.ui.studies.result_columns import ResultsSnapshot
 from apd_viewer.ui.studies.result_table import ResultModel, ResultsView
 from apd_viewer.ui.studies.study_run import may_continue
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
-from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
+from apd_viewer.ui.widgets.pane_splitter import Pane, PaneSplitter
 from apd_viewer.ui.widgets.theme import Theme
 from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar
 
@@ -54,7 +54,7 @@ class ResultsPanel(QWidget):
         self.table = ResultsView(self.model)
         self.scatter = ScatterPlot(self.model)
         self.curves = CaseCurves(self.model)
-        self.panes = SideBySide(
+        self.panes = PaneSplitter(
             (
                 Pane(tr("Table"), self.table, 34),
                 Pane(tr("Plot"), self.scatter, 42),
@@ -142,9 +142,9 @@ class ResultsPanel(QWidget):
     def _pick(self, row: int, more: bool) -> None:
         """Select the row of a dot and open its case, or toggle it if ``more``."""
         if more:
-            self.table.toggle(row)
+            self.table.toggle_row(row)
         else:
-            self.table.choose([row])
+            self.table.choose_rows([row])
             self.case_requested.emit(row)
 
     def _show_folder(self) -> None:
@@ -220,7 +220,7 @@ class StudyStatus:
         if self.is_running:
             return
         before = self._counts
-        # False if cases were run again, or if the plan has changed.
+        # The counts have grown, unless cases were run again or the plan has changed.
         grown = before is not None and 0 <= failed - before.failed <= done - before.finished
         if before is None or self._pace is None or before.cases != len(states) or not grown:
             self._pace = ProgressMeter(len(states), done, failed)
@@ -232,7 +232,7 @@ class StudyStatus:
         self._counts = self._pace.counts(0)
 
     @property
-    def _grows(self) -> bool:
+    def _has_grown_recently(self) -> bool:
         """True if results of a run elsewhere have recently arrived."""
         return time.monotonic() - self._grown < _SILENT
 
@@ -246,13 +246,18 @@ class StudyStatus:
         """Finished fraction of the cases; None while unknown."""
         if self._counts is None:
             return None if self.is_running else 0.0
-        return self._counts.share
+        return self._counts.fraction
 
     @property
     def _may_run(self) -> bool:
         """True if the study can run here, and seems not to run elsewhere."""
         folder = self._folder
-        return folder is not None and not self.is_running and not self._grows and may_continue(folder)
+        return (
+            folder is not None
+            and not self.is_running
+            and not self._has_grown_recently
+            and may_continue(folder)
+        )
 
     @property
     def may_continue(self) -> bool:
@@ -281,7 +286,7 @@ class StudyStatus:
             words.append(tr("{running:,} running").format(running=now.running))
         if (
             now.finished < now.cases
-            and (self.is_running or self._grows)
+            and (self.is_running or self._has_grown_recently)
             and now.rate
             and now.seconds_left is not None
         ):

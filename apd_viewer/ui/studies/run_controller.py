@@ -12,7 +12,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.view import View
-from apd_viewer.session.posing.regripping import gesture_motion
+from apd_viewer.session.posing.initial_positions import gesture_motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.session import Session
@@ -81,12 +81,12 @@ class RunController(QObject):
         return dialog
 
     def _play(self, case: Case) -> None:
-        """Go along the motion of a case from rest, with each step on the timeline."""
+        """Play the motion of a case from rest, with each step on the timeline."""
         state = self._session.store.required_state()
         if state.document.mesh is not case.document.mesh:
             self._failed(tr("Another mesh has been opened; open the dialog again."))
             return
-        start, *documents = (case.document_along(share) for share in case.shares)
+        start, *documents = (case.document_along(fraction) for fraction in case.fractions)
         at_rest = state.updated(start, rest_frame(start.mesh, state.inspection))
         self._session.player.play(tr("Motion in steps"), documents, at_rest)
         self.motion_played.emit()

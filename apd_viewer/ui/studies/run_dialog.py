@@ -186,14 +186,14 @@ class RunBar(QWidget):
         column_layout(self.bar, self._row, spacing=8, parent=self)
 
     def add_button(self, button: QPushButton) -> None:
-        """Add a button beside the one that starts; it is there while nothing runs."""
+        """Add a button beside the start button, hidden while a command runs."""
         self._row.insertWidget(self._row.indexOf(self.start), button)
         self.busy_changed.connect(lambda on: button.setVisible(not on))
 
     @property
-    def running(self) -> bool:
+    def is_running(self) -> bool:
         """True while a command is in progress."""
-        return self._job is not None or self.command.running
+        return self._job is not None or self.command.is_running
 
     @property
     def results_folder(self) -> Path:

@@ -192,9 +192,9 @@ class StudyRun(QObject):
         self.command.failed.connect(self._fail)
 
     @property
-    def running(self) -> bool:
+    def is_running(self) -> bool:
         """True while a study runs."""
-        return self.command.running
+        return self.command.is_running
 
     def begin(self, folder: Path, options: Sequence[str] | None = None, retry_failed: bool = False) -> None:
         """Start or continue the plan in a folder.
@@ -222,7 +222,7 @@ class StudyRun(QObject):
 
     def stop(self) -> None:
         """Stop after the running cases; a second call stops at once."""
-        if not self.running:
+        if not self.is_running:
             return
         if self.stopping or not self.command.interrupt():
             self.kill()
@@ -231,7 +231,7 @@ class StudyRun(QObject):
 
     def kill(self) -> None:
         """Stop at once; running cases are computed again on continuation."""
-        if self.running:
+        if self.is_running:
             self.command.cancel()
             self._end(_stopped_sentence())
 

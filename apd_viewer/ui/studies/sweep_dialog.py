@@ -140,7 +140,7 @@ class SweepDialog(RunDialog):
         return case_of(document, round(self.steps.value()), self.to.value() / 100.0, motion=motion)
 
     def play(self) -> None:
-        """Request the motion in the window, and close."""
+        """Request the motion in the main window, and close the dialog."""
         try:
             case = self._case()
         except InputError as error:
@@ -160,8 +160,8 @@ class SweepDialog(RunDialog):
         words: list[str] = []
         if self.motion.currentData() == _TWIST:
             words = ["--handle", str(self._handle + 1), f"--twist={self.twist.text()}"]
-        steps, last_share = round(self.steps.value()), self.to.value() / 100.0
-        words += ["--steps", str(steps), "--to", repr(last_share)]
+        steps, last_fraction = round(self.steps.value()), self.to.value() / 100.0
+        words += ["--steps", str(steps), "--to", repr(last_fraction)]
         words += ["--methods", ",".join(methods), "--iterations", str(round(self.iterations.value()))]
         words += ["--meshes"] if self.meshes.isChecked() else []
         animation = Path(f"sweep{self.format.currentData()}") if self.animation.isChecked() else None

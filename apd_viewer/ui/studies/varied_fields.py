@@ -163,11 +163,13 @@ def _plan_text(quantity: VariedQuantity, text: str, state: State, unit: Unit) ->
         return _rounded_text(math.degrees(expressions.parse_angle(text, {}))) + DEGREES
     if quantity.unit == NO_UNIT:
         return _rounded_text(expressions.parse_number(text, {}))
-    share = text.strip()
-    if not (share.endswith(PERCENT) or quantity.is_motion):
-        SETTING_COLUMNS[quantity.name].parse(share)  # raises InputError on a bare number that may be a factor
-    if share.endswith(PERCENT) or not quantity.is_motion:
-        return _rounded_text(expressions.parse_number(share.removesuffix(PERCENT), {})) + PERCENT
+    fraction = text.strip()
+    if not (fraction.endswith(PERCENT) or quantity.is_motion):
+        SETTING_COLUMNS[quantity.name].parse(
+            fraction
+        )  # raises InputError on a bare number that may be a factor
+    if fraction.endswith(PERCENT) or not quantity.is_motion:
+        return _rounded_text(expressions.parse_number(fraction.removesuffix(PERCENT), {})) + PERCENT
     return _rounded_text(expressions.parse_length(text, unit, state.document.mesh.named_lengths))
 
 
@@ -280,7 +282,7 @@ class VariedFields(QWidget):
         )
 
     def values_at_end(self, name: str, upper: bool) -> dict[str, str]:
-        """Values of the checked quantities at one end of a quantity's range.
+        """Values of the checked quantities, with ``name`` at one end of its range.
 
         All motions are at the same end, to show the corners of the ranges; an end of a setting is shown at
         the largest motions.

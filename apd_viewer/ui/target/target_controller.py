@@ -48,7 +48,7 @@ class TargetController(QObject):
         self._window, self._section, self._memory = window, section, preferences
         self._heat, self._session = overlay, session
         self._task = BackgroundTask(self)
-        self._task.done.connect(self._take)
+        self._task.done.connect(self._receive_result)
         self._wanted: tuple[TargetShape, np.ndarray] | None = None
         section.clear.clicked.connect(lambda: self.clear_target_shape())
 
@@ -86,7 +86,7 @@ class TargetController(QObject):
                 lambda enough: _TargetComparison(target, U, target.target_distance(mesh, U, enough))
             )
 
-    def _take(self, result: object) -> None:
+    def _receive_result(self, result: object) -> None:
         """Show the thread's result; None if memory ran out."""
         if isinstance(result, _TargetComparison):
             self._section.show_distance(result.distance)

@@ -13,7 +13,7 @@ from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, 
 RADIUS_PER_NOTCH = 1.12
 RING_POINTS = 65
 STEEPEST_STEP = 4.0  # hits farther apart than this multiple of their screen distance are not joined
-_NEAR_MISS = 16.0  # px beside the surface: whoever presses there has meant to paint
+_NEAR_MISS = 16.0  # px: a press this close beside the surface still paints
 _AROUND = [QPointF(_NEAR_MISS * np.cos(a), _NEAR_MISS * np.sin(a)) for a in np.pi / 4 * np.arange(8)]
 
 

@@ -19,7 +19,7 @@ from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, REGION_COLOR
 from apd_viewer.session.model.up_axis import UpAxis, standing_axis
 from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.ui.preferences.preferences import UpAxes, user_file
-from apd_viewer.ui.scene.camera import is_in_view, surrounding_box, uncovering_shift, unobstructed_camera
+from apd_viewer.ui.scene.camera import centring_shift, is_in_view, surrounding_box, unobstructed_camera
 from apd_viewer.ui.scene.camera_controller import CameraController
 from apd_viewer.ui.scene.coloring import Coloring, VertexMarks
 from apd_viewer.ui.scene.surface import Surface
@@ -27,7 +27,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.brush_tool import BrushTool
 from apd_viewer.ui.tools.click_tool import ClickExtent, ClickTool, PointPicker
 from apd_viewer.ui.tools.gizmo import Gizmo, HandlePivot, InactiveHandles, movable_pivots
-from apd_viewer.ui.tools.gizmo_drag import GIZMO_RADIUS, nice_step, translated
+from apd_viewer.ui.tools.gizmo_drag import GIZMO_RADIUS, nice_step, translated_pose
 from apd_viewer.ui.tools.orientation_axes import OrientationAxes
 from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineTool, SlabTool
 from apd_viewer.ui.tools.selection_tool import SelectionStrokes, SelectionTool, StrokeEffect
@@ -163,7 +163,7 @@ class Canvas(QObject):
 
     @property
     def is_handle_inactive(self) -> bool:
-        """True while an obstacle is moved instead, and all handles are drawn as dots."""
+        """True while an obstacle is active instead; all handles are then drawn as dots."""
         return self._rests
 
     @is_handle_inactive.setter
@@ -196,9 +196,9 @@ class Canvas(QObject):
         else:
             if old.frame.U is not new.frame.U:
                 self.surface.set_points(new.frame.U)
-            self.coloring.follow(document)
-        if old is not None and old.document.grip is not document.grip:
-            self.gizmo.cancel()  # the drag refers to the previous grip shape
+            self.coloring.follow_document(document)
+        if old is not None and old.document.initial_positions is not document.initial_positions:
+            self.gizmo.cancel()  # the drag refers to the previous initial positions
         if old is None or old.document is not document:
             self._show_tool()
 
@@ -229,7 +229,7 @@ class Canvas(QObject):
         if active is None:
             return None
         length = nice_step(_NUDGE * eye.world_per_pixel(active.centre))
-        return translated(active.pose, length * (np.array(step) * [1, 1, -1]) @ eye.axes)
+        return translated_pose(active.pose, length * (np.array(step) * [1, 1, -1]) @ eye.axes)
 
     def frame_mesh(self) -> None:
         """Frame the whole mesh and the gizmo."""
@@ -243,7 +243,7 @@ class Canvas(QObject):
 
     @property
     def likely_up_axis(self) -> UpAxis | None:
-        """Up axis for which the mesh of a file would stand; None if chosen or in use."""
+        """Up axis for which the mesh would stand; None if one is chosen or already used."""
         document, eye = self._document, self.viewport.camera_controller.camera
         if document is None or user_file(document.mesh) is None:
             return None
@@ -330,7 +330,7 @@ class MeshView:
             normals, size = self._surface.arrays.normals[vertices], float(np.linalg.norm(high - low))
             look.camera = unobstructed_camera(look.camera, points, normals, size, self._surface.distances)
         if not is_in_view(look.camera, points, covered):
-            shift = uncovering_shift(look.camera, covered)
+            shift = centring_shift(look.camera, covered)
             look.frame(surrounding_box(points, low, high), padding=-sum(shift))
             look.camera = look.camera.panned(*shift)
 

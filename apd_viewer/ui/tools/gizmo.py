@@ -114,7 +114,7 @@ class Gizmo(MouseTool, QObject):
         return GizmoFrame(eye, centre, axes, self.offered_handles)
 
     def press(self, event: QMouseEvent) -> bool:
-        """Take the handle under the cursor."""
+        """Begin a drag of the handle under the cursor."""
         handle = self._handle_at(event)
         if handle is None or event.button() != Qt.MouseButton.LeftButton:
             return False
@@ -158,7 +158,7 @@ class Gizmo(MouseTool, QObject):
             self.ended.emit()
 
     def leave(self) -> None:
-        """Forget the cursor."""
+        """Remove the highlight."""
         self._show(None)
 
     def cancel(self) -> bool:
@@ -236,9 +236,9 @@ def movable_pivots(document: Document) -> tuple[HandlePivot, ...]:
         return ()
     found = []
     for k, handle in enumerate(document.handles):
-        gripped = document.pivot(k)
-        if gripped is not None:
-            found.append(HandlePivot(k, handle.name, handle_color(k), handle.pose, gripped))
+        pivot = document.pivot(k)
+        if pivot is not None:
+            found.append(HandlePivot(k, handle.name, handle_color(k), handle.pose, pivot))
     return tuple(found)
 
 
@@ -276,7 +276,7 @@ class InactiveHandles(MouseTool, QObject):
             self._viewport.tool_layer.update()
 
     def press(self, event: QMouseEvent) -> bool:
-        """Take the handle under the cursor."""
+        """Begin a drag of the handle under the cursor."""
         pans = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
         number = self._number_at(event.position())
         if number is None or pans or event.button() != Qt.MouseButton.LeftButton:
@@ -300,7 +300,7 @@ class InactiveHandles(MouseTool, QObject):
         return number is not None
 
     def leave(self) -> None:
-        """Forget the cursor."""
+        """Remove the highlight."""
         self._show(None)
 
     def paint(self, painter: QPainter) -> None:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation
 from apd_viewer.presentation.number_format import format_grouped, format_signed
-from apd_viewer.ui.scene.camera import Camera, unit
+from apd_viewer.ui.scene.camera import Camera, unit_vector
 
 MOST_DRAG_RATIO = 4.0  # an arrow moves the handle at most this many times as far as the cursor
 SNAP_ANGLE = np.deg2rad(15.0)
@@ -73,15 +73,15 @@ class GizmoDrag:
     def _with_rotation(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         i = axis_index(self.handle)
         angle = self.angle + cursor_rotation(frame, i, self.last, (x, y))
-        shown = snapped(angle, SNAP_ANGLE) if snap else angle
-        pose = rotated(self.start_pose, frame.centre, frame.axes[i], shown)
+        shown = snapped_value(angle, SNAP_ANGLE) if snap else angle
+        pose = rotated_pose(self.start_pose, frame.centre, frame.axes[i], shown)
         text = f"{format_signed(np.rad2deg(shown), 1)}°"
         return replace(self, last=(x, y), pose=pose, angle=angle, snapped_angle=shown, text=text)
 
     def _with_scaling(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> GizmoDrag:
         far, before = (float(np.linalg.norm(np.array(p) - frame.screen_centre)) for p in ((x, y), self.start))
         factor = far / before
-        factor = max(SNAP_SCALE, snapped(factor, SNAP_SCALE) if snap else factor)
+        factor = max(SNAP_SCALE, snapped_value(factor, SNAP_SCALE) if snap else factor)
         pose = scaling_about(frame.centre, factor) @ self.start_pose
         return replace(self, last=(x, y), pose=pose, text=f"× {format_grouped(factor, 2)}")
 
@@ -98,14 +98,14 @@ class GizmoDrag:
             amounts = np.clip(amounts, -most, most)
         if snap:
             step = nice_step(SNAP_PIXELS * frame.pixel_length)
-            amounts = np.array([snapped(a, step) for a in amounts])
+            amounts = np.array([snapped_value(a, step) for a in amounts])
         offset = amounts @ directions
         values = offset if self.handle == "centre" else amounts
         digits, one = max(0, int(np.ceil(-np.log10(frame.pixel_length)))), len(frame.offered_handles) == 1
         said = [
             ("" if one else f"Δ{n} ") + format_signed(v, digits) for n, v in zip(names, values, strict=True)
         ]
-        return replace(self, last=(x, y), pose=translated(self.start_pose, offset), text="  ".join(said))
+        return replace(self, last=(x, y), pose=translated_pose(self.start_pose, offset), text="  ".join(said))
 
     def _directions(self, frame: GizmoFrame) -> tuple[np.ndarray, str]:
         """Unit directions of free motion, as rows, and names of their amounts."""
@@ -137,7 +137,7 @@ def position_along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float 
     misses that plane.
     """
     axis = frame.axes[i]
-    sight = unit(frame.centre - frame.camera.position)
+    sight = unit_vector(frame.centre - frame.camera.position)
     point = _plane_point(frame, sight - (sight @ axis) * axis, x, y)
     return None if point is None else float((point - frame.centre) @ axis)
 
@@ -166,7 +166,7 @@ def cursor_rotation(
     Seen edge-on, a ring is a line: the motion along it determines the rotation.
     """
     axis = frame.axes[i]
-    if abs(frame.facing[i]) < EDGE_ON:
+    if abs(frame.view_cosines[i]) < EDGE_ON:
         along = _tangent(frame, axis)
         return float((np.array(after) - before) @ along / (along @ along))
     p, q = offset_in_plane(frame, axis, *before), offset_in_plane(frame, axis, *after)
@@ -178,12 +178,12 @@ def cursor_rotation(
 def _tangent(frame: GizmoFrame, axis: np.ndarray) -> np.ndarray:
     """Pixel motion (2,) per radian of the ring point nearest to the viewer."""
     towards = frame.camera.position - frame.centre
-    radial = RING_RADIUS * frame.pixel_length * unit(towards - (towards @ axis) * axis)
+    radial = RING_RADIUS * frame.pixel_length * unit_vector(towards - (towards @ axis) * axis)
     near, ahead = frame.camera.project(frame.centre + np.array([radial, radial + np.cross(axis, radial)]))
     return ahead - near
 
 
-def snapped(value: float, step: float) -> float:
+def snapped_value(value: float, step: float) -> float:
     """Multiple of ``step`` nearest to ``value``."""
     return round(value / step) * step
 
@@ -195,12 +195,12 @@ def nice_step(length: float) -> float:
     return float(steps[np.argmin(np.abs(np.log(steps / length)))])
 
 
-def translated(pose: np.ndarray, offset: np.ndarray) -> np.ndarray:
+def translated_pose(pose: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """The (4, 4) pose followed by a translation."""
     return translation(offset) @ pose
 
 
-def rotated(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
+def rotated_pose(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
     """The (4, 4) pose followed by a rotation about the unit axis through ``centre``."""
     return rotation_about(centre, axis, angle) @ pose
 
@@ -261,9 +261,9 @@ class GizmoFrame:
         return self.camera.overlay_scale * self.camera.world_per_pixel(self.centre)
 
     @cached_property
-    def facing(self) -> np.ndarray:
-        """Cosine between each axis and the direction to the camera."""
-        return self.axes @ unit(self.camera.position - self.centre)
+    def view_cosines(self) -> np.ndarray:
+        """Cosines (3,) between the axes and the direction to the camera."""
+        return self.axes @ unit_vector(self.camera.position - self.centre)
 
     @cached_property
     def screen_centre(self) -> np.ndarray:
@@ -272,7 +272,7 @@ class GizmoFrame:
         return place
 
     @property
-    def corner(self) -> np.ndarray:
+    def scale_corner(self) -> np.ndarray:
         """Pixel position (2,) of the scale handle."""
         return self.screen_centre + self.camera.overlay_scale * np.array(SCALE)
 
@@ -286,9 +286,9 @@ class GizmoFrame:
         if handle not in self.offered_handles:
             return False
         if handle in ARROWS:
-            return bool(abs(self.facing[axis_index(handle)]) < ALONG_VIEW)
+            return bool(abs(self.view_cosines[axis_index(handle)]) < ALONG_VIEW)
         if handle in SQUARES:
-            return bool(abs(self.facing[axis_index(handle)]) > EDGE_ON)
+            return bool(abs(self.view_cosines[axis_index(handle)]) > EDGE_ON)
         return True
 
     def to_screen(self, offsets: npt.ArrayLike) -> np.ndarray:
@@ -315,7 +315,7 @@ class GizmoFrame:
     def ring(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Points (73, 2) of a ring in pixels, and a mask of the near side."""
         circle = _circle(i, _TURN)
-        towards = circle @ self.facing
+        towards = circle @ self.view_cosines
         return self.to_screen(RING_RADIUS * circle), towards > -0.12
 
     def handle_at(self, x: float, y: float) -> str | None:
@@ -325,7 +325,7 @@ class GizmoFrame:
         cursor = np.array([x, y])
         if self.is_usable("centre") and np.linalg.norm(self.screen_centre - cursor) <= DOT_RADIUS + 4:
             return "centre"
-        if self.is_usable("scale") and np.abs(self.corner - cursor).max() <= PICK_RADIUS:
+        if self.is_usable("scale") and np.abs(self.scale_corner - cursor).max() <= PICK_RADIUS:
             return "scale"
         for i, name in enumerate(SQUARES):
             if self.is_usable(name) and is_inside(self.square(i), cursor):

@@ -6,7 +6,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen
 
-from apd_viewer.ui.scene.camera import rotation, unit
+from apd_viewer.ui.scene.camera import rotation, unit_vector
 from apd_viewer.ui.tools import gizmo_drag
 from apd_viewer.ui.tools.gizmo_drag import GizmoDrag, GizmoFrame
 from apd_viewer.ui.tools.polylines import chosen_runs, convex_hull, draw_polyline, to_polygon, with_opacity
@@ -65,7 +65,7 @@ def draw_gizmo(painter: QPainter, frame: GizmoFrame, appearance: GizmoAppearance
         _draw_ring(painter, frame, appearance, i, name)
     for i, name in enumerate(gizmo_drag.SQUARES):
         _draw_square(painter, frame, appearance, i, name)
-    for i in np.argsort(frame.facing):
+    for i in np.argsort(frame.view_cosines):
         _draw_arrow(painter, frame, appearance, int(i), gizmo_drag.ARROWS[i])
     _draw_scale(painter, frame, appearance)
     _draw_centre(painter, frame, appearance)
@@ -108,7 +108,7 @@ def _draw_ring(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: i
 def _draw_square(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: int, name: str) -> None:
     if not frame.is_usable(name):
         return
-    visible = min(1.0, (abs(frame.facing[i]) - gizmo_drag.EDGE_ON) / 0.1)
+    visible = min(1.0, (abs(frame.view_cosines[i]) - gizmo_drag.EDGE_ON) / 0.1)
     painter.setOpacity(look.opacity(name) * visible)
     color = look.color(name)
     fill = QColor(color)
@@ -122,7 +122,7 @@ def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: 
     if not frame.is_usable(name):
         return
     start, end, _, letter = frame.arrow(i)
-    visible = min(1.0, (gizmo_drag.ALONG_VIEW - abs(frame.facing[i])) / 0.06)
+    visible = min(1.0, (gizmo_drag.ALONG_VIEW - abs(frame.view_cosines[i])) / 0.06)
     painter.setOpacity(look.opacity(name) * visible)
     color = look.color(name)
     draw_polyline(painter, np.array([start, end]), color, look.width(name), INK[look.is_dark])
@@ -149,7 +149,7 @@ def _draw_scale(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) -> 
         return
     hot = "scale" in (look.hovered_handle, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("scale"))
-    corner = frame.corner if look.drag is None or not hot else np.array(look.drag.last)
+    corner = frame.scale_corner if look.drag is None or not hot else np.array(look.drag.last)
     half = 5.5 if hot else 4.5
     way = (corner - frame.screen_centre) / np.linalg.norm(corner - frame.screen_centre)
     rim = frame.camera.overlay_scale * gizmo_drag.RING_RADIUS + 6.0
@@ -195,10 +195,10 @@ def _draw_motion(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance) ->
 
 def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: GizmoDrag, color: QColor) -> None:
     spoke = gizmo_drag.offset_in_plane(drag.frame, drag.axis, *drag.start)
-    if spoke is None or abs(drag.frame.facing[gizmo_drag.axis_index(drag.handle)]) < gizmo_drag.EDGE_ON:
+    if spoke is None or abs(drag.frame.view_cosines[gizmo_drag.axis_index(drag.handle)]) < gizmo_drag.EDGE_ON:
         towards = frame.camera.position - frame.centre
         spoke = towards - (towards @ drag.axis) * drag.axis
-    spoke = gizmo_drag.RING_RADIUS * frame.pixel_length * unit(spoke)
+    spoke = gizmo_drag.RING_RADIUS * frame.pixel_length * unit_vector(spoke)
     angles = np.linspace(0.0, np.clip(drag.snapped_angle, -2 * np.pi, 2 * np.pi), 65)
     rim = np.array([rotation(drag.axis, a) @ spoke for a in angles])
     points = frame.camera.project(frame.centre + np.vstack([np.zeros((1, 3)), rim]))

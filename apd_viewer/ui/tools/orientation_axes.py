@@ -1,4 +1,4 @@
-"""Axes in a corner of the view, to see how it lies and to turn it by a click."""
+"""Axes in a corner of the view, showing its orientation; a click turns the view."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from apd_viewer.ui.scene.navigation import DEAD_ZONE, MouseTool
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.gizmo_drawing import AXIS_COLOURS, CENTRE, INK
 
-# px in a large view: place of the centre from the upper right corner, and lengths
+# px in a large view: distance of the centre from the right and upper edge, and lengths
 CORNER, _REACH, _BALL, _LETTER = 58.0, 34.0, 9.0, 12.0
 _VIEWS = "side", "top", "front"  # rows of the frame of an up axis
-_FAR = 0.4  # by how much the farthest end is fainter
+_FAR = 0.4  # reduction of the opacity of the farthest end
 
 
 class AxisEnd(NamedTuple):
-    """End of an axis: view, direction (3,), place in the viewport, depth (-1 to 1)."""
+    """End of an axis: view, direction (3,), position in the viewport, depth (-1 to 1)."""
 
     view: str
     direction: np.ndarray
@@ -34,7 +34,7 @@ class AxisEnd(NamedTuple):
 
     @property
     def is_positive(self) -> bool:
-        """True where the coordinate grows outwards."""
+        """True if the coordinate grows outwards."""
         return bool(self.direction[self.axis] > 0.0)
 
 
@@ -59,7 +59,7 @@ class OrientationAxes(MouseTool):
 
     @property
     def visible(self) -> bool:
-        """True while shown."""
+        """True while the axes are shown."""
         return self._visible
 
     @visible.setter
@@ -69,7 +69,7 @@ class OrientationAxes(MouseTool):
 
     @property
     def ends(self) -> list[AxisEnd]:
-        """All six ends, the farthest first; none while nothing is shown."""
+        """All six ends, the farthest first; empty while hidden."""
         if not (self._visible and self.views):
             return []
         eye = self._viewport.camera_controller.camera
@@ -99,7 +99,7 @@ class OrientationAxes(MouseTool):
         return None
 
     def press(self, event: QMouseEvent) -> bool:
-        """Take the end under the cursor."""
+        """Begin a click on the axis end under the cursor."""
         end = self._end_at(event.position())
         if end is None or event.button() != Qt.MouseButton.LeftButton:
             return False
@@ -115,7 +115,7 @@ class OrientationAxes(MouseTool):
             return end is not None
         if self._pressed is not None and (at - self._start).manhattanLength() <= DEAD_ZONE:
             return True
-        self._pressed = None  # from now on it is no click
+        self._pressed = None  # a drag, no longer a click
         look, by = self._viewport.camera_controller, at - self._last
         look.camera = look.camera.orbited(by.x(), by.y())
         self._last = at
@@ -130,11 +130,11 @@ class OrientationAxes(MouseTool):
         self.views[opposite if end.depth < -1.0 + 1e-6 else end.view].trigger()
 
     def leave(self) -> None:
-        """Forget the cursor."""
+        """Remove the highlight."""
         self._show(None)
 
     def cancel(self) -> bool:
-        """Forget a press; True if there was one."""
+        """Cancel a press; True if there was one."""
         pressed, self._pressed = self._pressed, None
         return pressed is not None
 

@@ -28,12 +28,12 @@ class Turntable(MouseTool, QObject):
         viewport.tools.insert(0, self)
 
     @property
-    def running(self) -> bool:
+    def is_running(self) -> bool:
         """True while the camera orbits."""
         return self._timer.isActive()
 
-    @running.setter
-    def running(self, on: bool) -> None:
+    @is_running.setter
+    def is_running(self, on: bool) -> None:
         self._last = time.perf_counter()
         if on:
             self._timer.start()
@@ -50,9 +50,9 @@ class Turntable(MouseTool, QObject):
         return self._stop()
 
     def _stop(self) -> bool:
-        turned = self.running
+        turned = self.is_running
         if turned:
-            self.running = False
+            self.is_running = False
             self.stopped.emit()
         return turned
 

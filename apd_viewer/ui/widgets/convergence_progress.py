@@ -46,7 +46,7 @@ class ConvergenceProgress(QWidget):
         self._timer = QTimer(self, interval=_TICK, timeout=self._show)
         self.hide()
 
-    def follow(self, frame: Frame | None, solving: bool) -> None:
+    def set_frame(self, frame: Frame | None, solving: bool) -> None:
         """Update from a solver's frame; ``solving`` is True while it works."""
         if not solving or frame is None:
             self._forecast = self._frame = None

@@ -320,13 +320,13 @@ class ErrorBubble(QtWidgets.QLabel):
     def show_message(self, sentence: str) -> None:
         """Show a message near the field, and announce it to screen readers."""
         self._leaving.stop()
-        ground = _ground(self._field)
-        self.setParent(ground)
+        container = _container(self._field)
+        self.setParent(container)
         self.setText(sentence)
         self.setAccessibleName(sentence)
         self.setFixedWidth(_WIDTH)
         self.setFixedHeight(self.heightForWidth(_WIDTH))
-        self.move(self._bubble_position(ground))
+        self.move(self._bubble_position(container))
         self.show()
         self.raise_()
         QtGui.QAccessible.updateAccessibility(QtGui.QAccessibleEvent(self, QtGui.QAccessible.Event.Alert))
@@ -335,21 +335,21 @@ class ErrorBubble(QtWidgets.QLabel):
         """Hide the message after 6 s."""
         self._leaving.start()
 
-    def _bubble_position(self, ground: QtWidgets.QWidget) -> QPoint:
-        """Position below the field, or above it, inside ``ground``."""
+    def _bubble_position(self, container: QtWidgets.QWidget) -> QPoint:
+        """Position below the field, or above it, inside ``container``."""
         field = self._field
-        corner = field.mapTo(ground, QPoint(field.width() - self.width(), field.height() + _GAP))
-        if corner.y() + self.height() > ground.height():
+        corner = field.mapTo(container, QPoint(field.width() - self.width(), field.height() + _GAP))
+        if corner.y() + self.height() > container.height():
             corner.setY(corner.y() - self.height() - field.height() - 2 * _GAP)
-        corner.setX(min(max(corner.x(), _GAP), ground.width() - self.width() - _GAP))
+        corner.setX(min(max(corner.x(), _GAP), container.width() - self.width() - _GAP))
         return corner
 
 
-def _ground(field: QtWidgets.QWidget) -> QtWidgets.QWidget:
+def _container(field: QtWidgets.QWidget) -> QtWidgets.QWidget:
     """Content widget of the scroll area around a field, or its window."""
-    ground = field
-    while (above := ground.parentWidget()) is not None and not ground.isWindow():
+    container = field
+    while (above := container.parentWidget()) is not None and not container.isWindow():
         if isinstance(above.parentWidget(), QtWidgets.QAbstractScrollArea):
             break
-        ground = above
-    return ground
+        container = above
+    return container

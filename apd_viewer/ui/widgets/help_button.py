@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 
 
 class HelpButton(QToolButton):
-    """Opens the manual at its window, as F1 does there.
+    """Opens the manual page on the button's window, like F1.
 
     Attributes
     ----------

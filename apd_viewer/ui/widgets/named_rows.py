@@ -113,8 +113,8 @@ class NamedRow(QFrame):
         self.setAccessibleName(tr("{name}, active").format(name=self.name.text()) if on else self.name.text())
         set_style_property(self, "active", on)
 
-    def set_in_hand(self, on: bool) -> None:
-        """Tint the row, if it is active, or leave it plain."""
+    def set_highlighted(self, on: bool) -> None:
+        """Highlight the row if it is active, or leave it plain."""
         set_style_property(self, "resting", not on)
 
     def set_theme(self, theme: Theme) -> None:
@@ -165,7 +165,7 @@ class NamedList(QWidget, Generic[Row]):
     def __init__(self, make: Callable[[int, str], Row]) -> None:
         super().__init__()
         self._make = make
-        self._theme, self._in_hand = LIGHT, True
+        self._theme, self._is_highlighted = LIGHT, True
         self.rows: list[Row] = []
         self._column = column_layout(spacing=2, parent=self)
 
@@ -188,7 +188,7 @@ class NamedList(QWidget, Generic[Row]):
         row.renamed.connect(lambda name: self.renamed.emit(k, name))
         row.step_requested.connect(lambda step: self._step(k + step))
         row.set_theme(self._theme)
-        row.set_in_hand(self._in_hand)
+        row.set_highlighted(self._is_highlighted)
         self.rows.append(row)
         self._column.addWidget(row)
         self._put_in_tab_order(row)
@@ -216,11 +216,11 @@ class NamedList(QWidget, Generic[Row]):
             self.rows[k].setFocus()
             self.chosen.emit(k)
 
-    def set_in_hand(self, on: bool) -> None:
-        """Tint the active row, or leave it plain while one of another list is in the hand."""
-        self._in_hand = on
+    def set_highlighted(self, on: bool) -> None:
+        """Highlight the active row, or leave it plain."""
+        self._is_highlighted = on
         for row in self.rows:
-            row.set_in_hand(on)
+            row.set_highlighted(on)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

@@ -67,7 +67,7 @@ class PartRow(NamedRow):
         self.buttons.set_theme(theme)
 
     def show_flags(self, flags: PartFlags, painted: bool) -> None:
-        """Show the buttons of an active part, or of a hidden or locked one."""
+        """Update the buttons; they are visible for an active, hidden or locked part."""
         self.buttons.show_flags(flags, painted)
         self.buttons.setVisible(self._active or flags != NO_FLAGS)
 
@@ -90,7 +90,7 @@ class PartButtons(QWidget):
         self._update()
 
     def show_flags(self, flags: PartFlags, painted: bool) -> None:
-        """Show the flags; only painted and unlocked parts can be cleared."""
+        """Show the flags on the buttons; only painted, unlocked parts can be cleared."""
         self.clear_part.setEnabled(painted and not flags.locked)
         if flags != self._flags:
             self._flags = flags

@@ -194,7 +194,11 @@ class Slider(QSlider):
         palette, on = self.palette(), self.isEnabled()
         line, ink = palette.mid().color(), palette.placeholderText().color()
         accent = palette.highlight().color() if on else line
-        middle, knob, neutral = self.height() / 2, self.x_of(self.value()), self.x_of(self._neutral)
+        middle, knob, neutral = (
+            self.height() / 2,
+            self.knob_position(self.value()),
+            self.knob_position(self._neutral),
+        )
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(Qt.PenStyle.NoPen)
@@ -216,7 +220,7 @@ class Slider(QSlider):
         """Grab the knob, moving it to the cursor first if pressed elsewhere."""
         if event.button() != Qt.MouseButton.LeftButton:
             return
-        x, knob = event.position().x(), self.x_of(self.value())
+        x, knob = event.position().x(), self.knob_position(self.value())
         self._grip = x - knob if abs(x - knob) <= _KNOB / 2 else 0.0
         self.setSliderDown(True)
         if not self._grip:
@@ -253,12 +257,12 @@ class Slider(QSlider):
         self.drag_cancelled.emit()
         return True
 
-    def x_of(self, step: int) -> float:
+    def knob_position(self, step: int) -> float:
         """Horizontal position of the knob at a step, in pixels."""
         return _KNOB / 2 + (self.width() - _KNOB) * step / self.maximum()
 
     def _step_at(self, x: float) -> int:
-        if abs(x - self.x_of(self._neutral)) <= _MAGNET:
+        if abs(x - self.knob_position(self._neutral)) <= _MAGNET:
             return self._neutral
         return QStyle.sliderValueFromPosition(
             0, self.maximum(), round(x - _KNOB / 2), max(1, self.width() - _KNOB)

@@ -18,7 +18,7 @@ def draw(stage: Stage) -> QImage:
     dialog.steps.setValue(2 if stage.quick else 16)
     if not stage.quick:
         dialog.run.start.click()
-        stage.wait(lambda: not dialog.run.running)
+        stage.wait(lambda: not dialog.run.is_running)
     stage.view.setFocus()
     stage.pause(300)
     return stage.dialog(dialog)

@@ -1,4 +1,4 @@
-"""The sample bottle of clear PET between two plates in the view, with the wall's answer in the curves."""
+"""The sample bottle of clear PET between two plates, with the results of the method Wall in the curves."""
 
 from PySide6.QtGui import QImage
 from stage import Stage

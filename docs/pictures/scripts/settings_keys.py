@@ -7,7 +7,7 @@ from stage import Stage
 def draw(stage: Stage) -> QImage:
     """Open the sheet over the view."""
     stage.open_sample("bottle")
-    stage.window.help.open_sheet()
+    stage.window.help.toggle_sheet()
     stage.settle()
     stage.view.setFocus()
     stage.pause(50)

@@ -133,7 +133,7 @@ def test_without_region_puts_its_members_in_none_and_the_others_count_down(k):
 def test_document_arrays_are_read_only_after_every_change():
     said = document()
     for each in (said, without_handle(said, 0), without_region(said, 0), said.with_pose(1, 2 * np.eye(4))):
-        arrays = (each.labels, each.member, each.grip, *(handle.pose for handle in each.handles))
+        arrays = (each.labels, each.member, each.initial_positions, *(handle.pose for handle in each.handles))
         assert not any(array.flags.writeable for array in arrays)
         assert each.labels.dtype == each.member.dtype == np.uint8
 
@@ -143,7 +143,7 @@ def test_at_rest_keeps_the_paint_and_what_is_free():
     rest = said.at_rest()
     assert not rest.is_posed
     assert rest.target_percentages == (100.0, None, 100.0, 100.0)
-    assert (rest.labels, rest.member, rest.grip) == (said.labels, said.member, said.mesh.V)
+    assert (rest.labels, rest.member, rest.initial_positions) == (said.labels, said.member, said.mesh.V)
 
 
 def test_initial_state_brings_the_handles_from_labels_of_several():

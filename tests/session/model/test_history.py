@@ -58,16 +58,16 @@ def test_history_tells_of_what_is_dropped_once_nothing_keeps_it():
     assert alive == [False]
 
 
-def test_next_undo_and_next_redo_name_what_would_be_undone_and_redone():
+def test_next_undo_name_and_next_redo_name_are_what_would_be_undone_and_redone():
     history, (a, b, c) = History(), _states(3)
-    assert (history.next_undo, history.next_redo) == (None, None)
+    assert (history.next_undo_name, history.next_redo_name) == (None, None)
     history.record("first", a)
     history.record("second", b)
-    assert (history.next_undo, history.next_redo) == ("second", None)
+    assert (history.next_undo_name, history.next_redo_name) == ("second", None)
     history.undo(c)
-    assert (history.next_undo, history.next_redo) == ("first", "second")
+    assert (history.next_undo_name, history.next_redo_name) == ("first", "second")
     history.undo(b)
-    assert (history.next_undo, history.next_redo) == (None, "first")
+    assert (history.next_undo_name, history.next_redo_name) == (None, "first")
 
 
 def test_history_record_forgets_what_could_be_redone():
@@ -75,7 +75,7 @@ def test_history_record_forgets_what_could_be_redone():
     history.record("first", a)
     history.undo(b)
     history.record("other", c)
-    assert (history.next_undo, history.next_redo) == ("other", None)
+    assert (history.next_undo_name, history.next_redo_name) == ("other", None)
 
 
 def test_history_drops_the_oldest_entries_when_the_budget_is_spent():

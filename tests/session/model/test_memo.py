@@ -68,7 +68,7 @@ def test_memo_finds_again_after_a_stroke_only_what_follows_from_it(said):
     assert painted.label_counts[HANDLE] == said.label_counts[HANDLE] + 1
     assert painted.rest_areas is said.rest_areas
     held = painted.labels == HANDLE
-    np.testing.assert_allclose(painted.centre(0), painted.grip[held].mean(axis=0))
+    np.testing.assert_allclose(painted.centre(0), painted.initial_positions[held].mean(axis=0))
     np.testing.assert_array_equal(painted.label_counts, np.bincount(painted.labels, minlength=256))
 
 

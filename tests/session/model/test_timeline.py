@@ -1,4 +1,4 @@
-"""The timeline keeps a bounded number of steps, and an answer of the wall at each."""
+"""The timeline keeps a bounded number of steps, and a result of the method Wall at each."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def test_timeline_drops_the_first_steps_where_they_are_too_many(monkeypatch):
     monkeypatch.setattr(timeline, "MOST_BYTES", 4 * states[0].frame.U.nbytes)
     found = Timeline()
     for each in states:
-        found = found.followed_by(each)
+        found = found.with_state(each)
     assert [step.state for step in found.steps] == states[2:]
     assert found.dropped == 2
     assert found.index_of(states[3]) == 1
@@ -35,19 +35,19 @@ def test_timeline_counts_answers_of_the_wall_as_shapes(monkeypatch):
     states = shapes(3)
     own = states[1].updated(states[1].document.with_settings(**WALL))
     answer = replace(own, frame=replace(own.frame, U=frozen(own.frame.U + 0.5)))
-    found = Timeline().begun_at(states[0])
+    found = Timeline().with_run_from(states[0])
     for each in states[1:]:
-        found = found.followed_by(each)
-    assert found.unanswered(2, WALL) == [0, 1, 2]
-    found = found.with_answer(1, answer)
-    assert found.unanswered(2, WALL) == [0, 2]
-    assert found.unanswered(2, WALL | {"poisson": 0.1}) == [0, 1, 2]
+        found = found.with_state(each)
+    assert found.steps_without_wall_result(2, WALL) == [0, 1, 2]
+    found = found.with_wall_result(1, answer)
+    assert found.steps_without_wall_result(2, WALL) == [0, 2]
+    assert found.steps_without_wall_result(2, WALL | {"poisson": 0.1}) == [0, 1, 2]
     assert (found.index_of(answer), found.index_of(states[1])) == (1, 1)
     assert found.state_at(1, states[0].document, of_wall=True) is answer
     assert found.state_at(2, states[0].document, of_wall=True) is states[2]
-    again = found.begun_at(states[1])
+    again = found.with_run_from(states[1])
     assert (again.run_of(1), again.run_of(3)) == (range(3), range(3, 4))
-    assert again.steps[3].answer is answer, "what is known of a shape goes with it"
+    assert again.steps[3].wall_result is answer, "what is known of a shape goes with it"
     monkeypatch.setattr(timeline, "MOST_BYTES", 4 * states[0].frame.U.nbytes)
-    bounded = found.followed_by(states[0])
+    bounded = found.with_state(states[0])
     assert [step.state for step in bounded.steps] == [states[1], states[2], states[0]]

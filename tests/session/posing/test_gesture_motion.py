@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.posing.regripping import gesture_motion
+from apd_viewer.session.posing.initial_positions import gesture_motion
 
 V, F = box(2, 2, 5)
 AXIS = [0.0, 0.0, 1.0]
@@ -51,7 +51,7 @@ def test_gesture_motion_leads_from_the_shape_before_to_the_pose_after(first, sec
     before = shown(state, turned(state.document, first, step))
     after = turned(before.document, second, step)
     motion = gesture_motion(before, after)
-    assert motion.grip is before.frame.U
+    assert motion.initial_positions is before.frame.U
     assert motion.mesh is after.mesh
     np.testing.assert_allclose(motion.constraints().targets, after.constraints().targets, atol=1e-12)
     made = motion.handles[0].rotation
@@ -76,6 +76,6 @@ def test_gesture_motion_is_none_for_what_is_no_motion_of_handles_alone(state):
     assert gesture_motion(before, document) is None
     assert gesture_motion(before, document.with_settings(stiffness=0.1)) is None
     assert gesture_motion(before, moved.with_label(np.array([0]), 1)) is None
-    assert gesture_motion(before, replace(moved, grip=frozen(V.copy()))) is None
+    assert gesture_motion(before, replace(moved, initial_positions=frozen(V.copy()))) is None
     pushed = NamedObstacle("Ball", ObstacleKind.SPHERE, np.full(3, 9.0), radius=1.0, shift=np.ones(3))
     assert gesture_motion(before, replace(moved, obstacles=(pushed,))) is None

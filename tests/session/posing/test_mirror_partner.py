@@ -54,7 +54,7 @@ def poses(session: Driven) -> list[np.ndarray]:
 def test_mirror_partner_finds_partners_by_their_paint(winged):
     document = winged.store.state.document
     assert [mirror_partner(document, k).number for k in range(3)] == [1, 0, 2]
-    assert [mirror_partner(document, k).share for k in range(3)] == [1.0, 1.0, 1.0]
+    assert [mirror_partner(document, k).fraction for k in range(3)] == [1.0, 1.0, 1.0]
     winged.stroke(np.flatnonzero(document.mesh.V[:, 0] < 5.5), FREE)
     assert mirror_partner(winged.store.state.document, 0) is None, "too little is left of it"
     winged.handles.set_mirror_axis(None)
@@ -96,9 +96,9 @@ def test_mirror_partner_winds_the_partner_as_far_the_other_way_round(winged):
 
 def test_mirror_partner_names_both_handles_and_resets_them_together(winged):
     winged.handles.move_by(MOTIONS["MOVE_Y"], "0.2", 0)
-    assert winged.gestures.history.next_undo == "Move along y +0.2 (Handle 1, Handle 2)"
+    assert winged.gestures.history.next_undo_name == "Move along y +0.2 (Handle 1, Handle 2)"
     winged.drag(translation([0.0, 0.5, 0.0]))
-    assert winged.gestures.history.next_undo == "Move along y +0.3 (Handle 1, Handle 2)"
+    assert winged.gestures.history.next_undo_name == "Move along y +0.3 (Handle 1, Handle 2)"
     winged.handles.reset_handle(1)
     for pose in poses(winged):
         np.testing.assert_array_equal(pose, np.eye(4))
@@ -142,7 +142,7 @@ def test_paint_partner_paints_the_other_side_already_posed(winged):
 
 def test_mirror_partner_is_undone_saved_and_replayed(winged, tmp_path):
     winged.handles.set_mirror_axis(None)
-    assert winged.gestures.history.next_undo == "Change symmetry"
+    assert winged.gestures.history.next_undo_name == "Change symmetry"
     winged.gestures.undo()
     assert winged.store.state.document.mirror_axis == X
     winged.handles.move_by(MOTIONS["BEND_Z"], "20deg", 0)

@@ -30,8 +30,8 @@ PICKED = np.array([[0.1, 0.3, 0.2], [1.1, 2.0, 0.4]])
 
 def centres(session: Driven) -> tuple[np.ndarray, np.ndarray]:
     document = session.store.state.document
-    base = document.grip[document.labels == 0].mean(axis=0)
-    gripped = document.grip[document.labels == 2].mean(axis=0)
+    base = document.initial_positions[document.labels == 0].mean(axis=0)
+    gripped = document.initial_positions[document.labels == 2].mean(axis=0)
     return base, transform(document.handles[0].pose, gripped[None])[0]
 
 
@@ -158,7 +158,7 @@ def test_handle_editor_reset_puts_one_handle_back_and_the_paint_stays(bent):
     bent.handles.reset_handle(0)
     assert not bent.store.state.document.is_posed
     assert bent.store.state.document.labels is labels
-    assert bent.gestures.history.next_undo == "Reset handle"
+    assert bent.gestures.history.next_undo_name == "Reset handle"
     steps = len(bent.gestures.history.undo_names)
     bent.handles.reset_handle(0)
     assert len(bent.gestures.history.undo_names) == steps, "it is back already"
@@ -177,7 +177,7 @@ def test_move_by_names_the_amount_and_the_handle_in_its_step(bent, motion, text,
     bent.store.unit = Unit.CENTIMETRE
     bent.parts.rename_handle(0, "Cap")
     bent.handles.move_by(MOTIONS[motion], text, 0)
-    assert bent.gestures.history.next_undo == name
+    assert bent.gestures.history.next_undo_name == name
 
 
 def test_go_to_step_leads_to_the_very_states_that_were_there(bent):
@@ -215,7 +215,7 @@ def test_move_by_leads_where_the_same_motion_does_in_words(oblique, name):
     oblique.handles.move_by(motion, motion.kind.example, 0, PICKED)
     pose = oblique.store.state.document.handles[0].pose
     assert np.abs(pose - np.eye(4)).max() > 0.01
-    assert oblique.gestures.history.next_undo.startswith(f"{motion.title} ")
+    assert oblique.gestures.history.next_undo_name.startswith(f"{motion.title} ")
     if name in IN_WORDS:
         path = motion_paths(state.document, motion_steps(state.document, in_words(name), Unit.NONE))[0]
         np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)

@@ -41,16 +41,16 @@ def test_poses_keep_says_the_kept_pose_by_name(kept):
 def test_poses_go_is_one_step_that_the_shape_follows(kept):
     assert [each.name for each in document(kept).poses] == ["Pose 1", "Pose 2"]
     before, second = kept.store.state, where(kept)
-    kept.poses.go_to(0)
-    assert kept.gestures.history.next_undo == "Go to “Pose 1”"
+    kept.poses.go_to_pose(0)
+    assert kept.gestures.history.next_undo_name == "Go to “Pose 1”"
     np.testing.assert_array_equal(where(kept), [pose(0.3), np.eye(4)])
     kept.settle()
     held = document(kept).constraints()
     np.testing.assert_allclose(kept.U[held.fixed], held.targets, atol=1e-9)
     steps = len(kept.gestures.history.undo_names)
-    kept.poses.go_to(0)
+    kept.poses.go_to_pose(0)
     assert len(kept.gestures.history.undo_names) == steps, "it is there"
-    kept.poses.go_to(1)
+    kept.poses.go_to_pose(1)
     np.testing.assert_array_equal(where(kept), second)
     kept.gestures.undo()
     kept.gestures.undo()
@@ -89,9 +89,9 @@ def test_poses_keep_full_turns_too(kept):
     kept.handles.move_by(MOTIONS["TURN_Y"], "400deg", 0)
     kept.poses.add()
     turned = document(kept).handles[0].rotation
-    kept.poses.go_to(0)
+    kept.poses.go_to_pose(0)
     assert not document(kept).has_half_turn
-    kept.poses.go_to(2)
+    kept.poses.go_to_pose(2)
     np.testing.assert_allclose(document(kept).handles[0].rotation, turned, atol=1e-9)
     kept.handles.move_by(MOTIONS["TURN_Y"], "-360deg", 0)
     assert not is_in_pose(document(kept), document(kept).poses[2])
@@ -101,30 +101,30 @@ def test_poses_stay_where_they_are_when_paint_grips_anew(kept):
     there = handle_placements(document(kept))
     free = np.flatnonzero(document(kept).labels == FREE)
     kept.stroke(free[:3], BASE)
-    assert document(kept).grip is not document(kept).mesh.V
+    assert document(kept).initial_positions is not document(kept).mesh.V
     np.testing.assert_array_equal(where(kept)[0], np.eye(4))
     for mine, before in zip(handle_placements(document(kept)), there, strict=True):
         np.testing.assert_allclose(mine.pose, before.pose, atol=1e-9)
     assert is_in_pose(document(kept), document(kept).poses[1])
-    kept.poses.go_to(0)
+    kept.poses.go_to_pose(0)
     np.testing.assert_allclose(handle_placements(document(kept))[0].pose, pose(0.3), atol=1e-9)
     kept.shapes.restore()
-    kept.poses.go_to(1)
+    kept.poses.go_to_pose(1)
     np.testing.assert_allclose(where(kept)[0], BENT, atol=1e-9)
 
 
 def test_poses_are_the_same_places_after_baking(kept):
-    kept.poses.go_to(0)
+    kept.poses.go_to_pose(0)
     kept.settle()
     mine = document(kept).labels == HANDLE
     there = document(kept).constraints()
-    kept.poses.go_to(1)
+    kept.poses.go_to_pose(1)
     kept.settle()
     kept.shapes.bake()
     kept.until(lambda: kept.jobs.current is None)
     assert not document(kept).is_posed
     assert is_in_pose(document(kept), document(kept).poses[1])
-    kept.poses.go_to(0)
+    kept.poses.go_to_pose(0)
     found = document(kept).constraints()
     ids = np.flatnonzero(mine)
     rows = np.searchsorted(found.fixed, ids), np.searchsorted(there.fixed, ids)
@@ -134,12 +134,12 @@ def test_poses_are_the_same_places_after_baking(kept):
 def test_poses_go_names_a_handle_that_is_gone_and_the_others_go(kept):
     kept.parts.rename_handle(0, "Head")
     kept.parts.remove_handle(1)
-    kept.poses.go_to(0)
+    kept.poses.go_to_pose(0)
     assert "“Handle 2”" in kept.told[-1]
     assert is_in_pose(document(kept), document(kept).poses[0])
     kept.stroke(np.flatnonzero(document(kept).labels == HANDLE), FREE)
     before = kept.store.state
-    kept.poses.go_to(1)
+    kept.poses.go_to_pose(1)
     assert "gone or empty" in kept.failed[-1]
     kept.poses.update(1)
     assert "paint one first" in kept.failed[-1]

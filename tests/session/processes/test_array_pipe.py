@@ -51,7 +51,7 @@ def test_array_pipe_brings_a_document_with_all_its_arrays_once(line, size):
     there = line.sent((document, document.labels))
     assert np.array_equal(there[0].labels, document.labels)
     assert there[0].labels is there[1]
-    assert there[0].grip is there[0].mesh.V, "as here"
+    assert there[0].initial_positions is there[0].mesh.V, "as here"
     assert np.array_equal(there[0].mesh.V, document.mesh.V)
     assert np.array_equal(there[0].mesh.F, document.mesh.F)
     assert np.array_equal(there[0].mesh.weld.inverse, document.mesh.weld.inverse)
@@ -104,7 +104,7 @@ def test_array_pipe_takes_no_array_for_one_that_is_gone_from_its_place(line):
         assert line.sent(np.full(3000, float(k)))[0] == k
 
 
-def test_pickled_handle_may_be_read_by_another_thread_meanwhile():
+def test_pickled_value_of_a_handle_may_be_read_by_another_thread_meanwhile():
     """The first reading of its rotation is kept in it, while the solver's thread goes through its fields."""
     handle = Handle("Handle 1", np.eye(4))
 
@@ -112,7 +112,7 @@ def test_pickled_handle_may_be_read_by_another_thread_meanwhile():
         if isinstance(thing, np.ndarray):
             assert not handle.rotation.any()
 
-    again = array_pipe.unpickled(array_pipe.pickled(handle, number_of), {})
+    again = array_pipe.unpickled_value(array_pipe.pickled_value(handle, number_of), {})
     assert again.name == handle.name
     assert np.array_equal(again.pose, handle.pose)
     assert np.array_equal(again.rotation, handle.rotation)

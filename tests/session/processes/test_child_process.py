@@ -23,7 +23,7 @@ def serve(source, sink):
             time.sleep(60)
         print("printed")
         array_pipe.write_message(sink, message)
-child_boot.set_up_process(owner_pid=int(sys.argv[1]))
+child_boot.set_up_process(parent_pid=int(sys.argv[1]))
 child_boot.run_service(replies, serve)
 """
 LINES = START_SCRIPT.split("from apd_viewer")[0] + ECHO
@@ -42,11 +42,11 @@ def test_child_process_sends_and_receives_messages_until_it_is_ended(child, capl
     assert child.pid
     for message in (b"one", b"", b"two" * 10_000):
         assert child.send_messages(message)
-        assert child.receive() == message
+        assert child.receive_message() == message
     child.end()
     assert child.pid is None
     assert not child.send_messages(b"one")
-    assert child.receive() is None
+    assert child.receive_message() is None
     child.end()
     assert caplog.text == "", "it was ended on purpose"
 
@@ -55,7 +55,7 @@ def test_child_process_logs_what_it_prints(child, caplog):
     caplog.set_level("INFO", "apd_viewer")
     child.start()
     assert child.send_messages(b"one")
-    assert child.receive() == b"one"
+    assert child.receive_message() == b"one"
     child.end()
     assert caplog.messages == ["The echo process says: printed"]
 
@@ -65,7 +65,7 @@ def test_child_process_killed_on_purpose_is_no_failure(child, caplog):
     child.send_messages(b"sleep")
     started = time.monotonic()
     child.kill()
-    assert child.receive() is None
+    assert child.receive_message() is None
     child.end()
     assert time.monotonic() - started < 5.0
     assert caplog.text == ""
@@ -74,7 +74,7 @@ def test_child_process_killed_on_purpose_is_no_failure(child, caplog):
 def test_child_process_logs_an_exception_with_the_exit_code(child, caplog, capfd):
     child.start()
     child.send_messages(b"fail")
-    assert child.receive() is None
+    assert child.receive_message() is None
     child.end()
     assert "echo process ended with exit code 1" in caplog.text
     assert "RuntimeError: out of luck" in caplog.text
@@ -85,7 +85,7 @@ def test_child_process_logs_an_exception_with_the_exit_code(child, caplog, capfd
 def test_child_process_logs_a_crash_with_where_it_was(child, caplog):
     child.start()
     child.send_messages(b"crash")
-    assert child.receive() is None
+    assert child.receive_message() is None
     child.end()
     assert "exit code -" in caplog.text
     assert "Fatal Python error" in caplog.text
@@ -95,10 +95,10 @@ def test_child_process_logs_a_crash_with_where_it_was(child, caplog):
 def test_child_process_can_be_started_again_after_a_failure(child):
     child.start()
     child.send_messages(b"fail")
-    assert child.receive() is None
+    assert child.receive_message() is None
     child.restart()
     assert child.send_messages(b"one")
-    assert child.receive() == b"one"
+    assert child.receive_message() == b"one"
 
 
 def test_child_process_logs_that_it_cannot_be_started(child, caplog, monkeypatch):

@@ -49,7 +49,7 @@ def test_compilation_tells_all_last_and_once(monkeypatch):
         return lambda: stopped.append(len(told))
 
     monkeypatch.setattr(compilation, "report_compilations", listening)
-    Compilation(lambda message: told.append(message.share)).run(lambda: False)
+    Compilation(lambda message: told.append(message.fraction)).run(lambda: False)
     assert told[0] == 0.5
     assert [share == 1.0 for share in told] == [False, False, False, True]
     assert stopped == [3]
@@ -77,9 +77,9 @@ def test_compilation_tells_that_it_is_done_with_all_kernels_in_the_cache():
         state = initial_state(Mesh(*tube(8, 8)))
         worker.put_request(Request(state.document, 0, state.frame.U, iterate=False))
         end = time.monotonic() + 120.0
-        while worker.compiled_share != 1.0 and time.monotonic() < end:
+        while worker.compiled_fraction != 1.0 and time.monotonic() < end:
             time.sleep(0.05)
-        assert worker.compiled_share == 1.0
+        assert worker.compiled_fraction == 1.0
     finally:
         worker.close()
 
@@ -89,6 +89,6 @@ def test_compilation_compiles_a_part_in_another_process():
     process.start()
     try:
         assert process.send_messages(b"factor")
-        assert process.receive() == b""
+        assert process.receive_message() == b""
     finally:
         process.end()

@@ -506,7 +506,7 @@ def test_session_takes_no_more_memory_with_the_events_of_a_drag(session, process
     sizes = []
     for k in range(events):
         session.handles.drag(pose(0.5 * np.sin(0.01 * k)))
-        session.receive()
+        session.receive_results()
         session.changes.clear()  # what the test itself keeps
         time.sleep(0.0005)
         if k + 1 in (events // 3, events):
@@ -524,7 +524,7 @@ def test_request_solver_gives_the_memory_of_a_drag_back_in_a_pause(empty, proces
     empty.show_now(Mesh(*box(30, 30, 30)))
     empty.paint_ends()
     empty.drag(pose(0.1))
-    empty.until(lambda: empty.store.compiled_share == 1.0, 60.0)
+    empty.until(lambda: empty.store.compiled_fraction == 1.0, 60.0)
     empty.drag(pose(0.2))
     empty.settle()
     before = resident(processes[-1].pid)

@@ -134,7 +134,7 @@ def test_saved_work_does_not_forget_in_undo_across_files_what_each_held(session,
 
 def look(session):
     session.saved_work.check_file_now()
-    session.receive()
+    session.receive_results()
     return session.saved_work.is_unsaved
 
 
@@ -180,9 +180,9 @@ def test_saved_work_look_during_its_own_save_is_no_news(session, path):
         session.files.save(path, VIEW)
         while session.jobs.current is not None:
             session.saved_work.check_file()
-            session.receive()
+            session.receive_results()
     session.saved_work.close()
-    session.receive()
+    session.receive_results()
     assert session.told[told:] == ["Saved a.apd, including a copy of the mesh."] * 20
     assert not session.saved_work.is_unsaved
 

@@ -45,7 +45,7 @@ def test_open_session_reads_all_that_an_old_session_said():
     mesh = document.mesh
     assert (mesh.name, len(mesh.V), len(mesh.F)) == ("post.obj", 94, 184)
     assert mesh.V.sum() == pytest.approx(400.64905636129845, rel=1e-14), "the rest shape was baked"
-    assert document.grip is mesh.V
+    assert document.initial_positions is mesh.V
     assert [part.name for part in document.handles] == ["left ear", "right ear", "hip ü"]
     assert [part.pose.tolist() for part in document.handles] == [LEFT, RIGHT, HIP]
     left, right, hip = (part.pivot for part in document.handles)

@@ -51,19 +51,19 @@ def reopened(tmp_path):
 
 def test_saved_timeline_comes_back_to_the_bit(session, reopened, tmp_path):
     states = played(session)
-    session.player.show(1)
-    session.player.end_show()
+    session.player.show_step(1)
+    session.player.accept_shown_step()
     path = saved(session, tmp_path / "a.apd")
     again = reopened(path)
     steps = again.player.timeline.steps
     assert [step.begins_run for step in steps] == [True, False, False, False]
     for step, state in zip(steps, states, strict=True):
         check_equal(step.state, state)
-    assert again.player.shown == 1
+    assert again.player.shown_step == 1
     assert again.store.state is steps[1].state
     assert not again.saved_work.is_unsaved
-    again.player.show(3)
-    again.player.end_show()
+    again.player.show_step(3)
+    again.player.accept_shown_step()
     assert np.array_equal(again.U, states[3].frame.U)
     assert again.gestures.history.undo_names == [], "the other step is on the timeline"
 
@@ -71,10 +71,10 @@ def test_saved_timeline_comes_back_to_the_bit(session, reopened, tmp_path):
 @pytest.mark.night
 def test_saved_timeline_of_a_press_keeps_its_loads_and_goes_on(empty, reopened, tmp_path):
     empty.show_now(Mesh(*box(2, 2, 2)))
-    empty.obstacles.put_press(np.eye(3)[0])
-    empty.player.begin()
+    empty.obstacles.add_press_plates(np.eye(3)[0])
+    empty.player.begin_run()
     state = empty.store.state
-    empty.player.play("Press", plate_pair(state.document).documents_to(state, 1.9, 2))
+    empty.player.play("Press", plate_pair(state.document).press_documents(state, 1.9, 2))
     empty.until(lambda: not empty.player.is_playing)
     readings = [plate_pair(step.state.document).reading(step.state) for step in empty.player.timeline.steps]
     again = reopened(saved(empty, tmp_path / "a.apd"))
@@ -96,8 +96,8 @@ def test_saved_timeline_has_the_regions_of_the_session_on_every_step(session, re
     again = reopened(saved(session, tmp_path / "a.apd"))
     member = again.store.state.document.member
     assert member.any()
-    assert again.player.shown == 2
-    again.player.show(0)
+    assert again.player.shown_step == 2
+    again.player.show_step(0)
     assert again.store.state.document.member is member
     assert again.store.state.frame.regions == again.store.state.document.region_areas(again.U)
 
@@ -125,7 +125,7 @@ def test_saved_timeline_is_bounded_and_of_one_rest_shape(session, reopened, tmp_
     session.settle()
     again = reopened(saved(session, tmp_path / "b.apd"))
     assert not again.player.timeline.steps, "all steps are of the rest shape before"
-    session.player.begin()
+    session.player.begin_run()
     again = reopened(saved(session, tmp_path / "c.apd"))
     assert not again.player.timeline.steps, "nothing has come of it yet"
 

@@ -181,7 +181,7 @@ def test_open_session_brings_what_is_at_rest_back_as_the_mesh_s_own(tmp_path):
     found, view = open_session(tmp_path / "a.apd")
     check_equal(found, state)
     assert view == View()
-    assert found.frame.U is found.document.grip is found.document.mesh.V
+    assert found.frame.U is found.document.initial_positions is found.document.mesh.V
     with zipfile.ZipFile(tmp_path / "a.apd") as archive:
         assert archive.namelist() == ["session.json", "labels.npy", "member.npy"]
 
@@ -218,7 +218,7 @@ def test_open_session_brings_back_a_shape_that_is_gripped_where_it_is(session, b
     session.stroke(np.array([9, 10]), BASE)
     session.settle()
     state = session.store.state
-    assert state.document.grip is not state.document.mesh.V
+    assert state.document.initial_positions is not state.document.mesh.V
     save_session(tmp_path / "a.apd", state, VIEW)
     check_equal(open_session(tmp_path / "a.apd")[0], state)
     check_same_array(replay_session(tmp_path / "a.apd")[1].U, state.frame.U)
@@ -247,12 +247,12 @@ def test_open_session_brings_numbers_of_all_sizes_back_bit_for_bit(tmp_path):
     P[0, 0], P[1, 1] = -0.0, 5e-324
     U = frozen(document.mesh.V + chance.normal(size=document.mesh.V.shape) * 1e-9)
     document = document.with_settings(tolerance=0.1 + 0.2, stiffness=1e-7 / 3).with_pose(0, P)
-    document = replace(document, grip=frozen(U + 1e-17))
+    document = replace(document, initial_positions=frozen(U + 1e-17))
     state = replace(state, document=document, frame=replace(state.frame, U=U, handle_drift=1 / 3))
     save_session(tmp_path / "a.apd", state, VIEW)
     found, _ = open_session(tmp_path / "a.apd")
     check_same_array(found.frame.U, U)
-    check_same_array(found.document.grip, document.grip)
+    check_same_array(found.document.initial_positions, document.initial_positions)
     check_same_array(found.document.handles[0].pose, document.handles[0].pose)
     assert found.document.settings.tolerance == document.settings.tolerance
     assert found.document.settings.stiffness == document.settings.stiffness
@@ -434,7 +434,7 @@ def test_files_save_and_open_sessions_in_the_background(session, bar, tmp_path):
     check_equal(session.store.state, state)
     assert session.store.state.document.settings.method == "exact"
     assert session.store.activity is Activity.IDLE
-    assert session.gestures.history.next_undo == "Open a.apd"
+    assert session.gestures.history.next_undo_name == "Open a.apd"
     session.gestures.undo()
     assert session.store.state is now
     session.gestures.redo()
@@ -517,7 +517,7 @@ def test_open_session_opens_the_first_version_for_ever():
     assert np.array_equal(document.member, np.where(z <= 1, 1, 2))
     held = document.constraints()
     assert np.array_equal(frame.U[held.fixed], held.targets)
-    assert np.array_equal(document.grip[document.labels == 3], V[document.labels == 3])
+    assert np.array_equal(document.initial_positions[document.labels == 3], V[document.labels == 3])
     assert frame.U[3].tolist() == [0.25, 0.0, 3.5]
     assert frame.U.sum() == pytest.approx(75.42164786109885, rel=1e-14)
     assert (frame.iteration, frame.settled, frame.converged) == (9, True, True)
@@ -543,7 +543,7 @@ def with_buttons(session: Driven) -> State:
     session.stroke(base, BASE)
     session.stroke(top, HANDLE)
     session.drag(BENT)
-    session.settings.set_staying([n + len(W)], True)
+    session.settings.set_components_immobile([n + len(W)], True)
     session.settle()
     return session.store.state
 
@@ -551,7 +551,7 @@ def with_buttons(session: Driven) -> State:
 def test_save_session_keeps_what_stays_and_it_is_replayed(session, tmp_path):
     state = with_buttons(session)
     first, second = np.split(np.arange(len(state.document.mesh.V))[-16:], 2)
-    assert state.document.staying_components == (second[0],)
+    assert state.document.immobile_components == (second[0],)
     V = state.document.mesh.V
     assert np.array_equal(state.frame.U[second], V[second])
     assert np.abs(state.frame.U[first] - V[first]).max() > 0.1
@@ -582,7 +582,7 @@ def test_open_session_lets_loose_parts_of_an_older_session_stay(session, tmp_pat
     path = tmp_path / "a.apd"
     save_session(path, replace(state, frame=replace(state.frame, U=frozen(U))), VIEW, embed=True)
     rewritten(path, lambda said: said.pop("staying"))
-    assert len(open_session(path)[0].document.staying_components) == 2
+    assert len(open_session(path)[0].document.immobile_components) == 2
     check_same_array(replay_session(path)[1].U, U)
     assert np.array_equal(replay_session(path, from_rest=True)[1].U[-16:], U[-16:])
 
@@ -592,7 +592,7 @@ def test_open_session_lets_loose_parts_of_an_older_session_at_rest_go_along(sess
     path = tmp_path / "a.apd"
     save_session(path, initial_state(state.document.mesh, state.document.labels), VIEW, embed=True)
     rewritten(path, lambda said: said.pop("staying"))
-    assert open_session(path)[0].document.staying_components == ()
+    assert open_session(path)[0].document.immobile_components == ()
 
 
 @pytest.mark.parametrize("mirror", ["w", "", "xy", 0])

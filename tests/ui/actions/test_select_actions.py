@@ -194,7 +194,7 @@ def test_select_actions_change_a_part_by_keys(scene, keyboard):
     )
     for key, action in zip(keys, changes(scene), strict=False):
         keyboard(*key)
-        assert scene.window.session.gestures.history.next_undo == action.text().replace("&", "")
+        assert scene.window.session.gestures.history.next_undo_name == action.text().replace("&", "")
         scene.window.actions_.undo.trigger()
         assert scene.document is scene.state.document
 

@@ -108,7 +108,7 @@ def test_load_selection_brings_a_saved_selection_back_as_one_step(qtbot, bottle,
     bottle.actions_.select.files[0].trigger()
     idle(qtbot, bottle)
     np.testing.assert_array_equal(bottle.session.store.state.document.labels, before)
-    assert bottle.session.gestures.history.next_undo == "Load selection"
+    assert bottle.session.gestures.history.next_undo_name == "Load selection"
     bottle.session.gestures.undo()
     assert bottle.session.store.state is painted
 

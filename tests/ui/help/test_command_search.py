@@ -96,7 +96,7 @@ def test_command_search_says_why_a_command_is_disabled_and_does_not_run_it(qtbot
 
 
 def test_command_search_says_of_most_commands_that_a_mesh_is_missing(window):
-    window.help.open_search()
+    window.help.toggle_search()
     search = window.help.search
 
     def why(title):

@@ -107,14 +107,14 @@ def test_ghost_is_not_cut_off_where_it_is_larger_than_the_mesh(qtbot, globe):
 # Before and after
 
 
-def test_before_after_shows_the_way_from_rest_while_its_slider_is_held(qtbot, globe):
+def test_blend_card_shows_the_way_from_rest_while_its_slider_is_held(qtbot, globe):
     V = document(globe).mesh.V
     answer(qtbot, globe, V * [2.0, 1.0, 1.0])
     qtbot.keyClick(globe.canvas.viewport, Qt.Key.Key_A, SHIFT)
     compare, surface = globe.display_options.before_after, globe.canvas.surface
     assert compare.isVisible()
     slider = compare.slider
-    mouse, knob = Mouse(slider), slider.x_of(slider.value())
+    mouse, knob = Mouse(slider), slider.knob_position(slider.value())
     mouse.press((knob, slider.height() / 2))
     mouse.move((slider.width() / 2, slider.height() / 2))
     np.testing.assert_allclose(surface.U, V * [1.5, 1.0, 1.0], atol=0.01)
@@ -125,7 +125,7 @@ def test_before_after_shows_the_way_from_rest_while_its_slider_is_held(qtbot, gl
     mouse.release((-20, slider.height() / 2))
     np.testing.assert_allclose(surface.U, V * [3.0, 1.0, 1.0])
     assert document(globe).mesh.V is V, "nothing was done"
-    assert not globe.session.gestures.history.next_undo
+    assert not globe.session.gestures.history.next_undo_name
 
 
 def test_deviation_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
@@ -138,7 +138,7 @@ def test_deviation_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, g
     np.testing.assert_allclose(heat.reading.values, np.log(1.5))
 
 
-def test_before_after_is_ended_by_keys_and_by_another_mesh(qtbot, globe):
+def test_blend_card_is_ended_by_keys_and_by_another_mesh(qtbot, globe):
     switch(globe, "compare").trigger()
     slider = globe.display_options.before_after.slider
     slider.setFocus()
@@ -282,12 +282,12 @@ def test_turntable_turns_until_the_mouse_takes_the_camera(qtbot, globe):
     assert eye.distance == pytest.approx(before.distance)
     assert eye.position[1] == pytest.approx(before.position[1]), "it goes around, and not up"
     Mouse(view).drag((30, 30), (30, 30))
-    assert not table.running
+    assert not table.is_running
     assert not switch(globe, "turntable").isChecked()
     assert not any(timer.isActive() for timer in table.findChildren(QTimer))
     switch(globe, "turntable").trigger()
     qtbot.keyClick(view, Qt.Key.Key_Escape)
-    assert not table.running
+    assert not table.is_running
 
 
 # All of them

@@ -354,7 +354,7 @@ def test_finding_row_lets_a_part_stay_where_it_is_until_undo_takes_it_along(qtbo
     everything, _, last = stay_boxes(buttoned)
     qtbot.mouseClick(last, LEFT)
     idle(qtbot, buttoned)
-    assert document(buttoned).staying_components == (small.start,)
+    assert document(buttoned).immobile_components == (small.start,)
     assert last.isChecked()
     assert not everything.isChecked()
     stayed = buttoned.session.store.state.frame.U

@@ -32,7 +32,7 @@ def test_text_entry_card_previews_what_is_typed_and_adds_it_by_return(qtbot, bot
     np.testing.assert_array_equal(bottle.canvas.coloring.previewed_ids, np.flatnonzero(y < 5))
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     np.testing.assert_array_equal(base_of(bottle), before | (y < 5))
-    assert bottle.session.gestures.history.next_undo == "Paint base"
+    assert bottle.session.gestures.history.next_undo_name == "Paint base"
     assert card.isHidden()
     assert bottle.shell.focusWidget() is bottle.canvas.viewport, "so that a key chooses a tool"
     bottle.session.gestures.undo()

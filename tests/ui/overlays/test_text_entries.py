@@ -113,7 +113,7 @@ def test_pick_line_takes_the_line_of_a_bend_by_two_clicks(qtbot, bottle, mouse):
     pose = session.store.state.document.handles[0].pose
     np.testing.assert_allclose(transform(pose, np.array(expected)), expected, atol=1e-9)
     assert np.trace(pose[:3, :3]) == pytest.approx(1 + 2 * np.cos(np.pi / 9))
-    assert session.gestures.history.next_undo == "Bend about a line +20° (Handle 1)"
+    assert session.gestures.history.next_undo_name == "Bend about a line +20° (Handle 1)"
     motion.choice.setCurrentIndex(0)
     assert len(bottle.canvas.picker.marked_points) == 0
 

@@ -89,7 +89,7 @@ def test_handle_section_keeps_the_total_motion_through_a_stroke_of_the_base(qtbo
     stroke(qtbot, twisted, on_screen(twisted, front(twisted, 6.0)), half_width=15)
     idle(qtbot, twisted)
     assert row(twisted) == "twisted +20.0°"
-    assert twisted.session.gestures.history.next_undo == "Paint base"
+    assert twisted.session.gestures.history.next_undo_name == "Paint base"
     twisted.actions_.undo.trigger()
     assert row(twisted) == "twisted +20.0°"
 

@@ -29,7 +29,7 @@ def choose(window, method):
 
 def knob(slider, step):
     """Where the knob is at a step."""
-    return QPointF(slider.x_of(step), slider.height() / 2)
+    return QPointF(slider.knob_position(step), slider.height() / 2)
 
 
 def shown(window):
@@ -106,7 +106,7 @@ def test_method_section_offers_contact_where_it_can_and_keeps_the_wall_thickness
     assert not box.isChecked()
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
     assert (document(bottle).settings.contact, document(bottle).settings.thickness) == (True, None)
-    assert bottle.session.gestures.history.next_undo == "Turn contact on"
+    assert bottle.session.gestures.history.next_undo_name == "Turn contact on"
     thickness.setText("0.02")
     thickness.editingFinished.emit()
     assert document(bottle).settings.thickness == 0.02
@@ -257,7 +257,7 @@ def test_area_section_asks_for_a_typed_target_and_it_is_met(qtbot, bottle):
     says = bottle.panel.area.verdict
     qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly on target", timeout=20_000)
     assert bottle.panel.area.target.slider.value() == PERCENT.step_of(110.0)
-    assert bottle.session.gestures.history.next_undo == "Change area"
+    assert bottle.session.gestures.history.next_undo_name == "Change area"
     bottle.panel.area.target.reset_button.click()
     assert document(bottle).settings.area == 100.0
 
@@ -313,7 +313,7 @@ def test_slider_field_makes_a_sweep_of_the_slider_one_step_of_undo_and_the_mesh_
     assert len(volumes) > 2
     bottle.actions_.undo.trigger()
     assert document(bottle) is before
-    assert bottle.session.gestures.history.next_undo is None
+    assert bottle.session.gestures.history.next_undo_name is None
     assert slider.value() == 100
 
 
@@ -331,7 +331,7 @@ def test_slider_field_lets_a_sweep_be_given_up(qtbot, bottle):
         give_up()
         mouse.release(knob(slider, 50))
         assert document(bottle) is before
-        assert bottle.session.gestures.history.next_undo == "Change tolerance"
+        assert bottle.session.gestures.history.next_undo_name == "Change tolerance"
 
 
 def test_slider_field_returns_to_100_percent_by_a_double_click(bottle):
@@ -511,7 +511,7 @@ def test_convergence_fields_are_folded_and_show_what_applies(qtbot, bottle):
         qtbot.keyClicks(field, text)
         qtbot.keyClick(field, Qt.Key.Key_Return)
     assert document(bottle).settings.convergence == (250, 1e-9, 1e-5, 0.002, 3)
-    assert bottle.session.gestures.history.next_undo == "Change convergence"
+    assert bottle.session.gestures.history.next_undo_name == "Change convergence"
     assert fields.energy.text() == "1e-09"
     assert fields.heading.reading == "changed"
     for _ in range(4):

@@ -29,7 +29,7 @@ def twist(qtbot, window):
 def asked_places(window):
     """Where the handle's vertices were asked to be."""
     asked = document(window)
-    return transform(asked.handles[0].pose, asked.grip[asked.labels == HANDLE])
+    return transform(asked.handles[0].pose, asked.initial_positions[asked.labels == HANDLE])
 
 
 def check_nothing_is_previewed(window):

@@ -35,7 +35,7 @@ def typing(qtbot, bottle):
 
 def gripped(window):
     document = window.session.store.state.document
-    return document.grip[document.labels == HANDLE]
+    return document.initial_positions[document.labels == HANDLE]
 
 
 def test_motion_ghost_is_where_enter_puts_the_handle(typing):

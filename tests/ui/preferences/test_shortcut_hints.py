@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QAbstractButton, QLabel, QWidget
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.ui.preferences.shortcuts import native_keys, with_keys
+from apd_viewer.ui.preferences.shortcuts import native_keys, text_with_keys
 from apd_viewer.ui.tools.tool_modes import Tool
 
 MODIFIERS = "Alt+", "Alt+Shift+", "Ctrl+Alt+"
@@ -58,7 +58,7 @@ def test_shortcut_hints_name_no_keys_that_an_action_had(ball):
     keys = [f"({native_keys(entry.keys)})" for entry in old]
     named = [text for text in after if any(key in text for key in keys) and "\n" not in text]
     assert len(named) >= 6, "panel, badge, legend, section and invitation name some"
-    assert ball.findings.badge.toolTip() == with_keys(
+    assert ball.findings.badge.toolTip() == text_with_keys(
         "Issues found in the mesh, and where they are", ball.actions_.view.findings
     )
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from apd_viewer.session.model.up_axis import UpAxis
-from apd_viewer.ui.scene.camera import MARGIN, ORTHOGRAPHIC, PERSPECTIVE, Camera, rotation, unit
+from apd_viewer.ui.scene.camera import MARGIN, ORTHOGRAPHIC, PERSPECTIVE, Camera, rotation, unit_vector
 
 UP = np.array([0.0, 1.0, 0.0])
 
@@ -24,7 +24,7 @@ def points(count=50):
 def test_ray_runs_through_the_points_that_project_to_its_pixel(camera):
     for point, (x, y) in zip(points(), camera.project(points()), strict=True):
         origin, direction = camera.ray(x, y)
-        np.testing.assert_allclose(direction, unit(point - origin), atol=1e-12)
+        np.testing.assert_allclose(direction, unit_vector(point - origin), atol=1e-12)
 
 
 def test_project_puts_the_focal_point_in_the_middle_and_up_above_it(camera):
@@ -67,7 +67,7 @@ def test_orbited_drags_the_near_side_along(camera, upside_down):
     if upside_down:
         camera = camera.orbited(0, 450)
         assert camera.axes[1] @ UP < 0
-    near = camera.focal + 0.3 * unit(camera.position - camera.focal)
+    near = camera.focal + 0.3 * unit_vector(camera.position - camera.focal)
     x, y = camera.orbited(5, 0).project(near[None])[0] - camera.project(near[None])[0]
     # The near side moves left when the camera moves right: the object follows the cursor.
     assert x > 0

@@ -52,8 +52,8 @@ def test_animation_in_view_is_among_the_recent_files(window, tmp_path):
 def test_animation_in_view_is_scrubbed_and_played(qtbot, window):
     panel, mouse = window.press.panel, Mouse(window.press.panel.slider)
     middle = panel.slider.height() / 2
-    mouse.press((panel.slider.x_of(2), middle))
-    mouse.release((panel.slider.x_of(2), middle))
+    mouse.press((panel.slider.knob_position(2), middle))
+    mouse.release((panel.slider.knob_position(2), middle))
     assert window.session.store.state is steps(window)[2].state
     chart = window.press.step_charts.size_chart()
     area, volume = chart.readings
@@ -63,7 +63,7 @@ def test_animation_in_view_is_scrubbed_and_played(qtbot, window):
     assert float(volume[0].split()[1].replace("−", "-")) == pytest.approx(change, abs=0.01)
     assert chart.vertical_lines[0].place == 3.0
     panel.replay.click()
-    qtbot.waitUntil(lambda: window.session.player.shown == 3, timeout=WAIT)
+    qtbot.waitUntil(lambda: window.session.player.shown_step == 3, timeout=WAIT)
     qtbot.waitUntil(lambda: window.session.gestures.state_before is None, timeout=WAIT)
     assert not panel.forward.isEnabled()
 

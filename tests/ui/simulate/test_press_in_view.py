@@ -118,16 +118,16 @@ def test_press_in_view_scrubs_to_a_step_by_mouse_and_makes_it_current(qtbot, win
     slider, mouse = panel.slider, Mouse(panel.slider)
     last = window.session.store.state
     middle = slider.height() / 2
-    mouse.press((slider.x_of(3), middle))
+    mouse.press((slider.knob_position(3), middle))
     for k in (2, 1):
-        mouse.move((slider.x_of(k), middle))
+        mouse.move((slider.knob_position(k), middle))
         assert window.session.store.state is steps(window)[k].state
     assert panel.position.text() == "2 of 4"
-    mouse.release((slider.x_of(1), middle))
+    mouse.release((slider.knob_position(1), middle))
     idle(qtbot, window)
     assert window.session.store.state is steps(window)[1].state
     assert window.session.gestures.history.undo_names[-1] == "Press to 80\u00a0%"
-    mouse.press((slider.x_of(2), middle))
+    mouse.press((slider.knob_position(2), middle))
     QTest.keyClick(slider, Qt.Key.Key_Escape)
     assert window.session.store.state is steps(window)[1].state
     panel.forward.click()
@@ -141,13 +141,13 @@ def test_press_in_view_plays_the_timeline_and_stays_at_its_end(qtbot, window):
     seen = set()
     window.signals.changed.connect(lambda _, new: seen.add(id(new)))
     panel.replay.click()
-    qtbot.waitUntil(lambda: player(window).shown == 3 and not panel.loop.isChecked(), timeout=WAIT)
+    qtbot.waitUntil(lambda: player(window).shown_step == 3 and not panel.loop.isChecked(), timeout=WAIT)
     qtbot.waitUntil(lambda: window.session.gestures.state_before is None, timeout=WAIT)
     assert {id(step.state) for step in steps(window)} <= seen
     panel.back.click()
     panel.back.click()
     panel.replay.click()  # from there on, and stopped before the end
-    qtbot.waitUntil(lambda: player(window).shown == 2, timeout=WAIT)
+    qtbot.waitUntil(lambda: player(window).shown_step == 2, timeout=WAIT)
     panel.replay.click()
     assert window.session.store.state is steps(window)[2].state
     assert window.session.gestures.state_before is None
@@ -253,8 +253,8 @@ def drawn(chart: Chart):
 
 def test_press_charts_break_the_curve_between_runs_and_mark_what_is_not_at_rest(qtbot, window):
     pressed(qtbot, window, "80", 2)
-    player(window).show(1)
-    player(window).end_show()
+    player(window).show_step(1)
+    player(window).accept_shown_step()
     pressed(qtbot, window, "70", 1)
     chart = window.press.charts.load_chart()
     (curve,) = chart.curves
@@ -281,7 +281,7 @@ def solved(qtbot, window):
 
 
 def answers(window):
-    return [step.answer for step in steps(window)]
+    return [step.wall_result for step in steps(window)]
 
 
 def test_press_in_view_lets_the_wall_follow_in_the_same_curves(qtbot, walled):
@@ -316,16 +316,16 @@ def test_press_in_view_lets_the_wall_follow_in_the_same_curves(qtbot, walled):
 def test_press_in_view_shows_the_shapes_of_the_wall_and_presses_on_from_the_first(qtbot, walled):
     panel = walled.press.panel
     solved(qtbot, walled)
-    assert [panel.answer.itemText(k) for k in range(2)] == ["Exact", "Wall 0.3 mm"]
+    assert [panel.shape_choice.itemText(k) for k in range(2)] == ["Exact", "Wall 0.3 mm"]
     force = reading(walled, "Load")[0]
-    panel.answer.activated.emit(1)
+    panel.shape_choice.activated.emit(1)
     assert walled.session.store.state is answers(walled)[-1]
     assert reading(walled, "Load")[0] == force
     panel.back.click()
     assert walled.session.store.state is answers(walled)[1]
     assert panel.position.text() == "2 of 3"
     pressed(qtbot, walled, "85", 1)
-    assert panel.answer.currentIndex() == 0
+    assert panel.shape_choice.currentIndex() == 0
     assert [step.state.document.settings.method for step in steps(walled)] == ["exact"] * len(steps(walled))
 
 
@@ -341,7 +341,7 @@ def test_press_in_view_ends_the_wall_where_it_becomes_another_one(qtbot, walled)
     assert panel.progress.text() == "Wall 0.5 mm: step 1 of 2"
     panel.wall.click()
     assert not walled.session.wall_run.is_running
-    panel.answer.activated.emit(1)
+    panel.shape_choice.activated.emit(1)
     assert panel.warning.text() == "The wall is not solved here: this is Exact."
 
 

@@ -77,7 +77,7 @@ def test_animation_dialog_exports_the_last_step_from_where_the_one_before_had_en
     qtbot, here, bar, dialog, answer, tmp_path
 ):
     answer(tmp_path / "a.pc2")
-    assert bar.session.gestures.history.next_undo in dialog.motion.itemText(1)
+    assert bar.session.gestures.history.next_undo_name in dialog.motion.itemText(1)
     check_export(qtbot, bar, dialog, tmp_path / "a.pc2", 1, [0.0, 0.5, 0.0])
 
 
@@ -94,13 +94,13 @@ def test_animation_dialog_exports_a_series_with_its_folder(qtbot, here, dialog, 
 def test_animation_dialog_writes_nothing_when_cancelled(qtbot, dialog, answer, tmp_path):
     answer(None)
     click(dialog.run.start)
-    assert not dialog.run.running
+    assert not dialog.run.is_running
     before = sorted(tmp_path.iterdir())
     answer(tmp_path / "a.glb")
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run.command.running, timeout=10_000)
+    qtbot.waitUntil(lambda: dialog.run.command.is_running, timeout=10_000)
     click(dialog.run.cancel)
-    assert not dialog.run.running
+    assert not dialog.run.is_running
     assert sorted(tmp_path.iterdir()) == before
     assert "nothing was written" in dialog.run.message.text()
 
@@ -129,7 +129,7 @@ def test_animation_dialog_says_at_once_what_cannot_be_written(dialog, answer, tm
     answer(tmp_path / "a.pvd")
     click(dialog.run.start)
     assert "which is a file" in dialog.run.message.text()
-    assert not dialog.run.running
+    assert not dialog.run.is_running
 
 
 def test_animation_dialog_does_not_call_a_film_exported_that_is_not_drawn(

@@ -43,7 +43,7 @@ def studied(qtbot, bar, home):
 
 def test_range_end_preview_shows_an_end_and_leaves_no_trace(qtbot, bar, dialog):
     session = bar.session
-    before, undo = session.store.state, session.gestures.history.next_undo
+    before, undo = session.store.state, session.gestures.history.next_undo_name
     row = dialog.varied.rows["to"]
     assert row.is_checked  # the motion as it stands is offered first
     for field, angle in ((row.low, 8.0), (row.high, 80.0)):
@@ -58,7 +58,7 @@ def test_range_end_preview_shows_an_end_and_leaves_no_trace(qtbot, bar, dialog):
     dialog.start.setFocus()
     qtbot.waitUntil(lambda: not row.high.hasFocus())
     assert session.store.state is before
-    assert session.gestures.history.next_undo == undo
+    assert session.gestures.history.next_undo_name == undo
     assert not len(bar.motion_preview.ghost.patches.vertices)
 
 
@@ -150,7 +150,7 @@ def test_case_study_controller_stops_at_the_next_case_and_goes_on(qtbot, bar, di
     """The command is in its process by night; that it ends and goes on so is tested with the command."""
     panel, command = bar.case_studies.panel, bar.case_studies.run.command
     started, ended, interrupted = [], [], []
-    monkeypatch.setattr(type(command), "running", property(lambda _: len(started) > len(ended)))
+    monkeypatch.setattr(type(command), "is_running", property(lambda _: len(started) > len(ended)))
     monkeypatch.setattr(command, "start", started.append)
     monkeypatch.setattr(command, "interrupt", lambda: interrupted.append(1) or True)
     begin(dialog, home / "stopped")
@@ -179,7 +179,7 @@ def test_case_study_controller_runs_stops_and_continues_a_study(qtbot, bar, dial
     qtbot.waitUntil(lambda: (panel.status.finished_fraction or 0.0) > 0.0, timeout=180_000)
     click(panel.stop)
     assert panel.stop.text() == "Stop now"
-    qtbot.waitUntil(lambda: not cases.run.running, timeout=180_000)
+    qtbot.waitUntil(lambda: not cases.run.is_running, timeout=180_000)
     assert "the finished cases are kept" in panel.message.text()
     qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
     assert not panel.stop.isVisible()
@@ -203,7 +203,7 @@ def test_case_study_controller_asks_about_a_scheduler_that_a_folder_names(bar, s
     cases.open_study(studied)
     cases.panel.continue_requested.emit()
     (studied / RUN_FILE).write_text(options, encoding="utf-8")
-    assert not cases.run.running
+    assert not cases.run.is_running
     assert len(asked) == 1
     assert "tcp://elsewhere:8786" in asked[0]
 
@@ -297,12 +297,12 @@ def test_results_panel_opens_the_case_of_a_clicked_dot_and_adds_curves_by_contro
     assert chart.curves[1].x[-1] == pytest.approx(100.0)
     rings = dict(view.rings)
     assert [rings[2], rings[last]] == [curve.color for curve in chart.curves]
-    results.table.choose([last])
+    results.table.choose_rows([last])
     assert results.curves.view.chart().curves[0].color == rings[last], "a case keeps its colour"
 
 
 def test_results_view_sorts_rows_by_a_click_and_keeps_them_chosen(results):
-    results.table.choose([3])
+    results.table.choose_rows([3])
     head = results.table.horizontalHeader()
     column = next(k for k, each in enumerate(results.model.columns) if each.name == "energy")
     at = QPointF(head.sectionViewportPosition(column) + head.sectionSize(column) / 2, head.height() / 2)
@@ -402,7 +402,7 @@ def test_results_panel_leaves_most_of_the_window_to_the_mesh(bar, results):
 
 def test_ask_before_closing_keeps_the_window_open_over_a_running_study(bar, monkeypatch):
     asked = []
-    monkeypatch.setattr(StudyRun, "running", True)
+    monkeypatch.setattr(StudyRun, "is_running", True)
     monkeypatch.setattr(
         QMessageBox, "question", lambda *said: asked.append(said[2]) or QMessageBox.StandardButton.Cancel
     )

@@ -70,7 +70,7 @@ def show_again(panel):
 
 
 def choose_scattered(panel):
-    panel.table.choose(list(range(0, len(panel.model.rows), 2)))
+    panel.table.choose_rows(list(range(0, len(panel.model.rows), 2)))
     draw(panel)
 
 
@@ -124,7 +124,7 @@ def test_choose_takes_a_row_without_looking_at_the_others(panels, monkeypatch):
     made, view = [], panel.scatter.view
     drawn = scatter_view.draw_chart
     monkeypatch.setattr(scatter_view, "draw_chart", lambda *given: made.append(1) or drawn(*given))
-    panel.table.choose([5])
+    panel.table.choose_rows([5])
     draw(panel)
     assert not made
     assert list(view.rings) == [5]
@@ -133,14 +133,14 @@ def test_choose_takes_a_row_without_looking_at_the_others(panels, monkeypatch):
 def test_results_view_keeps_rows_chosen_where_all_get_other_places(panels):
     panel = panels[FEW]
     chosen = [3, 4, 5, 90, 400]
-    panel.table.choose(chosen)
+    panel.table.choose_rows(chosen)
     heard = []
     panel.table.choice_changed.connect(lambda: heard.append(1))
     for column in range(0, panel.model.columnCount(), 3):
         panel.table.sortByColumn(column, Qt.SortOrder.DescendingOrder)
         assert sorted(panel.table.chosen_rows) == chosen
     assert not heard, "nobody has chosen anything"
-    panel.table.toggle(4)
+    panel.table.toggle_row(4)
     assert sorted(panel.table.chosen_rows) == [3, 5, 90, 400]
     assert heard
 

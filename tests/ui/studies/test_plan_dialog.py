@@ -275,7 +275,7 @@ def test_study_run_refuses_a_study_by_dask_where_that_is_missing(qtbot, bar, dia
     dialog.folder.setText(str(home / "without-dask"))
     ask_scheduler(dialog, listener)
     with qtbot.waitSignal(bar.case_studies.run.ended, timeout=60_000):
-        qtbot.waitUntil(lambda: bar.case_studies.run.running, timeout=6_000)
+        qtbot.waitUntil(lambda: bar.case_studies.run.is_running, timeout=6_000)
     assert "install apd-viewer[cluster]" in bar.case_studies.panel.message.text()
 
 
@@ -289,7 +289,7 @@ def test_study_run_runs_a_study_by_a_scheduler_of_dask(qtbot, bar, dialog, home,
         dialog.steps.setValue(2)
         dialog.folder.setText(str(folder))
         ask_scheduler(dialog, address_in(file))
-        qtbot.waitUntil(lambda: bar.case_studies.run.running, timeout=6_000)
+        qtbot.waitUntil(lambda: bar.case_studies.run.is_running, timeout=6_000)
         qtbot.waitUntil(lambda: finished(bar, 3), timeout=150_000)
     panel = bar.case_studies.panel
     assert "3 of 3 done" in panel.message.text()

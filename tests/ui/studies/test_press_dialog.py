@@ -204,7 +204,7 @@ def test_press_dialog_refuses_at_once_a_wall_that_cannot_be(typed, words, ball):
     ball.show_wall(WallText(typed))
     click(ball.run.start)
     assert words in ball.run.message.text()
-    assert not ball.run.running
+    assert not ball.run.is_running
     assert ball.run.start.isVisible()
 
 
@@ -214,7 +214,7 @@ def test_press_dialog_does_not_press_a_flat_mesh_across(asked):
     dialog.direction.setCurrentIndex(2)
     click(dialog.run.start)
     assert "greater than 0" in dialog.run.message.text()
-    assert not dialog.run.running
+    assert not dialog.run.is_running
 
 
 def test_press_dialog_draws_a_press_and_saves_it_in_the_format_of_the_mesh(
@@ -332,7 +332,7 @@ def test_press_dialog_leaves_nothing_after_cancel(qtbot, ball):
     assert "pressing" in ball.run.message.text()
     click(ball.run.cancel)
     assert not scratch.exists()
-    assert not ball.run.running
+    assert not ball.run.is_running
     assert "nothing was written" in ball.run.message.text()
     assert ball.figure is None
     assert ball.steps.isEnabled()
@@ -340,7 +340,7 @@ def test_press_dialog_leaves_nothing_after_cancel(qtbot, ball):
 
 def test_press_dialog_ends_the_run_when_closed(qtbot, window, ball):
     click(ball.run.start)
-    qtbot.waitUntil(lambda: ball.run.command.running, timeout=10_000)
+    qtbot.waitUntil(lambda: ball.run.command.is_running, timeout=10_000)
     scratch = ball.run.scratch_folder
     qtbot.keyClick(ball, Qt.Key.Key_Escape)
     assert window.runs.dialogs == {}
@@ -370,7 +370,7 @@ def test_press_dialog_refuses_at_once_a_yield_radius_that_cannot_be(typed, stiff
     ball.show_wall(WallText(yield_radius=typed))
     ball.stiffness.setValue(stiffness)
     click(ball.run.start)
-    assert not ball.run.running
+    assert not ball.run.is_running
     assert words in ball.run.message.text()
 
 
@@ -428,7 +428,7 @@ def test_press_dialog_leads_to_the_fields_of_the_wall_and_takes_what_is_chosen_t
 def test_press_dialog_refuses_at_once_a_material_that_cannot_be(typed, words, ball):
     ball.show_wall(WallText(**typed))
     click(ball.run.start)
-    assert not ball.run.running
+    assert not ball.run.is_running
     assert words in ball.run.message.text()
 
 
@@ -436,7 +436,7 @@ def test_press_dialog_needs_newtons_for_air_inside(asked, ball):
     ask, options = asked
     ball.air.click()
     click(ball.run.start)
-    assert not ball.run.running
+    assert not ball.run.is_running
     assert "in newtons" in ball.run.message.text()
     dialog = ask(*sphere(2), unit="cm", wall=PET)
     assert options(dialog).gas is None

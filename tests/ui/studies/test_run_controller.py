@@ -174,12 +174,12 @@ def test_sweep_dialog_sweeps_the_motion_of_obstacles_where_nothing_is_painted(qt
 
 def test_sweep_dialog_leaves_nothing_after_cancel(qtbot, dialog):
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run.command.running, timeout=10_000)
+    qtbot.waitUntil(lambda: dialog.run.command.is_running, timeout=10_000)
     scratch = dialog.run.scratch_folder
     assert scratch.exists()
     click(dialog.run.cancel)
     assert not scratch.exists()
-    assert not dialog.run.running
+    assert not dialog.run.is_running
     assert "nothing was written" in dialog.run.message.text()
     assert dialog.run.save.isHidden()
     assert dialog.run.start.isVisible()
@@ -198,7 +198,7 @@ def test_sweep_dialog_says_at_once_what_cannot_be_swept(change, words, bar, dial
     change(dialog)
     click(dialog.run.start)
     assert words in dialog.run.message.text()
-    assert not dialog.run.running
+    assert not dialog.run.is_running
 
 
 def test_run_controller_sweep_opens_no_dialog_for_what_is_not_painted(qtbot, window):
@@ -214,7 +214,7 @@ def test_run_controller_sweep_opens_no_dialog_for_what_is_not_painted(qtbot, win
 
 def test_sweep_dialog_is_closed_by_esc_and_by_the_window_and_its_work_ends(qtbot, bar, dialog):
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run.command.running, timeout=10_000)
+    qtbot.waitUntil(lambda: dialog.run.command.is_running, timeout=10_000)
     number, scratch = dialog.run.command.process_id, dialog.run.scratch_folder
     qtbot.keyClick(dialog, Qt.Key.Key_Escape)
     assert bar.runs.dialogs == {}

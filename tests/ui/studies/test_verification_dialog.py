@@ -73,10 +73,10 @@ def test_verification_dialog_begins_again_with_an_empty_table(qtbot, ended):
 
 def test_verification_dialog_is_cancelled_while_the_command_runs(qtbot, dialog):
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run.command.running, timeout=60_000)
+    qtbot.waitUntil(lambda: dialog.run.command.is_running, timeout=60_000)
     assert not dialog.copy.isEnabled()
     click(dialog.run.cancel)
-    assert not dialog.run.running
+    assert not dialog.run.is_running
     assert dialog.run.message.text().startswith("Cancelled")
     work_off()
     assert dialog.table.topLevelItemCount() == 0

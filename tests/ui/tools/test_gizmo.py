@@ -17,8 +17,8 @@ from apd_viewer.ui.tools.gizmo_drag import (
     GizmoOrientation,
     begin_drag,
     nice_step,
-    rotated,
-    snapped,
+    rotated_pose,
+    snapped_value,
 )
 
 CENTRE = np.array([0.3, -0.2, 0.1])
@@ -50,17 +50,17 @@ def on_ring(frame, i, turn):
 
 def nearest_turn(frame, i):
     """The point of a ring nearest to the viewer, as an angle."""
-    return np.arctan2(frame.facing[(i + 2) % 3], frame.facing[(i + 1) % 3])
+    return np.arctan2(frame.view_cosines[(i + 2) % 3], frame.view_cosines[(i + 1) % 3])
 
 
 @pytest.mark.parametrize(("height", "scale"), [(600, 1.0), (300, 2 / 3), (100, 0.5)])
 def test_gizmo_shrinks_with_a_small_view_and_is_taken_where_it_is_drawn(height, scale):
     wide = frame_from((0.5, 0.4, 1))
     frame = GizmoFrame(replace(wide.camera, height=height), CENTRE, np.eye(3))
-    assert np.linalg.norm(frame.corner - frame.screen_centre) == pytest.approx(scale * np.hypot(86, 86))
+    assert np.linalg.norm(frame.scale_corner - frame.screen_centre) == pytest.approx(scale * np.hypot(86, 86))
     drawn = np.linalg.norm(frame.ring(2)[0] - frame.screen_centre, axis=1).max()
     assert drawn == pytest.approx(scale * RING_RADIUS, rel=0.1)
-    for name, at in (("y", frame.arrow(1)[2]), ("scale", frame.corner)):
+    for name, at in (("y", frame.arrow(1)[2]), ("scale", frame.scale_corner)):
         assert frame.handle_at(*at) == name
 
 
@@ -99,7 +99,7 @@ def test_turn_lets_a_ring_follow_the_cursor_from_every_side(direction, i, angle)
     frame = frame_from(direction)
     turn = nearest_turn(frame, i)
     drag = dragged(frame, RINGS[i], on_ring(frame, i, turn), on_ring(frame, i, turn + angle))
-    np.testing.assert_allclose(drag.pose, rotated(POSE, CENTRE, frame.axes[i], angle), atol=1e-9)
+    np.testing.assert_allclose(drag.pose, rotated_pose(POSE, CENTRE, frame.axes[i], angle), atol=1e-9)
 
 
 @pytest.mark.parametrize("direction", ALONG_AXES)
@@ -150,7 +150,7 @@ def test_drag_turns_rigidly_about_the_pivot_and_does_not_drift():
 def test_drag_snaps_to_fifteen_degrees_and_to_round_lengths():
     frame = frame_from((0.5, 0.4, 1))
     drag = dragged(frame, "ry", on_ring(frame, 1, 0.2), on_ring(frame, 1, 0.2 + np.deg2rad(50)), snap=True)
-    np.testing.assert_allclose(drag.pose, rotated(POSE, CENTRE, UP, np.deg2rad(45)), atol=1e-12)
+    np.testing.assert_allclose(drag.pose, rotated_pose(POSE, CENTRE, UP, np.deg2rad(45)), atol=1e-12)
     assert drag.text == "+45.0°"
     start, end = frame.camera.project(np.array([CENTRE, CENTRE + 0.337 * np.eye(3)[0]]))
     moved = dragged(frame, "x", start, end, snap=True).pose[0, 3] - POSE[0, 3]
@@ -174,8 +174,8 @@ def test_nice_step_is_a_round_number_near_the_length(length, step):
     assert nice_step(length) == pytest.approx(step)
 
 
-def test_snapped_gives_the_nearest_multiple_of_the_step():
-    assert snapped(0.37, 0.25) == 0.25
+def test_snapped_value_gives_the_nearest_multiple_of_the_step():
+    assert snapped_value(0.37, 0.25) == 0.25
 
 
 def test_offset_in_plane_moves_nothing_for_a_cursor_past_the_horizon_of_the_plane():

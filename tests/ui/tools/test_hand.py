@@ -55,12 +55,12 @@ def test_motion_field_twist_is_the_same_as_the_ring_dragged_and_the_matrix(qtbot
 
     typed(qtbot, bottle, "TWIST", "60deg")
     by_typing = pose(bottle)
-    assert bottle.session.gestures.history.next_undo == "Twist +60° (Handle 1)"
+    assert bottle.session.gestures.history.next_undo_name == "Twist +60° (Handle 1)"
     qtbot.waitUntil(arrives, timeout=20_000)
     bottle.session.gestures.undo()
     assert not arrives()
     frame = bottle.canvas.gizmo.frame
-    near = np.arctan2(*frame.facing[[0, 2]])
+    near = np.arctan2(*frame.view_cosines[[0, 2]])
     at = [on_ring(bottle, 1, near + a) for a in np.linspace(-1.2, 0.2, 60)]
     begin = next(k for k, p in enumerate(at) if frame.handle_at(p.x(), p.y()) == "ry")
     start = near - 1.2 + 1.4 * begin / 59
@@ -171,7 +171,7 @@ def test_gizmo_is_dragged_by_the_painted_patch_in_the_plane_of_the_picture(qtbot
         - view.camera_controller.camera.project(document.centre(0)[None])[0]
     )
     np.testing.assert_allclose(went, [40, -25], atol=1e-6)
-    title = bottle.session.gestures.history.next_undo
+    title = bottle.session.gestures.history.next_undo_name
     assert re.fullmatch(r"Move [\d.]+ \(Handle 1\)", title), title
 
 
@@ -189,7 +189,7 @@ def test_canvas_lets_a_press_beside_the_patch_move_the_camera(bottle, mouse):
 def test_gizmo_scales_about_the_center_by_its_corner(bottle, mouse):
     gizmo = bottle.canvas.gizmo
     frame = gizmo.frame
-    corner, middle = frame.corner, frame.screen_centre
+    corner, middle = frame.scale_corner, frame.screen_centre
     mouse(bottle.canvas.viewport).drag(QPointF(*corner), QPointF(*(middle + 1.5 * (corner - middle))))
     np.testing.assert_allclose(pose(bottle)[:3, :3], 1.5 * np.eye(3), rtol=0.02)
     np.testing.assert_allclose(gizmo.frame.centre, frame.centre, atol=1e-9)
@@ -274,7 +274,7 @@ def test_pick_pivot_makes_rings_turn_about_the_point_and_is_a_step_of_undo(bottl
     hand.drag(QPointF(*at), QPointF(*at))
     assert view.camera_controller.camera.key == eye.key
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point, atol=1e-9)
-    assert session.gestures.history.next_undo == "Move pivot"
+    assert session.gestures.history.next_undo_name == "Move pivot"
     session.handles.move_by(MOTIONS["TURN_Z"], "30deg", 0)
     np.testing.assert_allclose(transform(pose(bottle), point[None])[0], point, atol=1e-9)
     session.handles.move_by(MOTIONS["MOVE_X"], "1", 0)
@@ -327,7 +327,7 @@ def test_gizmo_remembers_a_ring_dragged_round_more_than_once_as_one_step(qtbot, 
     bottle.session.settings.set_contact(False)
     at_rest = bottle.session.store.state
     frame = bottle.canvas.gizmo.frame
-    near = np.arctan2(*frame.facing[[0, 2]])
+    near = np.arctan2(*frame.view_cosines[[0, 2]])
     at = [on_ring(bottle, 1, near + a) for a in np.linspace(-1.2, 0.2, 60)]
     begin = next(k for k, p in enumerate(at) if frame.handle_at(p.x(), p.y()) == "ry")
     start = near - 1.2 + 1.4 * begin / 59

@@ -53,7 +53,7 @@ def test_region_section_gets_a_region_by_the_first_stroke_and_alt_erases_it(qtbo
     bottle.actions_.undo.trigger()
     bottle.actions_.undo.trigger()
     assert document(bottle).regions == ()
-    assert bottle.session.gestures.history.next_undo is None
+    assert bottle.session.gestures.history.next_undo_name is None
 
 
 def test_region_section_lets_two_regions_be_painted_each_in_turn(qtbot, bottle):
@@ -130,7 +130,7 @@ def test_named_row_lets_its_name_be_edited_in_place(qtbot, bottle):
     qtbot.keyClick(row.name, Qt.Key.Key_Escape)
     assert document(bottle).regions[0].name == "Label"
     assert row.name.text() == "Label"
-    assert bottle.session.gestures.history.next_undo == "Rename"
+    assert bottle.session.gestures.history.next_undo_name == "Rename"
     bottle.actions_.undo.trigger()
     assert row.name.text() == "Region 1"
 
@@ -146,7 +146,7 @@ def test_gizmo_gives_each_of_two_handles_its_pose(qtbot, two):
     first, second = (handle.pose for handle in document(two).handles)
     assert np.array_equal(first, np.eye(4))
     assert second[0, 3] > 0
-    grip = document(two).grip
+    grip = document(two).initial_positions
 
     def there():
         U = two.session.store.state.frame.U

@@ -225,7 +225,7 @@ def test_outline_tool_ends_a_polygon_by_double_click_first_corner_or_return(qtbo
     scene.assert_nothing_is_previewed()
     before = scene.state.document.labels
     np.testing.assert_array_equal(scene.document.labels, np.where(gesture.chosen, HANDLE, before))
-    assert scene.window.session.gestures.history.next_undo == Tool.HANDLE.traits.title
+    assert scene.window.session.gestures.history.next_undo_name == Tool.HANDLE.traits.title
 
 
 @pytest.mark.parametrize("modifiers", [NONE, CONTROL])

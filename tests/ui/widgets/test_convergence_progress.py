@@ -21,13 +21,13 @@ class Solving:
         self.compiles = False
         self.progress = ConvergenceProgress(lambda: self.now, lambda: self.compiles)
         self.frame = replace(self.rest, iteration=900)
-        self.progress.follow(self.frame, solving=True)
+        self.progress.set_frame(self.frame, solving=True)
 
     def go_on(self, frames, first=1, gap=1e6):
         for k in range(first, first + frames):
             self.now += 0.2
             self.frame = replace(self.rest, iteration=k, gap=gap * 0.9**k)
-            self.progress.follow(self.frame, solving=True)
+            self.progress.set_frame(self.frame, solving=True)
 
 
 @pytest.fixture
@@ -51,9 +51,9 @@ def test_convergence_progress_comes_after_a_while_and_goes_at_the_end(solving):
     solving.go_on(30, first=39)
     assert progress.bar.value() > done > 0
     solving.now += 30.0
-    progress.follow(replace(solving.frame, iteration=100, gap=0.0), solving=True)
+    progress.set_frame(replace(solving.frame, iteration=100, gap=0.0), solving=True)
     assert progress.time_left.text() == "looking for a lower energy…"
-    progress.follow(solving.frame, solving=False)
+    progress.set_frame(solving.frame, solving=False)
     assert not progress.isVisible()
 
 
@@ -79,7 +79,7 @@ def test_convergence_progress_begins_anew_for_another_motion(solving):
 def test_convergence_progress_has_no_number_while_it_is_not_known(solving):
     solving.go_on(20, gap=1e6)
     solving.now += 50.0
-    solving.progress.follow(replace(solving.frame, iteration=21, gap=None), solving=True)
+    solving.progress.set_frame(replace(solving.frame, iteration=21, gap=None), solving=True)
     assert solving.progress.time_left.text().endswith("…")
 
 

@@ -5,7 +5,7 @@ from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 from study_driving import click
 
-from apd_viewer.ui.widgets.side_by_side import Pane, SideBySide
+from apd_viewer.ui.widgets.pane_splitter import Pane, PaneSplitter
 
 
 @pytest.fixture
@@ -13,7 +13,7 @@ def parts(qtbot):
     window = QWidget()
     qtbot.addWidget(window)
     column = QVBoxLayout(window)
-    found = SideBySide([Pane(name, QWidget(), 1) for name in ("One", "Two", "Three")])
+    found = PaneSplitter([Pane(name, QWidget(), 1) for name in ("One", "Two", "Three")])
     column.addWidget(found.tabs)
     column.addWidget(found, 1)
     window.show()

@@ -20,7 +20,7 @@ class Pane(NamedTuple):
     stretch: int
 
 
-class SideBySide(QSplitter):
+class PaneSplitter(QSplitter):
     """Panes in a row, in a column, or one at a time on tabs.
 
     Attributes

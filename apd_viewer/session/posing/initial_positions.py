@@ -1,4 +1,4 @@
-"""Regripping of handles at the displayed shape."""
+"""Handle motions that start from the displayed shape."""
 
 import itertools
 from dataclasses import replace
@@ -17,15 +17,15 @@ from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle
 from apd_viewer.session.model.state import State
 
 
-def regripped_document(before: Document, document: Document, frame: Frame) -> Document:
-    """Document with base and handles gripped at the shape of a frame.
+def document_with_restarted_motions(before: Document, document: Document, frame: Frame) -> Document:
+    """Document with the shape of a frame as its initial positions.
 
     A handle keeps its motion from rest as long as it keeps one of its earlier vertices.
 
     Parameters
     ----------
     before : Document
-        Before it was painted otherwise.
+        Document before its paint was changed.
     """
     numbers = {handle.name: k for k, handle in enumerate(before.handles)}
     handles = []
@@ -35,12 +35,12 @@ def regripped_document(before: Document, document: Document, frame: Frame) -> Do
         if j is not None:
             kept = np.flatnonzero((before.labels == HANDLE + j) & (document.labels == label))
         if j is None or not len(kept):
-            handles.append(replace(handle.regripped(), earlier_poses=(), former_twist_axis=None))
+            handles.append(replace(handle.with_restarted_motion(), earlier_poses=(), former_twist_axis=None))
             continue
-        there = reached_handle(before, j, frame, kept).regripped()
+        there = reached_handle(before, j, frame, kept).with_restarted_motion()
         pivot = None if handle.pivot is None else there.pivot
-        line = (
-            _line(before, j)
+        axis = (
+            _base_to_handle(before, j)
             if there.former_twist_axis is None and there.earlier_poses
             else there.former_twist_axis
         )
@@ -49,13 +49,13 @@ def regripped_document(before: Document, document: Document, frame: Frame) -> Do
                 handle.with_pose(IDENTITY),
                 earlier_poses=there.earlier_poses,
                 pivot=pivot,
-                former_twist_axis=line,
+                former_twist_axis=axis,
             )
         )
-    return replace(document, grip=frame.U, handles=tuple(handles))
+    return replace(document, initial_positions=frame.U, handles=tuple(handles))
 
 
-def _line(document: Document, k: int) -> np.ndarray | None:
+def _base_to_handle(document: Document, k: int) -> np.ndarray | None:
     """Vector from the base to handle ``k``, (3,); None without a base."""
     centre, base = document.centre(k), document.base_centre
     if centre is None or base is None:
@@ -73,22 +73,22 @@ def reached_handle(document: Document, k: int, frame: Frame, ids: np.ndarray | N
     """
     handle = document.handles[k]
     ids = np.flatnonzero(document.labels == HANDLE + k) if ids is None else ids
-    X, Y = document.grip[ids], frame.U[ids]
+    X, Y = document.initial_positions[ids], frame.U[ids]
     away = np.abs(transform(handle.pose, X) - Y).max(initial=0.0)
     if away <= memo.in_place_tolerance(document.mesh.V, document.mesh.weld):
         return handle
     pose = fitted_motion(X, Y)
-    ways = [handle.waypoints[:count] for count in range(len(handle.waypoints) + 1)]
+    paths = [handle.waypoints[:count] for count in range(len(handle.waypoints) + 1)]
     # A pose does not include full turns; the fraction of the path determines them.
     wanted = frame.share_reached * handle.rotation
-    nearest = min(ways, key=lambda way: float(np.linalg.norm(rotation_vector(way, pose) - wanted)))
+    nearest = min(paths, key=lambda path: float(np.linalg.norm(rotation_vector(path, pose) - wanted)))
     return handle.with_pose(pose, nearest)
 
 
 def gesture_motion(before: State, document: Document) -> Document | None:
     """Document with the motion of a gesture alone; None if there is none.
 
-    Its base and handles are gripped at the shape before the gesture.
+    Its initial positions are the shape before the gesture.
 
     Parameters
     ----------
@@ -104,7 +104,11 @@ def gesture_motion(before: State, document: Document) -> Document | None:
         Also None if obstacles have been moved, since these always follow their whole path.
     """
     start = before.document
-    same = document.mesh is start.mesh and document.grip is start.grip and have_same_paint(start, document)
+    same = (
+        document.mesh is start.mesh
+        and document.initial_positions is start.initial_positions
+        and have_same_paint(start, document)
+    )
     if not same or len(document.handles) != len(start.handles):
         return None
     if any(each.shift.any() for each in document.obstacles):
@@ -112,7 +116,7 @@ def gesture_motion(before: State, document: Document) -> Document | None:
     pairs = list(zip(start.handles, document.handles, strict=True))
     if not any(has_moved(*pair) for pair in pairs):
         return None
-    motion = replace(document, grip=before.frame.U)
+    motion = replace(document, initial_positions=before.frame.U)
     for k, pair in enumerate(pairs):
         motion = motion.with_handle(k, _remaining_motion(*pair))
     return motion
@@ -124,18 +128,18 @@ def has_moved(before: Handle, after: Handle) -> bool:
 
 
 def _remaining_motion(before: Handle, after: Handle) -> Handle:
-    """Handle gripped at its previous pose, with the path from there to its new pose.
+    """Handle starting at its previous pose, with the path from there to its new one.
 
     The path first returns to the last common waypoint, which removes the waypoints retraced.
     """
-    gripped = replace(before.regripped(), earlier_poses=(), former_twist_axis=None)
+    moved = replace(before.with_restarted_motion(), earlier_poses=(), former_twist_axis=None)
     if not has_moved(before, after):
-        return gripped
+        return moved
     shared, origin = _common_count(before, after), np.linalg.inv(before.pose)
     parting = before.waypoints[shared - 1] if shared else IDENTITY
     for pose in (*reversed(before.waypoints[shared:]), parting, *after.waypoints[shared:], after.pose):
-        gripped = gripped.moved_to(pose @ origin)
-    return gripped
+        moved = moved.moved_to(pose @ origin)
+    return moved
 
 
 def _common_count(before: Handle, after: Handle) -> int:
