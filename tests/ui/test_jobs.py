@@ -19,6 +19,7 @@ of the gizmo.
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 import meshes
 import numpy as np
@@ -264,6 +265,9 @@ def test_workbench_folds_a_cloth_and_paints_it_across_in_twelve_inputs(coarse_cl
     assert window.canvas.tool is Tool.MOVE
     np.testing.assert_allclose(window.canvas.gizmo.frame.centre, [0.0, 2.0, 0.0])
     assert not len(crossings(once, document(window).mesh.F))
+    typed = [text.removeprefix("type ") for text in cloth.inputs if text.startswith("type ")]
+    page = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
+    assert [text for text in typed if f"`{text}`" not in page] == [], "the tutorial has the same"
 
 
 @pytest.mark.night
