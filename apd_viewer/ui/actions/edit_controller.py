@@ -181,8 +181,9 @@ class EditController:
             )
 
     def open_pivot_entry(self) -> None:
-        """Open a card to enter the coordinates of the pivot."""
+        """Open a card to enter the coordinates of the pivot, with the gizmo in the hand."""
         if self._is_open:
+            self._take(Tool.MOVE)
             self.text_entries.open_entry(self.text_entries.pivot)
 
     def centre_pivot(self) -> None:

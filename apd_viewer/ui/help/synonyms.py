@@ -4,6 +4,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.posing.motion import MOTION_KINDS
 
 _PRESSING = tr("shape crush squeeze flatten compress top load side load force compression")
+_DENTING = tr("dent poke finger thumb push")
 _MOTIONS = [kind.title for kind in MOTION_KINDS.values()]
 # Keys: names of actions and settings, searchable also by title and tooltip.
 SYNONYMS = {
@@ -28,14 +29,14 @@ SYNONYMS = {
     "take:HANDLE": tr("grip grab select"),
     "take:REGION": tr("label area part select"),
     "take:ERASE": tr("rubber unpaint remove paint"),
-    "take:MOVE": tr("shape drag pull twist rotate turn bend gizmo transform"),
+    "take:MOVE": tr("shape drag pull twist rotate turn bend fold gizmo transform"),
     "take:MEASURE": tr("ruler length distance"),
     "through": tr("behind back side both sides"),
     "larger": tr("bigger grow radius"),
     "smaller": tr("shrink radius"),
     "type_brush": tr("radius bigger smaller"),
     "choose_by_numbers": tr("condition coordinates index"),
-    "type_motion": " ".join([tr("shape rotate smaller larger bigger size angle number"), *_MOTIONS]),
+    "type_motion": " ".join([tr("shape rotate fold smaller larger bigger size angle number"), *_MOTIONS]),
     "put_back": tr("undo original rest"),
     "symmetric": tr("mirror both sides"),
     "keep_pose": tr("save remember bookmark"),
@@ -59,6 +60,10 @@ SYNONYMS = {
     "ground": tr("scale ruler floor"),
     "shadow": tr("floor light"),
     "turntable": tr("spin rotate"),
+    "volumes": tr("capacity brimful content compaction"),
+    "open_sample:cloth": tr("fold fabric textile"),
+    "add_obstacle:SPHERE": _DENTING,
+    "add_obstacle:CYLINDER": _DENTING,
     "add_floor": tr("ground table"),
     "panel:plots": tr("chart graph curve"),
     "scheme:Dark": tr("night theme appearance"),

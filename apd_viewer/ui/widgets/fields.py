@@ -199,6 +199,8 @@ class NumberField(QtWidgets.QDoubleSpinBox):
         super().focusInEvent(event)
         if event.reason() in (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason):
             self.selectAll()
+        elif event.reason() == Qt.FocusReason.MouseFocusReason:
+            QTimer.singleShot(0, self, self.selectAll)  # after the press, which places the cursor
 
     def focusOutEvent(self, event: QtGui.QFocusEvent) -> None:
         """Restore the number, and show why an entry was invalid."""

@@ -4,8 +4,10 @@ import pytest
 from driving import LEFT
 from PySide6.QtCore import Qt
 
+from apd_viewer.language import CATALOGUE_FOLDER, catalogue
 from apd_viewer.ui.help import manual
 from apd_viewer.ui.help.searchable import SearchQuery, SearchTexts, match_score
+from apd_viewer.ui.help.synonyms import CONTROL_SYNONYMS, SYNONYMS
 
 CTRL = Qt.KeyboardModifier.ControlModifier
 # Wishes, and a title that is among the first three.
@@ -34,6 +36,35 @@ WISHES = {
     "bottle": "Open sample: PET bottle",
 }
 
+# Words of the trade, and where the program does what they name.
+TRADE = {
+    "top load": "Press",
+    "side load": "Press",
+    "squeeze": "Press",
+    "crush": "Press",
+    "vacuum": "Volume target",
+    "panelling": "Volume target",
+    "fill level": "Volume target",
+    "brimful": "Volume target",
+    "dent": "Obstacles: Add sphere",
+    "fold": "Move handle",
+}
+# The same in other languages, and the command or control whose synonyms have them.
+ABROAD = {
+    "de": {
+        "Topload Kopflast Seitenlast quetschen zerdrücken stauchen": "press",
+        "Vakuum Unterdruck Paneling Füllstand Füllhöhe randvoll": "Volume target",
+        "Delle eindellen": "add_obstacle:SPHERE",
+        "falten": "take:MOVE",
+    },
+    "zh_CN": {
+        "顶压 顶部载荷 侧压 侧向载荷 挤压 压扁": "press",
+        "真空 瘪陷 液位 灌装量 满口容量": "Volume target",
+        "凹痕 凹陷": "add_obstacle:SPHERE",
+        "折叠 对折": "take:MOVE",
+    },
+}
+
 
 @pytest.fixture
 def search(qtbot, bottle):
@@ -59,6 +90,28 @@ def test_command_search_finds_wishes_under_their_words_and_others(search):
     assert missed == {}
     assert found(search, "xqzw") == ["Search the manual for “xqzw”"]
     assert found(search, " ") == []
+
+
+@pytest.mark.parametrize("word", TRADE)
+def test_command_search_finds_by_a_word_of_the_trade(qtbot, search, word):
+    qtbot.keyClicks(search.search, word)
+    titles = [search.list.topLevelItem(k).text(0) for k in range(search.list.topLevelItemCount())]
+    assert TRADE[word] in titles[:3]
+
+
+@pytest.mark.parametrize(
+    ("language", "word", "name"),
+    [
+        (language, word, name)
+        for language, words in ABROAD.items()
+        for each, name in words.items()
+        for word in each.split()
+    ],
+)
+def test_synonyms_have_the_words_of_the_trade_in_other_languages(language, word, name):
+    _, texts = catalogue(CATALOGUE_FOLDER, [language])
+    found = texts.gettext((SYNONYMS | CONTROL_SYNONYMS)[name])
+    assert match_score(SearchQuery.from_text(word), SearchTexts("", "", found)) > 0.0
 
 
 def test_command_search_runs_the_marked_command_by_enter(qtbot, bottle, search):

@@ -55,7 +55,9 @@ def test_text_entries_refuses_a_brush_of_no_size_in_a_sentence(qtbot, bottle, te
 def test_type_pivot_shows_the_point_while_it_is_typed_and_is_a_step_of_undo(qtbot, bottle):
     session, typed = bottle.session, bottle.edits.text_entries.pivot
     before = session.store.state
+    bottle.tools.choose_tool(Tool.BASE)
     bottle.actions_.pose.pivots[1].trigger()
+    assert bottle.canvas.tool is Tool.MOVE, "the gizmo shows the pivot"
     QTest.keyClicks(typed.text, "1, 0.5Y, -2")
     point = np.array([1.0, 0.5 * session.store.state.inspection.size[1], -2.0])
     np.testing.assert_allclose(bottle.canvas.picker.marked_points, point[None])

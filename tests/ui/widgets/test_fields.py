@@ -1,9 +1,11 @@
 """Fields for one number: what is typed into them, and what Enter makes of what they show."""
 
 import pytest
+from driving import work_off
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLineEdit, QWidget
 
+from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField, percent_field
 
 
@@ -38,6 +40,24 @@ def test_number_field_keeps_a_text_for_correction_that_is_no_number_in_its_range
     assert field.lineEdit().text().startswith(text)
     qtbot.keyClick(field, Qt.Key.Key_Escape)
     assert field.text() == "3000\u00a0mm"
+
+
+def test_number_field_is_typed_over_after_a_click_into_it(qtbot):
+    window, field, other = QWidget(), NumberField(maximum=1e9, value=3000.0, decimals=0), QLineEdit()
+    column_layout(other, field, parent=window)
+    qtbot.addWidget(window)
+    window.show()
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+    other.setFocus()
+    qtbot.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: field.lineEdit().selectedText() == "3000")
+    qtbot.keyClicks(field, "12")
+    qtbot.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
+    work_off()
+    assert field.lineEdit().selectedText() == "", "the next click places the cursor"
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+    assert field.value() == 12.0
 
 
 REFUSED = {
