@@ -190,8 +190,17 @@ def test_workbench_keeps_the_area_of_a_region_in_five_inputs(qtbot, bottle):
     assert area_percent(bottle) == "100.000 %"
 
 
-def test_workbench_writes_a_report_in_three_inputs(qtbot, monkeypatch, opened, tmp_path):
-    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_DontUseNativeDialogs)
+@pytest.fixture
+def own_dialogs(qapp):
+    """Files are asked for by the dialogs of Qt, which a test can type into, on every system."""
+    attribute = Qt.ApplicationAttribute.AA_DontUseNativeDialogs
+    before = qapp.testAttribute(attribute)
+    qapp.setAttribute(attribute)
+    yield
+    qapp.setAttribute(attribute, before)
+
+
+def test_workbench_writes_a_report_in_three_inputs(qtbot, own_dialogs, opened, tmp_path):
     V, F = box(2, 2, 5)
     labels = np.full(len(V), FREE)
     labels[ends(V)[0]], labels[ends(V)[1]] = BASE, HANDLE
