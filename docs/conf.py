@@ -21,6 +21,7 @@ extensions = [
     "generated_pages",
     "mathml",
     "picture_sizes",
+    "film_player",
 ]
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["_extensions", "pictures", "gallery"]

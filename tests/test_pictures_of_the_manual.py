@@ -5,14 +5,20 @@ and names is there, but what a full run draws is not looked at. By day a few of 
 """
 
 import re
+import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
+from film import film
+from film_files import Part, reel, write_gif, write_webm
+from film_recorder import RATE
 from gallery_page import gallery_page
-from make_pictures import HERE, SCRIPTS, drawer, names
+from make_pictures import FILM, HERE, SCRIPTS, drawer, files, names
 from picture_files import Film, film_of_gif, still, write_picture
-from PIL import Image
+from PIL import Image, ImageSequence
+from PySide6.QtCore import QSize
+from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QApplication
 from stage import Stage
 
@@ -37,8 +43,9 @@ def shown(texts):
 
 
 def made():
-    """Paths of the pictures that scripts make."""
-    return {HERE / f"{name}.webp" for name in names()}
+    """Paths of the pictures that scripts make, among them those of the film."""
+    found = {path for name in [*names(), FILM] for path in files(name)}
+    return {path for path in found if path.suffix != ".webm"}
 
 
 def test_pictures_of_the_manual_are_made_by_scripts_each_of_which_makes_one_that_is_shown():
@@ -63,13 +70,33 @@ def test_pictures_of_the_manual_all_say_what_they_show():
 
 
 def test_pictures_of_the_manual_are_sharp_and_small():
-    sizes = {path.name: path.stat().st_size for path in made()}
+    stills = [path for path in made() if path.suffix == ".webp"]
+    sizes = {path.name: path.stat().st_size for path in stills}
     assert sum(sizes.values()) < MOST
     assert max(sizes.values()) < 600_000
-    for path in made():
+    for path in stills:
         with Image.open(path) as image:
             assert image.format == "WEBP"
             assert image.width >= 500
+
+
+def seconds_of(webm):
+    """Length of a film by the head of its file: seconds, in a time scale of milliseconds."""
+    head = webm.read_bytes()[:2000]
+    assert b"\x2a\xd7\xb1\x83\x0f\x42\x40" in head, "another time scale"
+    return struct.unpack(">d", head.partition(b"\x44\x89\x88")[2][:8])[0] / 1000
+
+
+def test_pictures_of_the_manual_have_a_film_of_a_minute_at_most():
+    webm, gif = (HERE / f"{FILM}.{ending}" for ending in ("webm", "gif"))
+    assert webm.stat().st_size <= 4_000_000
+    assert 40 <= seconds_of(webm) <= 60
+    assert gif.stat().st_size <= 2_000_000
+    with Image.open(gif) as image:
+        durations = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
+        assert image.width >= 600
+        assert image.info["loop"] == 0
+    assert sum(durations) == pytest.approx(8000, abs=200)
 
 
 @pytest.fixture
@@ -106,6 +133,23 @@ def test_pictures_of_the_manual_have_scripts_that_run(name, staged):
 
 
 @pytest.mark.night
+def test_pictures_of_the_manual_have_a_film_whose_scenes_run(staged):
+    stage, taken = staged(), []
+    recorder, poster = film(stage, lambda *picture: taken.append(picture))
+    assert sum(count for _, count in taken) == recorder.count
+    assert 40 * RATE <= recorder.count <= 60 * RATE
+    assert {picture.size().toTuple() for picture, _ in taken} == {poster.size().toTuple()}
+    assert all(side % 2 == 0 for side in poster.size().toTuple())
+    assert min(count for _, count in taken) > 0
+    spoken = [line.words for line in recorder.lines[1:]]
+    assert len(set(spoken)) == len(spoken) > 6
+    assert set(recorder.chapters) == {"twist", "press"}
+    assert (stage.folder / "bottle-pressed.glb").stat().st_size > 1000
+    assert len(stage.window.session.player.timeline.steps) == 3
+    assert stage.window.shell.rect().contains(recorder.pointer.toPoint())
+
+
+@pytest.mark.night
 @pytest.mark.parametrize("name", ["move_gizmo", "targets_fields", "choose_lasso"])
 def test_pictures_of_the_manual_made_twice_are_the_same(name, staged):
     """Pixel for pixel, with the same drawing of OpenGL."""
@@ -122,3 +166,24 @@ def test_pictures_of_the_manual_write_a_film_with_its_pace(tmp_path):
     with Image.open(tmp_path / "a.webp") as image:
         assert (image.n_frames, image.size) == (3, (20, 15))
     assert isinstance(film, Film)
+
+
+@pytest.mark.extra
+def test_pictures_of_the_manual_in_a_row_become_a_webm_and_a_gif_of_parts(tmp_path):
+    """A second each of three shades; the GIF leaves out the second, and shows the third twice as long."""
+    with reel(tmp_path / "film.mkv") as taken:
+        for shade in (20, 120, 220):
+            picture = QImage(QSize(640, 480), QImage.Format.Format_RGB32)
+            picture.fill(QColor(shade, shade, shade))
+            taken.take(picture, 15)
+    write_webm(taken.path, tmp_path / "film.webm")
+    assert seconds_of(tmp_path / "film.webm") == pytest.approx(3.0, abs=0.1)
+    write_gif(taken.path, tmp_path / "film.gif", [Part(0, 15, 1.0), Part(30, 45, 2.0)])
+    with Image.open(tmp_path / "film.gif") as image:
+        frames = [
+            (np.asarray(frame.convert("L")).mean(), frame.info["duration"])
+            for frame in ImageSequence.Iterator(image)
+        ]
+    assert sum(duration for _, duration in frames) == pytest.approx(3000, abs=150)
+    assert sum(duration for shade, duration in frames if shade > 200) == pytest.approx(2000, abs=150)
+    assert not [shade for shade, _ in frames if 60 < shade < 180]

@@ -202,14 +202,14 @@ class DrivenWindow:
         buttons = LEFT if pressed else Qt.MouseButton.NoButton
         self._send(QEvent.Type.MouseMove, to, Qt.MouseButton.NoButton, buttons, NONE, widget)
 
-    def press(self, at: Point, modifiers: Qt.KeyboardModifier = NONE) -> None:
-        """Press the left button in the view."""
-        self.move(at)
-        self._send(QEvent.Type.MouseButtonPress, at, LEFT, LEFT, modifiers)
+    def press(self, at: Point, modifiers: Qt.KeyboardModifier = NONE, widget: QWidget | None = None) -> None:
+        """Press the left button over a widget, the view by itself."""
+        self.move(at, widget)
+        self._send(QEvent.Type.MouseButtonPress, at, LEFT, LEFT, modifiers, widget)
 
-    def release(self, at: Point) -> None:
-        """Release the left button in the view."""
-        self._send(QEvent.Type.MouseButtonRelease, at, LEFT, Qt.MouseButton.NoButton, NONE)
+    def release(self, at: Point, widget: QWidget | None = None) -> None:
+        """Release the left button over a widget, the view by itself."""
+        self._send(QEvent.Type.MouseButtonRelease, at, LEFT, Qt.MouseButton.NoButton, NONE, widget)
 
     def click(self, at: Point) -> None:
         """Click in the view."""

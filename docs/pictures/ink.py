@@ -167,6 +167,17 @@ def draw_number(painter: QPainter, number: int, at: QPointF) -> None:
     painter.drawText(QRectF(at.x() - 13, at.y() - 13, 26, 26), Qt.AlignmentFlag.AlignCenter, str(number))
 
 
+def draw_play_sign(painter: QPainter, at: QPointF) -> None:
+    """A disc with a triangle: a film begins here."""
+    disc = QColor(INK)
+    disc.setAlphaF(0.72)
+    painter.setPen(QPen(PAPER, 3.0))
+    painter.setBrush(disc)
+    painter.drawEllipse(at, 40.0, 40.0)
+    painter.setBrush(PAPER)
+    painter.drawPolygon(QPolygonF([at + QPointF(*corner) for corner in ((-12, -18), (-12, 18), (19, 0))]))
+
+
 def carded(image: QImage, margin: float = 12.0) -> QImage:
     """A drawing on a light card with round corners, which is legible on dark pages too."""
     scale = image.devicePixelRatio()

@@ -2,8 +2,10 @@
 
     python docs/pictures/make_pictures.py            # all of them; some take a minute
     python docs/pictures/make_pictures.py tutorial_ring gallery_twist
+    python docs/pictures/make_pictures.py film       # made only where it is named; needs imageio-ffmpeg
 
 It needs Xvfb, and no display. ``scripts/NAME.py`` makes ``NAME.webp`` by a function ``draw(stage)``.
+``film.py`` makes the film, ``film.webm``, the picture that stands for it, and a part of it as GIF.
 """
 
 from __future__ import annotations
@@ -21,16 +23,24 @@ from typing import Any
 
 HERE = Path(__file__).resolve().parent
 SCRIPTS = HERE / "scripts"
+FILM = "film"
 SHARED = "APD_PICTURES_SHARED"  # names a folder that the scripts of one run share
 SCALE = 2  # pixels of a picture for one of the window
 _SCREEN = "3200x2400x24"
 
 
 def names() -> list[str]:
-    """Names of all pictures, which are those of their scripts."""
+    """Names of all pictures, which are those of their scripts; the film is none of them."""
     from gallery_pictures import gallery_names
 
     return sorted(path.stem for path in SCRIPTS.glob("*.py")) + gallery_names()
+
+
+def files(name: str, folder: Path = HERE) -> list[Path]:
+    """Paths of the files of a picture, or of the film."""
+    return [
+        folder / f"{name}{ending}" for ending in ([".webp", ".webm", ".gif"] if name == FILM else [".webp"])
+    ]
 
 
 def drawer(name: str) -> Callable[[Any], Any]:
@@ -55,8 +65,12 @@ def make_one(name: str, folder: Path) -> None:
 
     with tempfile.TemporaryDirectory(prefix="apd-pictures-") as scratch:
         stage = Stage(Path(scratch))
-        drawn = drawer(name)(stage)
-        write_picture(drawn, folder / f"{name}.webp")
+        if name == FILM:
+            from film import write_film
+
+            write_film(stage, folder)
+        else:
+            write_picture(drawer(name)(stage), folder / f"{name}.webp")
         sys.stdout.flush()
         stage.close()
     os._exit(0)  # threads of the window may still be about to end
@@ -111,11 +125,11 @@ def _made(name: str, place: str, own: dict[str, str], folder: Path) -> bool:
     print(f"[{place}] {name:<28}", end="", flush=True)
     command = [sys.executable, str(HERE / "make_pictures.py"), "--one", name, str(folder)]
     done = subprocess.run(command, env=own, check=False)
-    path = folder / f"{name}.webp"
     if done.returncode:
         print(" failed")
         return False
-    print(f"{path.stat().st_size / 1000:6.0f} kB  {time.monotonic() - began:4.0f} s")
+    size = sum(path.stat().st_size for path in files(name, folder))
+    print(f"{size / 1000:6.0f} kB  {time.monotonic() - began:4.0f} s")
     return True
 
 

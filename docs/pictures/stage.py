@@ -18,7 +18,7 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.ui.scene.scene_picture import scene_picture
 from apd_viewer.ui.widgets.folding_section import reveal_widget
 
-_TIME = re.compile(r", [\d.,]+ \S+ per iteration")
+_TIME = re.compile(r", [\d.,]+ \S+ per iteration|, (?:about \d+ \S+|more than an hour) left")
 
 
 class Stage(DrivenWindow):
