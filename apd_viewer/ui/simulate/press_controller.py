@@ -127,7 +127,7 @@ class PressController(QObject):
         dock.setWidget(panel)
         panel.load_view.chart = self.charts.load_chart
         panel.volume_view.chart = self.charts.volume_chart
-        self.step_charts = StepCharts(lambda: self._shown_number)
+        self.step_charts = StepCharts()
         panel.size_view.chart = self.step_charts.size_chart
         panel.effort_view.chart = self.step_charts.effort_chart
         self._replay = TimelineReplay(self, session, panel.loop.isChecked)
@@ -303,6 +303,7 @@ class PressController(QObject):
             texts = step_readings.step_reading_texts(state, self._session.store.unit)
             self._show_texts(texts, *step_readings.step_verdict(state))
         self.charts.timeline = self.step_charts.timeline = self._timeline
+        self.step_charts.shown_number = shown
         self.step_charts.ahead = player.count - player.done if player.is_playing else 0
         is_running, may_begin = self._session.wall_run.is_running, self._wall_run_controller.may_begin
         names = self.charts.names if any(step.wall_result is not None for step in steps) else ()

@@ -1,6 +1,6 @@
 """Charts of a timeline: loads and volume of a press, or readings by step."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -136,23 +136,20 @@ class PressCharts:
 class StepCharts:
     """Charts of a timeline, with the displayed step.
 
-    Parameters
-    ----------
-    shown : callable
-        Number of the displayed step; None for any other shape.
-
     Attributes
     ----------
     timeline : Timeline
         Timeline to draw.
+    shown_number : int or None
+        Number of its displayed step; None for any other shape.
     ahead : int
         Number of remaining steps of the current motion.
     theme : Theme
     """
 
-    def __init__(self, shown: Callable[[], int | None]) -> None:
-        self._shown = shown
+    def __init__(self) -> None:
         self.timeline, self.ahead = Timeline(), 0
+        self.shown_number: int | None = None
         self.theme: Theme = LIGHT
         self._curves = step_curves(self.timeline)
         self._curves_of = self.timeline
@@ -170,7 +167,7 @@ class StepCharts:
             (tr("area {change} %"), found.area, "accent"),
             (tr("volume {change} %"), found.volume, "warm"),
         )
-        number, said = self._shown(), []
+        number, said = self.shown_number, []
         for words, values, color in rows:
             if number is not None and np.isfinite(values[number]):
                 said.append((words.format(change=format_signed(float(values[number]), 2)), color))
@@ -184,7 +181,7 @@ class StepCharts:
         found = self._read_curves()
         has_energy = np.isfinite(found.energy).sum() > 1  # that of the rest shape is always known
         values = found.energy if has_energy else found.strain
-        said, number = [(tr("Energy") if has_energy else tr("Mean edge strain"), "quiet")], self._shown()
+        said, number = [(tr("Energy") if has_energy else tr("Mean edge strain"), "quiet")], self.shown_number
         if number is not None and np.isfinite(values[number]):
             value = float(values[number])
             text = format_significant(value, 4) if has_energy else f"{format_short(value)} %"
@@ -205,7 +202,7 @@ class StepCharts:
             Curve(np.insert(x, starts, np.nan), np.insert(values, starts, np.nan), color)
             for values, color in rows
         ]
-        number = self._shown()
+        number = self.shown_number
         at = [] if number is None else [number]
         points = np.vstack([np.column_stack([x, values])[at] for values, _ in rows])
         unsettled = ~self._curves.settled
