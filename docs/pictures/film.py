@@ -58,9 +58,9 @@ def film(stage: Stage, take: Callable[[QImage, int], object]) -> tuple[Recorder,
     recorder = Recorder(stage, take)
     _open(recorder)
     _paint(recorder)
-    poster = _twist(recorder)
+    _twist(recorder)
     _look_at_area(recorder)
-    _press(recorder)
+    poster = _press(recorder)
     _go_back(recorder)
     _export(recorder)
     return recorder, poster
@@ -108,7 +108,7 @@ def _paint_beyond(recorder: Recorder, place: tuple[float, float, float], down: f
     recorder.hold(0.5)
 
 
-def _twist(recorder: Recorder) -> QImage:
+def _twist(recorder: Recorder) -> None:
     """The green ring is dragged; then the mouse shows the area."""
     stage, window = recorder.stage, recorder.stage.window
     recorder.say("Drag the handle: the area stays 100 %", "M")
@@ -121,10 +121,8 @@ def _twist(recorder: Recorder) -> QImage:
     area = window.panel.area
     recorder.glide(area, 0.9)
     recorder.mark(area, margin=-3.0)
-    poster = recorder.picture()
     recorder.hold(1.6)
     recorder.mark()
-    return poster
 
 
 def _look_at_area(recorder: Recorder) -> None:
@@ -147,8 +145,8 @@ def _look_at_area(recorder: Recorder) -> None:
     recorder.hold(0.8)
 
 
-def _press(recorder: Recorder) -> None:
-    """Two plates close, and the curves grow."""
+def _press(recorder: Recorder) -> QImage:
+    """Two plates close, and the curves grow; the picture of their end."""
     stage, window = recorder.stage, recorder.stage.window
     panel, player = window.press.panel, window.session.player
     count = _QUICK_STEPS if stage.quick else _STEPS
@@ -174,8 +172,10 @@ def _press(recorder: Recorder) -> None:
     rows = [row for row in panel.reading_rows if row[0].isVisible()]
     recorder.glide(rows[-1][1], 0.8)
     recorder.mark(*(label for row in rows for label in row))
+    poster = recorder.picture()
     recorder.hold(1.5)
     recorder.mark()
+    return poster
 
 
 def _go_back(recorder: Recorder) -> None:
