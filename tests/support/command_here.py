@@ -18,7 +18,7 @@ class CommandHere(CommandProcess):
         self._words = None
 
     @property
-    def running(self):
+    def is_running(self):
         return self._words is not None
 
     def start(self, words, **_):

@@ -318,7 +318,7 @@ def results(driver, cases):
             driver.reader.note((head or "").replace("“⟧stiffness⟦”", ""), "a column")
     for column in panel.model.columns:
         driver.reader.note(column.texts[0] if column.name == "status" else "", "a state")
-    panel.table.choose([1, 2])
+    panel.table.choose_rows([1, 2])
     for button in panel.panes.buttons:
         button.click()
         driver.scene("results behind a tab")

@@ -187,6 +187,7 @@ class GroundShadow:
         self._actor.GetProperty().SetBackfaceCulling(True)
         self._actor.SetVisibility(False)
         viewport.renderer.AddActor(self._actor)
+        viewport.backdrop.append(self._actor)
         viewport.pre_draw.append(self._follow)
         viewport.more_boxes.append(lambda: self._box)
 

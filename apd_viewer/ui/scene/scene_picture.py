@@ -1,7 +1,7 @@
 """Pictures of the scene or of given shapes, at any size."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import cast
@@ -11,7 +11,7 @@ from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QSize,
 from PySide6.QtGui import QImage
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
+from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
 from apd_viewer.errors import InputError
@@ -58,7 +58,7 @@ def scene_picture(
         with (
             _draw_only(window, scene),
             _widened_view(scene, seen, size),
-            _transparent_background(window, scene, transparent),
+            _transparent_background(window, scene, viewport.backdrop if transparent else None),
             _thicker_lines(scene, finer * picture_scale(seen, size)),
         ):
             # FXAA would blend the outline of a transparent picture with the omitted background.
@@ -182,11 +182,16 @@ def _widened_view(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None
 
 
 @contextmanager
-def _transparent_background(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) -> Iterator[None]:
-    """Make the background transparent within the context, if requested."""
-    if not transparent:
+def _transparent_background(
+    window: vtkRenderWindow, scene: vtkRenderer, backdrop: Sequence[vtkActor] | None
+) -> Iterator[None]:
+    """Leave out the background and its actors within the context, unless they are None."""
+    if backdrop is None:
         yield
         return
+    hidden = [actor for actor in backdrop if actor.GetVisibility()]
+    for actor in hidden:
+        actor.SetVisibility(False)
     color, blended = scene.GetBackground(), scene.GetGradientBackground()
     alpha, bits = scene.GetBackgroundAlpha(), window.GetAlphaBitPlanes()
     scene.SetBackground(0.0, 0.0, 0.0)
@@ -196,6 +201,8 @@ def _transparent_background(window: vtkRenderWindow, scene: vtkRenderer, transpa
     try:
         yield
     finally:
+        for actor in hidden:
+            actor.SetVisibility(True)
         scene.SetBackground(*color)
         scene.SetGradientBackground(blended)
         scene.SetBackgroundAlpha(alpha)

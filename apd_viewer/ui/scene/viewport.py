@@ -9,6 +9,7 @@ from PySide6 import QtGui
 from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
 from PySide6.QtWidgets import QApplication, QWidget
 from pyvistaqt import QtInteractor
+from vtkmodules.vtkRenderingCore import vtkActor
 
 from apd_viewer.ui.scene.camera_controller import CameraController
 from apd_viewer.ui.scene.navigation import MouseTool, Navigation
@@ -38,6 +39,8 @@ class Viewport(QtInteractor):
         Function giving the visible surface point at a position in the widget, or None.
     box : callable or None
         The box around all that is drawn: least and largest x, then y, then z.
+    backdrop : list of vtkActor
+        Actors that belong to the background, absent in pictures without one.
     more_boxes : list of callables
         The same of what else is drawn; empty where nothing is.
     is_dark : bool
@@ -61,6 +64,7 @@ class Viewport(QtInteractor):
         self.draw_count = 0
         self.pick_point: Callable[[QPointF], np.ndarray | None] | None = None
         self.box: Callable[[], tuple[float, ...]] | None = None
+        self.backdrop: list[vtkActor] = []
         self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
         self.is_dark = False
         self.opengl_info = ""

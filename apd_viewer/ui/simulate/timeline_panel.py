@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import zip_longest
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
@@ -275,11 +276,16 @@ class TimelinePanel(QWidget):
             self._grid.setColumnStretch(1, 1)
             self._grid.setColumnMinimumWidth(2, self.fontMetrics().horizontalAdvance("excess 100 %"))
             self.reading_rows.append(labels)
-        for (title, value, note), text in zip(self.reading_rows, texts, strict=True):
+        for labels, text in zip_longest(self.reading_rows, texts):
+            for label in labels:
+                label.setVisible(text is not None)
+            if text is None:
+                continue
+            title, value, note = labels
             title.setText(text.title)
             value.setText(text.value)
             note.setText(text.note)
-            for label in (title, value, note):
+            for label in labels:
                 label.setToolTip(text.tip)
             value.setAccessibleName(text.title)
             note.setAccessibleName(tr("{title}, note").format(title=text.title))

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from driving import document, settle
+from PySide6.QtCore import QSize
 
 from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.ui.scene.scene_picture import scene_picture
 
 
 @pytest.fixture
@@ -54,3 +56,14 @@ def test_ground_shadow_lies_below_the_shape_whatever_is_up(qtbot, bottle, up):
         assert heights[0] == pytest.approx(heights[1])
         assert level - 0.01 * np.ptp(U) < heights[0] < level
     assert shadow.visible
+
+
+def test_ground_shadow_is_in_pictures_with_their_background_alone(qtbot, bottle):
+    settle(qtbot, bottle.canvas.viewport)
+    pictures = [
+        [scene_picture(bottle.canvas.viewport, QSize(300, 300), transparent=empty) for empty in (False, True)]
+        for _ in range(2)
+        if bottle.actions_.display.switches["shadow"].trigger() is None
+    ]
+    assert pictures[0][0] != pictures[1][0]
+    assert pictures[0][1] == pictures[1][1]

@@ -61,6 +61,7 @@ def still(qtbot, window):
 
 def test_scene_picture_has_the_colors_of_the_screen_and_empty_corners(still):
     view = still.canvas.viewport
+    still.actions_.display.switches["shadow"].trigger()  # which is a texture, smoothed in two ways
     screen = np.asarray(view.screenshot(return_img=True)).astype(int)
     size = QSize(screen.shape[1], screen.shape[0])
     empty = pixels(scene_picture(view, size, transparent=True))
@@ -79,6 +80,7 @@ def test_scene_picture_has_the_colors_of_the_screen_and_empty_corners(still):
 def test_scene_picture_has_edges_as_bright_as_what_they_cover(still):
     """No dark fringe: over a plain ground it is the same picture as one drawn on that."""
     view = still.canvas.viewport
+    still.actions_.display.switches["shadow"].trigger()
     view.set_theme("#40c080")
     drawn = pixels(scene_picture(view, SIZE))[:, :, :3]
     empty = scene_picture(view, SIZE, transparent=True)
