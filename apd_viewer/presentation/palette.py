@@ -62,6 +62,35 @@ def _mixed_colors() -> np.ndarray:
 _MIXED = _mixed_colors()
 
 
+def _color_classes() -> tuple[np.ndarray, np.ndarray]:
+    """Sorted keys of the colours of painted parts, and the class of each, from 1 to 4.
+
+    Parts that are likely to touch differ in it: base and handles have 1 or 2, regions 3 or 4, and a region
+    over base or handle the one that neither has.
+    """
+    labels, members = np.indices(_MIXED.shape[:2])
+    held = np.where(labels == BASE, 1, 2 - (labels - HANDLE) % 2)
+    free = np.where(members > 0, 3 + (members - 1) % 2, 0)
+    classes = np.where(labels == FREE, free, np.where(members > 0, 3 - held, held))
+    keys, first = np.unique(_color_keys(_MIXED.reshape(-1, 4)), return_index=True)
+    return keys, classes.ravel()[first].astype(np.uint8)
+
+
+def _color_keys(rgba: np.ndarray) -> np.ndarray:
+    key: np.ndarray = rgba[:, :3] @ np.array([1 << 16, 1 << 8, 1], dtype=np.int32)
+    return key
+
+
+_KEYS, _CLASSES = _color_classes()
+
+
+def paint_classes(rgba: np.ndarray) -> np.ndarray:
+    """Classes (k,) uint8 of colours (k, 4): 1 to 4 of painted parts, 0 of all others."""
+    keys = _color_keys(rgba)
+    places = np.searchsorted(_KEYS, keys).clip(max=len(_KEYS) - 1)
+    return np.where(_KEYS[places] == keys, _CLASSES[places], np.uint8(0))
+
+
 def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.ndarray:
     """RGBA of every vertex, (n, 4) uint8 array, by label and region number, both (n,)."""
     return _MIXED[labels, 0 if member is None else member]

@@ -8,6 +8,7 @@ from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.ui.scene.navigation import MouseTool
+from apd_viewer.ui.scene.pointing import WheelSteps
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.selection_tool import may_begin_stroke
@@ -35,6 +36,7 @@ class MeasureTool(MouseTool, QObject):
         self._points: list[SurfacePoint] = []
         self._under: SurfacePoint | None = None  # point under the cursor
         self.axis = 1
+        self._wheel = WheelSteps()
 
     @property
     def kind(self) -> MeasurementKind:
@@ -109,8 +111,8 @@ class MeasureTool(MouseTool, QObject):
             return False
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
-        if event.angleDelta().y() or event.angleDelta().x():
-            self.axis = (self.axis + (1 if event.angleDelta().y() < 0 else 2)) % 3
+        if steps := self._wheel.take(event):
+            self.axis = (self.axis - steps) % 3
             self._viewport.tool_layer.update()
             self.axis_changed.emit(self.axis)
         return True

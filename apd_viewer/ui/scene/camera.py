@@ -123,12 +123,18 @@ class Camera:
         side = 1.0 if self.up @ up >= 0 else -1.0
         yaw = rotation(up, -side * np.deg2rad(DEGREES_PER_PIXEL * dx))
         pitch = rotation(yaw @ self.axes[0], -np.deg2rad(DEGREES_PER_PIXEL * dy))
-        turn = pitch @ yaw
-        return replace(
-            self,
-            position=self.focal + turn @ (self.position - self.focal),
-            up=unit_vector(turn @ self.axes[1]),
-        )
+        return self._rotated(pitch @ yaw)
+
+    def turned(self, degrees: float) -> Camera:
+        """Camera turned about the up axis; seen from above, the mesh turns clockwise."""
+        up = self.up_axis.direction
+        sense = -1.0 if self.axes[2] @ up > 1e-9 else 1.0
+        return self._rotated(rotation(up, sense * np.deg2rad(degrees)))
+
+    def _rotated(self, turn: np.ndarray) -> Camera:
+        """Camera rotated about the focal point by a (3, 3) matrix."""
+        position = self.focal + turn @ (self.position - self.focal)
+        return replace(self, position=position, up=unit_vector(turn @ self.axes[1]))
 
     def panned(self, dx: float, dy: float) -> Camera:
         """Camera panned by (dx, dy) pixels at the depth of the focal point."""

@@ -14,6 +14,7 @@ from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 
 from apd_viewer.ui.scene.camera_controller import CameraController
 from apd_viewer.ui.scene.navigation_preset import DEFAULT_PRESET, CameraMotion
+from apd_viewer.ui.scene.pointing import wheel_notches
 
 _GIVEN = {"event", "painter"}  # parameter names of event and paint methods, leading underscores ignored
 
@@ -67,7 +68,7 @@ class MouseTool:
 
 
 ZOOM_PER_PIXEL = 1.008
-ZOOM_PER_WHEEL_UNIT = 1.0013  # one notch is 120 units
+ZOOM_PER_NOTCH = 1.0013**120
 DEAD_ZONE = 2.0  # px: a press that moves no farther is a click
 
 
@@ -125,5 +126,5 @@ class Navigation(MouseTool):
 
     def wheel(self, event: QWheelEvent) -> bool:
         """Zoom about the point under the cursor."""
-        self._look.zoom_at(event.position(), ZOOM_PER_WHEEL_UNIT ** event.angleDelta().y())
+        self._look.zoom_at(event.position(), ZOOM_PER_NOTCH ** wheel_notches(event))
         return True

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF
-from vtkmodules.vtkCommonDataModel import vtkPlane
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.mesh.mesh import Texture
@@ -71,6 +71,8 @@ class Surface:
         self._mapper.SetScalarModeToUsePointFieldData()
         self._mapper.SelectColorArray("rgba")
         self._mapper.SetColorModeToDirectScalars()
+        points = vtkDataObject.FIELD_ASSOCIATION_POINTS
+        self._mapper.MapDataArrayToVertexAttribute("paintClass", "paintClass", points, -1)
         self._actor = vtkActor()
         self._actor.SetMapper(self._mapper)
         self._actor.ForceOpaqueOn()
@@ -113,6 +115,7 @@ class Surface:
             drawn = drawn.with_seams(texture.uv_of)
         self.arrays = SurfaceArrays(drawn, rgba, texture)
         self._mapper.SetInputData(self.arrays.data)
+        self._shade()
 
     def set_points(self, U: np.ndarray) -> None:
         """Move the vertices to ``U`` (n, 3) and update the normals.

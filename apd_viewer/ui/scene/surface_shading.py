@@ -16,7 +16,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkRenderer, vtkText
 from apd_viewer.geometry.mesh.mesh import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.presentation.color_maps import ColorMap
-from apd_viewer.presentation.palette import FREE_COLOR
+from apd_viewer.presentation.palette import FREE_COLOR, paint_classes
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.picking.render_mesh import RenderMesh
@@ -90,6 +90,59 @@ _FINISHES = {
 """,
 }
 
+# A painted part ends in a straight line through the middles of a triangle's edges, instead of a blend over
+# all of it. Each vertex has the class of its colour as one of four weights, or none: see `paint_classes`. The
+# colour of one corner is known; whatever else is in the blend belongs to the others. In meshes finer than
+# MOST_SHARP triangles are a few pixels, and drawn as a blend: the weights would cost more than a tenth.
+MOST_SHARP = 30_000  # vertices
+_CLASS_TAGS = "//VTK::Color::Dec", "//VTK::Color::Impl"
+_CLASS_VERTEX = (
+    """
+in float paintClass;
+out vec4 classVSOutput;
+flat out vec4 cornerVSOutput;
+""",
+    """
+  classVSOutput = vec4(equal(vec4(paintClass), vec4(1.0, 2.0, 3.0, 4.0)));
+  cornerVSOutput = vec4(scalarColor.rgb, paintClass);
+""",
+)
+# Edges are drawn by a geometry shader.
+_CLASS_GEOMETRY = (
+    """
+in vec4 classVSOutput[];
+flat in vec4 cornerVSOutput[];
+out vec4 classGSOutput;
+flat out vec4 cornerGSOutput;
+""",
+    """
+  classGSOutput = classVSOutput[i];
+  cornerGSOutput = cornerVSOutput[0];
+""",
+)
+_CLASS_FRAGMENT = """
+in vec4 classVSOutput;
+flat in vec4 cornerVSOutput;
+"""
+_BLENDED = """
+  vec3 paint = vertexColorVSOutput.rgb;
+"""
+_SHARP = """
+  vec4 own = vec4(equal(vec4(cornerVSOutput.a), vec4(1.0, 2.0, 3.0, 4.0)));
+  float isFree = 1.0 - dot(own, vec4(1.0));
+  float freeShare = 1.0 - dot(classVSOutput, vec4(1.0));
+  float ownShare = dot(classVSOutput, own) + isFree * freeShare;
+  vec4 others = classVSOutput * (1.0 - own);
+  float most = max(max(max(others.x, others.y), max(others.z, others.w)), (1.0 - isFree) * freeShare);
+  float rest = 1.0 - ownShare, within = ownShare - most;
+  float blend = clamp(0.5 + within / max(fwidth(within), 1e-5), 0.0, 1.0);
+  vec3 paint = vertexColorVSOutput.rgb;
+  if (rest > 0.002) {
+    vec3 other = cornerVSOutput.rgb + (paint - cornerVSOutput.rgb) / max(rest, 0.4);
+    paint = mix(other, cornerVSOutput.rgb, blend);
+  }
+"""
+
 # Stripe period, as a fraction of the picture height: about sixty stripes fit above each other.
 _STRIPE = 0.0157
 
@@ -101,7 +154,6 @@ _HEAT = """
   float heat = opacity * 255.0;
   float place = clamp((heat - 1.0) / 254.0, 0.0, 1.0);
   if (abs(place - 0.5) < 0.5 * heatNeutral) { place = 0.5; }
-  vec3 paint = vertexColorVSOutput.rgb;
   float line = LINE;
   float painted = SHARE(paint);
   float stripe = abs(fract((vertexVC.x + vertexVC.y) / (stripeSlope * vertexVC.z)) - 0.5);
@@ -112,13 +164,16 @@ _HEAT = """
 
 # Texture image of the file, with the paint drawn over it.
 _TEXTURE = """
-  vec3 paint = vertexColorVSOutput.rgb;
   float painted = SHARE(paint);
   diffuseColor = LINE * mix(texture(actortexture, tcoordVCVSOutput).rgb, paint, painted);
 """
 
+_PAINT = """
+  diffuseColor = LINE * paint;
+"""
+
 # Factor by which VTK darkens the paint along triangle edges, applied to the other colours as well.
-_LINE = "clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0)"
+_LINE = "clamp(dot(diffuseColor, vec3(1.0)) / max(dot(vertexColorVSOutput.rgb, vec3(1.0)), 0.01), 0.0, 1.0)"
 
 # How far a colour is from that of what is not painted, 0 to 1.
 _SHARE = re.compile(r"SHARE\((\w+)\)")
@@ -169,7 +224,7 @@ def shade(
     inside: bool = False,
     finish: Finish = Finish.CLAY,
 ) -> None:
-    """Set the shader of ``actor`` for its colour map, edges, texture and finish.
+    """Set the shader of ``actor`` for its mesh, colour map, edges, texture and finish.
 
     With ``color_map`` the opacities of its vertices are values on a scale; with ``inside`` its back
     is darker.
@@ -179,7 +234,13 @@ def shade(
     if inside:
         code = _INSIDE + code
     textured = actor.GetTexture() is not None
-    code = (_HEAT if color_map is not None else _TEXTURE if textured else "") + code
+    drawn = actor.GetMapper().GetInput()
+    sharp = drawn is not None and drawn.GetNumberOfPoints() <= MOST_SHARP
+    code = (
+        (_SHARP if sharp else _BLENDED)
+        + (_HEAT if color_map is not None else _TEXTURE if textured else _PAINT)
+        + code
+    )
     code = _SHARE.sub(_SHARE_CODE, code)
     values = {
         "COLORS": "" if color_map is None else color_map.glsl("place"),
@@ -189,8 +250,13 @@ def shade(
     for name, value in values.items():
         code = code.replace(name, value)
     shader = actor.GetShaderProperty()
-    shader.ClearAllFragmentShaderReplacements()
+    shader.ClearAllShaderReplacements()
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, code, False)
+    if sharp:
+        for tag, vertex, triangle in zip(_CLASS_TAGS, _CLASS_VERTEX, _CLASS_GEOMETRY, strict=True):
+            shader.AddVertexShaderReplacement(tag, True, tag + vertex, False)
+            shader.AddGeometryShaderReplacement(tag, True, tag + triangle, False)
+        shader.AddFragmentShaderReplacement(_CLASS_TAGS[0], True, _CLASS_TAGS[0] + _CLASS_FRAGMENT, False)
     if textured:
         # Omit VTK's own texturing, which would multiply both the light and the paint by the texture.
         shader.AddFragmentShaderReplacement("//VTK::TCoord::Impl", True, "", False)
@@ -291,6 +357,7 @@ class SurfaceArrays:
         self.data = pv.PolyData.from_regular_faces(points, rendered.F)
         self.data.point_data["Normals"] = np.zeros_like(self.data.points)
         self.data.point_data["rgba"] = np.vstack([rgba, rgba[copied]]) if len(copied) else rgba.copy()
+        self.data.point_data["paintClass"] = paint_classes(self.data.point_data["rgba"])
         self.data.GetPointData().SetActiveNormals("Normals")
         if texture is not None:
             uv = np.zeros((len(points), 2), dtype=np.float32)
@@ -313,7 +380,12 @@ class SurfaceArrays:
 
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None) -> None:
         """Set the RGB of the vertices ``ids``, or of all; opacities are kept."""
-        self.rgba[slice(None) if ids is None else ids, :3] = rgba[:, :3]
+        some = slice(None) if ids is None else ids
+        classes = self.data.point_data["paintClass"]
+        self.rgba[some, :3] = rgba[:, :3]
+        np.asarray(classes)[: self._count][some] = paint_classes(rgba)
+        np.asarray(classes)[self._count :] = np.asarray(classes)[self._rendered.repeated_vertices]
+        classes.VTKObject.Modified()
         self.update_colors()
 
     def update_colors(self) -> None:

@@ -13,6 +13,7 @@ from vtkmodules.vtkRenderingCore import vtkActor
 
 from apd_viewer.ui.scene.camera_controller import CameraController
 from apd_viewer.ui.scene.navigation import MouseTool, Navigation
+from apd_viewer.ui.scene.pointing import Pointing
 from apd_viewer.ui.scene.surface_shading import Antialiasing
 
 _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
@@ -81,6 +82,7 @@ class Viewport(QtInteractor):
         )
         self.navigation = Navigation(self.camera_controller, self.clicked.emit)
         self.mouse = MouseDispatcher(self, self.tools, self.navigation)
+        self.pointing = Pointing(self, self.camera_controller, self.mouse.abandon, self.mouse.leave)
         self.set_theme("#f4f5f7")
 
     # Appearance
@@ -240,12 +242,8 @@ class Viewport(QtInteractor):
         event.ignore()
 
     def event(self, event: QEvent) -> bool:
-        """Zoom on a pinch gesture of the trackpad."""
-        if isinstance(event, QtGui.QNativeGestureEvent):
-            if event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
-                self.camera_controller.zoom_at(event.position(), 1.0 + event.value())
-            return True
-        return super().event(event)
+        """Handle what pens, fingers and trackpads do."""
+        return (hasattr(self, "pointing") and self.pointing.take(event)) or super().event(event)
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         """Resize the tool layer, and reframe unless the camera was moved."""
@@ -359,6 +357,14 @@ class MouseDispatcher:
         if done:
             self._holder = None
         return done
+
+    def abandon(self, event: QtGui.QMouseEvent) -> None:
+        """Cancel the drag in progress; one of the camera ends where it is."""
+        holder, self._holder = self._holder, None
+        if holder is self._navigation:
+            holder.release(event)
+        elif holder is not None:
+            self.cancel()
 
     def finish(self) -> bool:
         """Finish an outline of several clicks; True if there was one."""

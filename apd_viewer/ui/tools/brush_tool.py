@@ -6,6 +6,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent, QPainter, QPen, QPolygonF, QWheelEvent
 
+from apd_viewer.ui.scene.pointing import brush_share, wheel_notches
 from apd_viewer.ui.scene.surface import Hit, Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
@@ -37,6 +38,7 @@ class BrushTool(SelectionTool):
         self._covered: np.ndarray | None = None  # vertices covered so far, (n,) bool; None between strokes
         self._cursor: QPointF | None = None
         self._hit: Hit | None = None
+        self._share = 1.0  # of the radius, by the pressure of a pen
         self._seen: tuple[object, ...] = ()  # camera and shape at the latest hit test
 
     def press(self, event: QMouseEvent) -> bool:
@@ -50,7 +52,7 @@ class BrushTool(SelectionTool):
             return False
         self._covered = np.zeros(len(self._surface.U), dtype=bool)
         self.stroke_began.emit(self.effect)
-        self._cover([(None, self._hit)])
+        self._cover([(None, self._hit)], [self._share])
         return True
 
     def move(self, event: QMouseEvent) -> bool:
@@ -61,10 +63,11 @@ class BrushTool(SelectionTool):
                 self._viewport.setCursor(Qt.CursorShape.CrossCursor)
             return self._hit is not None
         last, hit, self._cursor = self._cursor, self._hit, event.position()
+        share, self._share = self._share, brush_share(event)
         steps = list(self._steps(last or self._cursor, hit, self._cursor))
         self._hit = steps[-1][1]
         self._seen = self._view_key
-        self._cover(steps)
+        self._cover(steps, np.linspace(share, self._share, len(steps) + 1)[1:].tolist())
         self._viewport.tool_layer.update()
         return True
 
@@ -79,9 +82,7 @@ class BrushTool(SelectionTool):
         """Change the radius."""
         if not self._enabled or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
-        # Qt reports a vertical wheel turn as horizontal while Alt is down.
-        notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
-        self.size.scale_radius(RADIUS_PER_NOTCH**notches)
+        self.size.scale_radius(RADIUS_PER_NOTCH ** wheel_notches(event))
         return True
 
     def leave(self) -> None:
@@ -117,7 +118,7 @@ class BrushTool(SelectionTool):
         """Update the hit under the cursor; redraw the ring if needed."""
         before = self._hit, self.effect
         self._cursor = event.position() if self._enabled else None
-        self.effect = stroke_effect(event)
+        self.effect, self._share = stroke_effect(event), brush_share(event)
         self._pick()
         if self._hit is not None or before[0] is not None:
             self._viewport.tool_layer.update()
@@ -135,7 +136,7 @@ class BrushTool(SelectionTool):
         between was never touched.
         """
         way = end - start
-        count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / self.size.dab_spacing(last))))
+        count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / self.size.dab_spacing(last, self._share))))
         spacing = np.hypot(way.x(), way.y()) / count
         for i in range(1, count + 1):
             hit = self._surface.hit(start + way * (i / count))
@@ -151,25 +152,26 @@ class BrushTool(SelectionTool):
         )
         return bool(np.linalg.norm(b.point - a.point) <= reach)
 
-    def _cover(self, steps: list[tuple[Hit | None, Hit | None]]) -> None:
-        """Emit the vertices covered by the brush steps and not yet in the stroke."""
+    def _cover(self, steps: list[tuple[Hit | None, Hit | None]], shares: list[float]) -> None:
+        """Emit the vertices newly covered by the steps, each with a share of the radius."""
         if self._covered is None:
             return
         fresh = []
-        for last, hit in steps:
+        for (last, hit), share in zip(steps, shares, strict=True):
             if hit is not None:
-                ids = self._vertices_under(hit if last is None else last, hit)
+                ids = self._vertices_under(hit if last is None else last, hit, share)
                 fresh.append(ids[~self._covered[ids]])
                 self._covered[ids] = True
         covered = np.concatenate(fresh) if fresh else np.empty(0, dtype=np.int32)
         if len(covered):
             self.vertices_painted.emit(covered)
 
-    def _vertices_under(self, last: Hit, hit: Hit) -> np.ndarray:
+    def _vertices_under(self, last: Hit, hit: Hit, share: float) -> np.ndarray:
         skin = self._surface.picking_index
         assert skin is not None
+        radius = share * self.size.radius_on_mesh(hit)
         return skin.vertices_under_brush(
-            self._surface.U, (hit.face, last.face), last.point, hit.point, self.size.radius_on_mesh(hit)
+            self._surface.U, (hit.face, last.face), last.point, hit.point, radius
         )
 
     def _ring(self, hit: Hit) -> np.ndarray:
@@ -178,7 +180,7 @@ class BrushTool(SelectionTool):
         a /= np.linalg.norm(a)
         b = np.cross(hit.normal, a)
         turn = np.linspace(0.0, 2 * np.pi, RING_POINTS)
-        return hit.point + self.size.radius_on_mesh(hit) * (
+        return hit.point + self._share * self.size.radius_on_mesh(hit) * (
             np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b)
         )
 
@@ -243,13 +245,12 @@ class BrushSize(QObject):
             return self._mesh_radius
         return self._radius * self._viewport.camera_controller.camera.world_per_pixel(hit.point)
 
-    def dab_spacing(self, hit: Hit | None) -> float:
-        """Largest spacing of dabs without a gap, in pixels."""
+    def dab_spacing(self, hit: Hit | None, share: float = 1.0) -> float:
+        """Largest spacing of dabs without a gap, in pixels, at a share of the radius."""
         if self._mesh_radius is None or hit is None:
-            return max(self._radius / 2, SMALLEST_RADIUS)
-        return max(
-            self._mesh_radius / (2 * self._viewport.camera_controller.camera.world_per_pixel(hit.point)), 1.0
-        )
+            return max(share * self._radius / 2, SMALLEST_RADIUS)
+        length = self._viewport.camera_controller.camera.world_per_pixel(hit.point)
+        return max(share * self._mesh_radius / (2 * length), 1.0)
 
     def _announce_change(self) -> None:
         self._viewport.tool_layer.update()

@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen, QWheelEvent
 
 from apd_viewer.ui.scene.navigation import MouseTool
+from apd_viewer.ui.scene.pointing import wheel_notches
 from apd_viewer.ui.scene.surface import Hit, Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.selection_tool import SelectionTool, may_begin_stroke, stroke_effect
@@ -98,9 +99,8 @@ class ClickTool(SelectionTool):
         other = self._reach is not ClickExtent.CREASE or not self._enabled
         if other or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
-        notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
         self.crease_angle = float(
-            np.clip(self.crease_angle + _CREASE_PER_NOTCH * notches, _FLATTEST, _SHARPEST)
+            np.clip(self.crease_angle + _CREASE_PER_NOTCH * wheel_notches(event), _FLATTEST, _SHARPEST)
         )
         self.crease_angle_changed.emit(self.crease_angle)
         self._show()

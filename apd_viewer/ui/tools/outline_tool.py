@@ -9,6 +9,7 @@ import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen, QPolygonF, QWheelEvent
 
+from apd_viewer.ui.scene.pointing import WheelSteps
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.gizmo_drag import GizmoFrame, position_along_axis
@@ -220,6 +221,7 @@ class SlabTool(SelectionTool):
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport, surface)
         self.axis = 1
+        self._wheel = WheelSteps()
         self._here: np.ndarray | None = None  # surface point under the cursor
         self._start: np.ndarray | None = None
         self._end = 0.0
@@ -269,8 +271,8 @@ class SlabTool(SelectionTool):
         """Switch to the next axis."""
         if not self._enabled or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
-        if self._start is None and (event.angleDelta().y() or event.angleDelta().x()):
-            self.axis = (self.axis + (1 if event.angleDelta().y() < 0 else 2)) % 3
+        if self._start is None and (steps := self._wheel.take(event)):
+            self.axis = (self.axis - steps) % 3
             self._viewport.tool_layer.update()
             self.axis_changed.emit(self.axis)
         return True

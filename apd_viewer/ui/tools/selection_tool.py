@@ -12,6 +12,7 @@ from PySide6.QtGui import QColor, QInputEvent, QMouseEvent
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.ui.scene.navigation import MouseTool
+from apd_viewer.ui.scene.pointing import PenEvent
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.tool_modes import Tool
@@ -29,9 +30,9 @@ class StrokeEffect(Enum):
 
 
 def stroke_effect(event: QInputEvent) -> StrokeEffect:
-    """Stroke effect for the held modifier keys: Alt removes, Ctrl replaces."""
+    """Stroke effect for the held keys: Alt removes, Ctrl replaces; an eraser removes."""
     modifiers = event.modifiers()
-    if modifiers & Qt.KeyboardModifier.AltModifier:
+    if modifiers & Qt.KeyboardModifier.AltModifier or (isinstance(event, PenEvent) and event.erases):
         return StrokeEffect.REMOVE
     return StrokeEffect.REPLACE if modifiers & Qt.KeyboardModifier.ControlModifier else StrokeEffect.ADD
 
