@@ -185,7 +185,7 @@ def _widened_view(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None
 def _transparent_background(
     window: vtkRenderWindow, scene: vtkRenderer, backdrop: Sequence[vtkActor] | None
 ) -> Iterator[None]:
-    """Leave out the background and its actors within the context, unless they are None."""
+    """Leave out the background and its actors within the context; nothing if None."""
     if backdrop is None:
         yield
         return
