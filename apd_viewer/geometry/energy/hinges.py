@@ -16,6 +16,9 @@ The angle of a hinge has the gradient ``-m/h`` at a corner with the height h abo
 [Tamstorf & Grinspun 2013, Discrete bending forces and their Jacobians].
 """
 
+from functools import cached_property
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse as sp
 from numba import prange
@@ -52,8 +55,15 @@ class Hinges:
     corners : (h, 4) int array
         The edge of each hinge, then the opposite corners of its two triangles, the one on the left first.
     Q : (h, h) csr_array
-    others : (e, 2) int array
+    others : (o, 2) int array
         Edges with more than two triangles, which have no hinge.
+    edges : (e, 2) int array
+        Those of the hinges, then those of the rims, one for every triangle that has one.
+    edge_of : (m, 3) int array
+        The edge from each corner of a triangle to the next.
+    arc_angles : (e, h) csr_array
+        From the angles of the hinges to curvature times length of the edges, by weights exact for every
+        quadratic.
     """
 
     def __init__(
@@ -68,7 +78,10 @@ class Hinges:
         clamps = np.zeros(len(F), dtype=bool) if clamps is None else clamps
         topology = _HingeTopology(F, len(V))
         self.corners, self.others = topology.corners, topology.others
-        self._slopes = slopes = _slope_matrix(V, F, topology, clamps)
+        near = _stencils(V, topology, clamps)
+        self._slopes = slopes = _slope_matrix(F, topology, clamps, near)
+        self.edges, self.edge_of = topology.edges, topology.edge_of
+        self.arc_angles = _arc_angles(V, F, topology, clamps, near, slopes)
         self._stiffness = _triangle_stiffness(
             V, F, topology.hinge < 0, np.where(clamps, 0.0, rigidity), poisson
         )
@@ -85,13 +98,17 @@ class Hinges:
         )
         self.rest = angles_and_gradients(V, self.corners)[0]
 
-    @property
+    @cached_property
     def at_vertices(self) -> tuple[np.ndarray, np.ndarray]:
-        """Starts (n + 1,) and entries (4 h,) of the hinges at each vertex.
+        """Starts (n + 1,) and entries of the hinges and the edges at each vertex.
 
-        An entry is 4 times the hinge plus its corner.
+        An entry is 4 times the hinge plus its corner; edges are counted on after the hinges.
         """
-        return self._to_vertices.indptr, self._to_vertices.indices
+        ends = 4 * (len(self.corners) + np.arange(len(self.edges))[:, None]) + [0, 1]
+        vertices = np.concatenate([self.corners.ravel(), self.edges.ravel()])
+        order = np.argsort(vertices, kind="stable")
+        entries = np.concatenate([np.arange(self.corners.size), ends.ravel()])[order]
+        return np.searchsorted(vertices[order], np.arange(self._n + 1)), entries
 
     def moments(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
         """Energy, and its derivatives (h,) with respect to the ``angles`` (h,).
@@ -104,7 +121,13 @@ class Hinges:
 
     def _turned(self, angles: np.ndarray) -> np.ndarray:
         turned = angles - self.rest
-        return turned - 2.0 * np.pi * np.round(turned / (2.0 * np.pi))
+        if np.abs(turned).max(initial=0.0) > np.pi:
+            turned -= 2.0 * np.pi * np.round(turned / (2.0 * np.pi))
+        return turned
+
+    def nearest_to_rest(self, angles: np.ndarray) -> np.ndarray:
+        """The ``angles`` (h,) plus full turns, nearest to those at rest."""
+        return self.rest + self._turned(angles)
 
     def triangle_energies(self, angles: np.ndarray) -> np.ndarray:
         """Energies (m,) of the triangles, with the total energy as their sum."""
@@ -129,6 +152,8 @@ class _HingeTopology:
         -1 where the triangle sees the angle from the other side, since it is wound against the first one.
     first, second : (h,) int arrays
         Half edges, ``3 t + k``, of the two triangles.
+    edges, edge_of
+        See :class:`Hinges`.
     """
 
     def __init__(self, F: np.ndarray, n: int) -> None:
@@ -147,6 +172,11 @@ class _HingeTopology:
         hinge[self.first] = hinge[self.second] = np.arange(len(pairs))
         sign[self.second] = np.where(start[self.second] == end[self.first], 1.0, -1.0)
         self.hinge, self.sign = hinge.reshape(-1, 3), sign.reshape(-1, 3)
+        alone = np.flatnonzero(hinge < 0)
+        self.edges = np.concatenate([self.corners[:, :2], np.column_stack([start[alone], end[alone]])])
+        edge_of = hinge.copy()
+        edge_of[alone] = len(pairs) + np.arange(len(alone))
+        self.edge_of = edge_of.reshape(-1, 3)
 
 
 # Values of the three quadratic functions x^2 / 2, y^2 / 2 and x y.
@@ -198,8 +228,31 @@ def _third_corner(P: np.ndarray, Q: np.ndarray, p: np.ndarray, q: np.ndarray) ->
     return P + x[:, None] * t + y[:, None] * np.stack([-t[:, 1], t[:, 0]], axis=-1)
 
 
-def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology, clamps: np.ndarray) -> sp.csr_array:
-    """Matrix (3 m, h) from the hinge angles to the slopes across the triangles' edges."""
+class _Stencils(NamedTuple):
+    """Each hinge with the other four of its two triangles.
+
+    Attributes
+    ----------
+    hinges : (h, 5) int array
+        The hinge itself first; -1 for none.
+    angles : (h, 5, 3) float array
+        Their angles for three quadratics, on the rest shape unfolded and scaled to an edge of 1 along x.
+    signs : (h, 5) float array
+        -1 where the first triangle sees the angle from the other side.
+    slopes : (h, 3) float array
+        Slopes of the first triangle across the edge.
+    sides : (h,) float array
+        1 if both triangles have the same orientation, otherwise -1.
+    """
+
+    hinges: np.ndarray
+    angles: np.ndarray
+    signs: np.ndarray
+    slopes: np.ndarray
+    sides: np.ndarray
+
+
+def _stencils(V: np.ndarray, topology: _HingeTopology, clamps: np.ndarray) -> _Stencils:
     first, second, corners = topology.first, topology.second, topology.corners
     a, b, c, d = corners.T
     count, edge = len(corners), np.linalg.norm(V[corners[:, 1]] - V[corners[:, 0]], axis=1)
@@ -214,7 +267,6 @@ def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology, clamps
     hinges = np.full((count, 5), -1)
     angles, signs = np.zeros((count, 5, 3)), np.ones((count, 5))
     hinges[:, 0], angles[:, 0] = np.arange(count), _hinge_angles(A, B, C, D)
-    # True if both triangles of a hinge have the same orientation.
     side = topology.sign.ravel()[second]
     # Half-edges of each triangle following the hinge's own, seen from the first triangle's side.
     around = [(first, 1, b, c, B, C, A), (first, 2, c, a, C, A, B)]
@@ -233,35 +285,74 @@ def _slope_matrix(V: np.ndarray, F: np.ndarray, topology: _HingeTopology, clamps
         clamped = clamps[np.where(is_first, second[other], first[other]) // 3]
         with np.errstate(divide="ignore", invalid="ignore"):  # needles, and edges without a hinge
             angles[:, slot] = np.where(other[:, None] >= 0, _hinge_angles(P, Q, R, X, clamped), 0.0)
-    weights = _slope_weights(angles, _gradients(A, B, C)[..., 1], hinges >= 0) * signs
+    return _Stencils(hinges, angles, signs, _gradients(A, B, C)[..., 1], side)
+
+
+def _slope_matrix(
+    F: np.ndarray, topology: _HingeTopology, clamps: np.ndarray, near: _Stencils
+) -> sp.csr_array:
+    """Matrix (3 m, h) from the hinge angles to the slopes across the triangles' edges."""
+    first, second = topology.first, topology.second
+    weights = _exact_weights(near, near.slopes, 0.5)
     at_clamps = clamps[first // 3] | clamps[second // 3]
     weights[at_clamps] = 0.0
     weights[at_clamps, 0] = ~clamps[first // 3][at_clamps]
     rest = -weights
     rest[:, 0] += 1.0
-    known = hinges >= 0
+    known = near.hinges >= 0
     rows = np.concatenate([np.repeat(first[:, None], 5, 1)[known], np.repeat(second[:, None], 5, 1)[known]])
-    entries = np.concatenate([weights[known], (side[:, None] * rest)[known]])
-    columns = np.tile(hinges[known], 2)
-    return sp.coo_array((entries, (rows, columns)), shape=(F.size, count)).tocsr()
+    entries = np.concatenate([weights[known], (near.sides[:, None] * rest)[known]])
+    columns = np.tile(near.hinges[known], 2)
+    return sp.coo_array((entries, (rows, columns)), shape=(F.size, len(first))).tocsr()
 
 
-def _slope_weights(angles: np.ndarray, slopes: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Weights (k, 5) of the angles of five hinges, exact for all quadratics.
+def _arc_angles(
+    V: np.ndarray,
+    F: np.ndarray,
+    topology: _HingeTopology,
+    clamps: np.ndarray,
+    near: _Stencils,
+    slopes: sp.csr_array,
+) -> sp.csr_array:
+    """Matrix (e, h) from the hinge angles to the angles of arcs over the edges.
 
-    Half of the edge's own angle where the others tell too little.
+    Along an edge without a hinge the curvature is that of its triangle, ``t^T H t``.
+    """
+    count, first, second = len(topology.corners), topology.first, topology.second
+    weights = _exact_weights(near, np.array([1.0, 0.0, 0.0]), 0.0)
+    weights[clamps[first // 3] | clamps[second // 3]] = 0.0
+    rows, slots = np.nonzero(near.hinges >= 0)
+    at = rows, near.hinges[rows, slots]
+    of_hinges = sp.coo_array((weights[rows, slots], at), shape=(count, count)).tocsr()
+    t, k = np.nonzero(topology.hinge < 0)
+    others = (k[:, None] + [1, 2]) % 3
+    lengths = np.linalg.norm(V[np.roll(F, -1, axis=1)] - V[F], axis=2)
+    sizes = np.maximum(lengths[t, k, None] * lengths[t[:, None], others], np.finfo(float).tiny)
+    told = (topology.hinge[t] >= 0).sum(axis=1) == 2
+    sines = np.where(told, 4.0 * face_areas(V, F)[t], 0.0)[:, None] / sizes
+    at = np.repeat(np.arange(len(t)), 2), (3 * t[:, None] + others).ravel()
+    of_rims = sp.coo_array((sines.ravel(), at), shape=(len(t), F.size)).tocsr() @ slopes
+    arcs = sp.vstack([of_hinges, of_rims], format="csr")
+    arcs.data[np.abs(arcs.data) < _ROUNDING] = 0.0
+    arcs.eliminate_zeros()
+    return arcs
+
+
+def _exact_weights(near: _Stencils, wanted: np.ndarray, own: float) -> np.ndarray:
+    """Weights (h, 5) of the angles of five hinges, exact for all quadratics.
+
+    Those nearest to ``own`` of the edge's own; that itself where the others tell too little.
 
     Parameters
     ----------
-    angles : (k, 5, 3) float array
-        Those of three quadratics; the edge's own hinge first.
-    slopes : (k, 3) float array
-        Slopes of the first triangle to find.
-    known : (k, 5) bool array
-        Hinges that there are.
+    near : _Stencils
+    wanted : (h, 3) or (3,) float array
+        What to find of three quadratics.
+    own : float
     """
-    half = np.zeros(known.shape)
-    half[:, 0] = 0.5
+    angles, known = near.angles, near.hinges >= 0
+    plain = np.zeros(known.shape)
+    plain[:, 0] = own
     trust = known * np.array([_OWN, 1.0, 1.0, 1.0, 1.0])
     with np.errstate(invalid="ignore", over="ignore"):
         B = np.einsum("ks,ksi,ksj->kij", trust, angles, angles)
@@ -269,10 +360,10 @@ def _slope_weights(angles: np.ndarray, slopes: np.ndarray, known: np.ndarray) ->
         sound = np.isfinite(scale) & (scale > 0.0) & (known.sum(axis=1) >= _FEWEST)
         B[~sound], scale = np.eye(3), np.where(sound, scale, 1.0)
         B += _REGULAR * scale[:, None, None] * np.eye(3)
-        missing = np.where(sound[:, None], slopes - 0.5 * angles[:, 0], 0.0)
+        missing = np.where(sound[:, None], wanted - own * angles[:, 0], 0.0)
         forces = np.linalg.solve(B, missing[:, :, None])[:, :, 0]
-        weights = half + trust * np.einsum("ksi,ki->ks", np.where(sound[:, None, None], angles, 0.0), forces)
-    return np.where((np.abs(weights).max(axis=1) <= _LARGEST)[:, None], weights, half)
+        weights = plain + trust * np.einsum("ksi,ki->ks", np.where(sound[:, None, None], angles, 0.0), forces)
+    return np.where((np.abs(weights).max(axis=1) <= _LARGEST)[:, None], weights, plain) * near.signs
 
 
 def _triangle_stiffness(

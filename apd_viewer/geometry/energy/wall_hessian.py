@@ -44,6 +44,7 @@ def _add_triangle(
     area: float,
     lame: float,
     mu: float,
+    strains: np.ndarray,
     tension: float,
     pressure: float,
     share: float,
@@ -57,9 +58,9 @@ def _add_triangle(
         u, v = U[j, a] - U[i, a], U[k, a] - U[i, a]
         x[a] = u * hats[t, 1, 0] + v * hats[t, 2, 0]
         y[a] = u * hats[t, 1, 1] + v * hats[t, 2, 1]
-    e00 = 0.5 * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - 1.0)
-    e11 = 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2] - 1.0)
-    e01 = 0.5 * (x[0] * y[0] + x[1] * y[1] + x[2] * y[2])
+    e00 = 0.5 * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - 1.0) + strains[t, 0]
+    e11 = 0.5 * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2] - 1.0) + strains[t, 1]
+    e01 = 0.5 * (x[0] * y[0] + x[1] * y[1] + x[2] * y[2]) + strains[t, 2]
     trace = lame * (e00 + e11)
     s00, s11, s01 = _clamped(trace + 2.0 * mu * e00, trace + 2.0 * mu * e11, 2.0 * mu * e01, share)
     g, h = hats[t, c, 0], hats[t, c, 1]
@@ -196,6 +197,7 @@ def wall_blocks(
     areas: np.ndarray,
     lame: float,
     mu: float,
+    strains: np.ndarray,
     tensions: np.ndarray,
     pressure: float,
     hinges: np.ndarray,
@@ -240,7 +242,7 @@ def wall_blocks(
         The block columns of each row.
     """
     blocks = np.zeros((len(column), 3, 3))
-    rows = len(free)
+    rows, bent = len(free), len(moments)
     for task in prange(_TASKS):
         table, at = np.full(rows, -1), np.empty(4, np.int64)
         for r in range(task * rows // _TASKS, (task + 1) * rows // _TASKS):
@@ -254,13 +256,15 @@ def wall_blocks(
                 for d in range(3):
                     j = place[F[t, d]]
                     at[d] = table[j] if j >= 0 else -1
-                _add_triangle(U, F, t, c, hats, areas[t], lame, mu, tensions[t], pressure, share, at, blocks)
+                _add_triangle(
+                    U, F, t, c, hats, areas[t], lame, mu, strains, tensions[t], pressure, share, at, blocks
+                )
             for e in range(hinge_start[i], hinge_start[i + 1]):
                 hinge, own = hinge_at[e] // 4, hinge_at[e] % 4
                 x, y, z = J[hinge, own, 0], J[hinge, own, 1], J[hinge, own, 2]
                 for f in range(q_start[hinge], q_start[hinge + 1]):
                     other, q = q_column[f], q_entry[f]
-                    for d in range(4):
+                    for d in range(4 if other < bent else 2):
                         j = place[hinges[other, d]]
                         if j < 0:
                             continue
@@ -270,7 +274,7 @@ def wall_blocks(
                             block[0, b] += x * w
                             block[1, b] += y * w
                             block[2, b] += z * w
-                moment = share * moments[hinge]
+                moment = share * moments[hinge] if hinge < bent else 0.0
                 if moment != 0.0:
                     for d in range(4):
                         j = place[hinges[hinge, d]]

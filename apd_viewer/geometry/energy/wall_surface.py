@@ -8,6 +8,17 @@ in plane stress: ``lambda = C nu / (1 - nu^2)`` and ``mu = C / (2 (1 + nu))``, w
 thickness. Turns may be large, stretches not: the wall is meant to be thin. It bends at its hinges, see
 :class:`Hinges`. The membrane has Young's modulus times thickness 4 per area, as the cells of Eq. 1, so that
 loads of all methods compare; the bending rigidity follows from the thickness.
+
+Over an arc of length l and curvature k the chord is shorter than the arc, ``l (1 - k^2 l^2 / 24)``. If all
+edges were alike, the flat triangles of a wall that bends would shrink evenly. Uneven edges shrink unevenly,
+for which triangles would have to stretch. So to the squared length of an edge that is longer than its
+neighbours is added by how much more it shrinks,
+
+    c l_0^4 k^2 / 12,        c = (1 - m^2 / l_0^2) / (1 + (l_0 / 60 t)^4),
+
+less the same at rest: l_0 is its length there, t the thickness, and m^2 the mean of the squared edges of its
+triangles and 3 % more. The curvature k along the edge follows from the angles of five hinges as slopes do.
+Where edges are long against the thickness a wall folds at single edges, and chords are right.
 """
 
 from dataclasses import replace
@@ -32,6 +43,10 @@ from apd_viewer.language import trn
 
 # Stiffness against translation, in bending rigidities over the fourth power of the mesh size.
 _SHIFT = 0.1
+# Squared length of an edge, in mean squares of the edges of its triangles, from which it counts as long.
+_EVEN = 1.03
+# Length of edges, in thicknesses, from which a wall folds at single ones.
+_FOLDS = 60.0
 # Triangles per parallel task.
 _PORTION = 512
 
@@ -66,11 +81,11 @@ class WallSurface(HeldSurface):
     ) -> None:
         super().__init__(rest, fixed, soft)
         self.material, self._thickness = material, material.thickness
-        self._found: tuple[float, np.ndarray] | None = None
-        self.stretching = Stretching(rest.V, rest.all_triangles, material.tensile_stiffness, material.poisson)
+        self._found: tuple[float, float, np.ndarray] | None = None
         unit = replace(material, thickness=1.0).plate_rigidity
         clamps = np.asarray(np.isin(rest.F, fixed).all(axis=1))
         self.hinges = Hinges(rest.V, rest.F, unit, material.poisson, clamps)
+        self.stretching = Stretching(rest.V, rest.all_triangles, self.hinges, material)
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]])
         self.rows = np.where(self.place < len(self.free), np.maximum(self.place, -1), -1)
         size = float(np.linalg.norm(np.ptp(rest.V, axis=0)))
@@ -109,31 +124,34 @@ class WallSurface(HeldSurface):
     @property
     def energy(self) -> float:
         """Energy of the current positions."""
-        E = self._energy_and_gradient[0]
+        stretched, bent, _ = self._energies_and_gradient
+        E = stretched + bent
         if len(self.soft.ids):
             away = self.U[self.soft.ids] - self._targets[len(self.fixed) :]
             E += 2.0 * parallel_ops.inner_product(self.spring_constants, (away * away).sum(axis=1))
         return E
 
     @property
-    def _energy_and_gradient(self) -> tuple[float, np.ndarray]:
+    def _energies_and_gradient(self) -> tuple[float, float, np.ndarray]:
         if self._found is None:
-            self._found = self._energy_and_gradient_at(self.U)
+            self._found = self._energies_and_gradient_at(self.U)
         return self._found
 
-    def _energy_and_gradient_at(self, U: np.ndarray) -> tuple[float, np.ndarray]:
-        E, g = self.stretching.energy_and_gradient(U)
+    def _energies_and_gradient_at(self, U: np.ndarray) -> tuple[float, float, np.ndarray]:
+        """Energies of stretching and of bending, and the gradient (n, 3) of both."""
         angles, J = angles_and_gradients(U, self.hinges.corners)
+        angles = self.hinges.nearest_to_rest(angles)
+        stretched, g, stretching_moments = self.stretching.energy_and_gradient(U, angles)
         bent, moments = self.hinges.moments(angles)
         square = self._thickness**2
-        g += self.hinges.gradient(square * moments, J)
-        return E + square * bent, g
+        g += self.hinges.gradient(square * moments + stretching_moments, J)
+        return stretched, square * bent, g
 
     @property
     def stretching_fraction(self) -> float:
         """Fraction of the energy of the current positions due to stretching, 0 to 1."""
-        E = self._energy_and_gradient[0]
-        return self.stretching.energy_and_gradient(self.U)[0] / E if E > 0.0 else 0.0
+        stretched, bent, _ = self._energies_and_gradient
+        return stretched / (stretched + bent) if stretched + bent > 0.0 else 0.0
 
     def attach_springs(self, targets: np.ndarray) -> None:
         """Attach springs to soft vertices, at ``targets`` (k + s, 3) after the held ones."""
@@ -142,11 +160,11 @@ class WallSurface(HeldSurface):
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
         self.attach_springs(targets)
-        return self._quarter_gradient(self.U, self._energy_and_gradient[1], targets)
+        return self._quarter_gradient(self.U, self._energies_and_gradient[2], targets)
 
     def residual_at(self, U: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """Residual at ``U`` (n, 3); the current positions are unchanged."""
-        return self._quarter_gradient(U, self._energy_and_gradient_at(U)[1], targets)
+        return self._quarter_gradient(U, self._energies_and_gradient_at(U)[2], targets)
 
     def _quarter_gradient(self, U: np.ndarray, g: np.ndarray, targets: np.ndarray) -> np.ndarray:
         residual = 0.25 * parallel_ops.gathered_rows(g, self.free)
@@ -158,16 +176,14 @@ class WallSurface(HeldSurface):
     @cached_property
     def couplings(self) -> sp.csr_array:
         """Nonzero pattern (f, f) of the Hessian."""
-        hinges, n = self.hinges, len(self.U)
-        count = np.arange(len(hinges.corners))
-        at = np.repeat(count, 4), hinges.corners.ravel()
-        of_vertices = sp.coo_array((np.ones(len(at[0]), np.float32), at), shape=(len(count), n)).tocsr()
+        hinges, flat, n = self.hinges, self.stretching, len(self.U)
         bent = np.ones(len(hinges.Q.data), np.float32), hinges.Q.indices, hinges.Q.indptr
         coupled = sp.csr_array(bent, shape=hinges.Q.shape)
-        F = self.rest.F
-        corners = np.repeat(F, 3, axis=1).ravel(), np.tile(F, 3).ravel()
-        flat = sp.coo_array((np.ones(len(corners[0]), np.float32), corners), shape=(n, n)).tocsr()
-        return (of_vertices.T @ coupled @ of_vertices + flat).tocsr()[self.free][:, self.free]
+        of_hinges = _incidence(hinges.corners, n)
+        of_arcs = (flat.arcs != 0.0).astype(np.float32) @ of_hinges
+        of_triangles = _incidence(self.rest.F, n) + _incidence(hinges.edge_of, len(hinges.edges)) @ of_arcs
+        pattern = of_hinges.T @ coupled @ of_hinges + of_triangles.T @ of_triangles
+        return pattern.tocsr()[self.free][:, self.free]
 
     def blocks(
         self, pattern: BlockPattern, tensions: np.ndarray, pressure: float, share: float
@@ -187,12 +203,17 @@ class WallSurface(HeldSurface):
         """
         flat, hinges, U = self.stretching, self.hinges, self.U
         angles, J = angles_and_gradients(U, hinges.corners)
-        square, patch = self._thickness**2, flat.patch
-        triangles = patch.F, patch.start, patch.corner, flat.hats, flat.areas, *flat.lame
-        bent = hinges.corners, *hinges.at_vertices, hinges.Q.indptr, hinges.Q.indices, square * hinges.Q.data
+        angles, square, patch = hinges.nearest_to_rest(angles), self._thickness**2, flat.patch
+        bent, mixed, strains, moments = flat.second_derivatives(U, angles, share)
+        moments += square * hinges.moments(angles)[1]
+        # Coordinates of the wall are the angles of its hinges, then the squared lengths of its edges.
+        M = sp.block_array([[square * hinges.Q + bent, mixed.T], [mixed, None]], format="csr")
+        corners = np.concatenate([hinges.corners, hinges.edges[:, [0, 1, 0, 0]]])
+        J = np.concatenate([J, flat.edge_gradients(U)])
+        triangles = patch.F, patch.start, patch.corner, flat.hats, flat.areas, *flat.lame, strains
+        inner = corners, *hinges.at_vertices, M.indptr, M.indices, M.data, J, moments
         rows = self.free, self.rows, pattern.start, pattern.column
-        moments = square * hinges.moments(angles)[1]
-        blocks = wall_blocks(U, *triangles, tensions, pressure, *bent, J, moments, share, *rows)
+        blocks = wall_blocks(U, *triangles, tensions, pressure, *inner, share, *rows)
         own = pattern.diagonal
         blocks[own] += self._diagonal[:, None, None] * np.eye(3)
         blocks *= 0.25
@@ -221,9 +242,9 @@ class Stretching:
         Rest positions.
     patch : Patch
         Needles do not count.
-    firmness : float
-        Young's modulus times thickness, energy per area.
-    poisson : float
+    hinges : Hinges
+    material : Material
+        With a thickness.
 
     Attributes
     ----------
@@ -232,18 +253,86 @@ class Stretching:
     areas : (m,) float array
     lame : tuple of float
         lambda and mu.
+    arcs : (e, h) csr_array
+        From the angles of the hinges to the square roots of what arcs add to the squared lengths of edges.
     """
 
-    def __init__(self, V: np.ndarray, patch: Patch, firmness: float, poisson: float) -> None:
-        self.patch = patch
+    def __init__(self, V: np.ndarray, patch: Patch, hinges: Hinges, material: Material) -> None:
+        self.patch, self._hinges = patch, hinges
         self.hats, self.areas = _plane_hats(V, patch.F, is_well_shaped(cotangents(V, patch.F)))
-        self.lame = firmness * poisson / (1.0 - poisson**2), firmness / (2.0 * (1.0 + poisson))
+        firm, poisson = material.tensile_stiffness, material.poisson
+        self.lame = lame, mu = firm * poisson / (1.0 - poisson**2), firm / (2.0 * (1.0 + poisson))
+        # Strains, and stresses times area, by the squared lengths of the edges.
+        (a, b), (c, d) = np.moveaxis(self.hats, 2, 0), np.moveaxis(self.hats[:, [1, 2, 0]], 2, 0)
+        self._strains = -0.5 * np.stack([a * c, b * d, 0.5 * (a * d + b * c)], axis=1)
+        law = np.diag([2.0 * mu, 2.0 * mu, 4.0 * mu])
+        law[:2, :2] += lame
+        firmness = np.einsum("t,tax,ab,tby->txy", self.areas, self._strains, law, self._strains)
+        at, count = hinges.edge_of, len(hinges.edges)
+        places = np.repeat(at, 3, axis=1).ravel(), np.tile(at, 3).ravel()
+        self._firmness = sp.coo_array((firmness.ravel(), places), shape=(count, count)).tocsr()
+        self.arcs = _arcs(V, hinges, material.thickness)
+        self._to_hinges = self.arcs.T.tocsr()
+        self._at_rest = (self.arcs @ hinges.rest) ** 2
 
-    def energy_and_gradient(self, U: np.ndarray) -> tuple[float, np.ndarray]:
-        """Energy at ``U`` (n, 3), and its gradient (n, 3)."""
-        patch = self.patch
-        energy, forces = _stresses(U, patch.F, self.hats, self.areas, *self.lame)
-        return energy, _corner_sums(patch.start, patch.corner, self.hats, forces)
+    def energy_and_gradient(self, U: np.ndarray, angles: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Energy at ``U`` (n, 3), gradient (n, 3) and derivatives by ``angles`` (h,)."""
+        patch, roots = self.patch, self.arcs @ angles
+        energy, forces, pulls = self._stressed(U, roots)
+        moments = self._to_hinges @ (2.0 * pulls * roots)
+        return energy, _corner_sums(patch.start, patch.corner, self.hats, forces), moments
+
+    def _stressed(self, U: np.ndarray, roots: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Energy, forces of :func:`_stresses`, and derivatives (e,) by squared lengths."""
+        at, triangles = self._hinges.edge_of, (self.patch.F, self.hats, self.areas, *self.lame)
+        energy, forces, pulls = _stresses(U, *triangles, at, self._strains, roots * roots - self._at_rest)
+        return energy, forces, np.bincount(at.ravel(), pulls.ravel(), minlength=len(roots))
+
+    def second_derivatives(
+        self, U: np.ndarray, angles: np.ndarray, share: float
+    ) -> tuple[sp.csr_array, sp.csr_array, np.ndarray, np.ndarray]:
+        """Second derivatives of the energy, so far as arcs cause them.
+
+        Those by pairs of angles (h, h) and by squared lengths and angles (e, h), with ``share`` of what may
+        not be positive, then strains (m, 3) of the arcs and derivatives (h,) by the angles.
+        """
+        roots = self.arcs @ angles
+        pulls = self._stressed(U, roots)[2]
+        lengthened = sp.diags_array(2.0 * roots) @ self.arcs
+        mixed = self._firmness @ lengthened
+        pulling = sp.diags_array(2.0 * np.where(pulls < 0.0, share * pulls, pulls))
+        bent = lengthened.T @ mixed + self._to_hinges @ (pulling @ self.arcs)
+        strains = np.einsum(
+            "tax,tx->ta", self._strains, (roots * roots - self._at_rest)[self._hinges.edge_of]
+        )
+        return bent, mixed, strains, self._to_hinges @ (2.0 * pulls * roots)
+
+    def edge_gradients(self, U: np.ndarray) -> np.ndarray:
+        """Gradients (e, 4, 3) of squared lengths by the ends; two of four are zero."""
+        edges = self._hinges.edges
+        out = np.zeros((len(edges), 4, 3))
+        out[:, 1] = 2.0 * (U[edges[:, 1]] - U[edges[:, 0]])
+        out[:, 0] = -out[:, 1]
+        return out
+
+
+def _arcs(V: np.ndarray, hinges: Hinges, thickness: float) -> sp.csr_array:
+    """See :class:`Stretching`."""
+    edges, at = hinges.edges, hinges.edge_of
+    squares = ((V[edges[:, 1]] - V[edges[:, 0]]) ** 2).sum(axis=1)
+    sums = np.bincount(at.ravel(), np.repeat(squares[at].sum(axis=1), 3), minlength=len(edges))
+    count = np.bincount(at.ravel(), minlength=len(edges))
+    mean = (sums - (count - 1.0) * squares) / (2.0 * count + 1.0)
+    share = np.maximum(squares - _EVEN * mean, 0.0) / (1.0 + (squares / (_FOLDS * thickness) ** 2) ** 2)
+    arcs = (sp.diags_array(np.sqrt(share / 12.0)) @ hinges.arc_angles).tocsr()
+    arcs.eliminate_zeros()
+    return arcs
+
+
+def _incidence(at: np.ndarray, count: int) -> sp.csr_array:
+    """Pattern (k, count) with the columns ``at`` (k, c) in the rows."""
+    rows = np.repeat(np.arange(len(at)), at.shape[1])
+    return sp.coo_array((np.ones(at.size, np.float32), (rows, at.ravel())), shape=(len(at), count)).tocsr()
 
 
 def _plane_hats(V: np.ndarray, F: np.ndarray, sound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -264,18 +353,30 @@ def _plane_hats(V: np.ndarray, F: np.ndarray, sound: np.ndarray) -> tuple[np.nda
 
 @parallel()
 def _stresses(
-    U: np.ndarray, F: np.ndarray, hats: np.ndarray, areas: np.ndarray, lame: float, mu: float
-) -> tuple[float, np.ndarray]:
-    """Energy, and area times ``D S`` of every triangle, S the stress, (m, 3, 2)."""
+    U: np.ndarray,
+    F: np.ndarray,
+    hats: np.ndarray,
+    areas: np.ndarray,
+    lame: float,
+    mu: float,
+    edge_of: np.ndarray,
+    strains: np.ndarray,
+    longer: np.ndarray,
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Energy, area times ``D S`` of every triangle (m, 3, 2), and derivatives (m, 3).
+
+    S is the stress. The derivatives are those by the squared lengths of the triangle's edges, which arcs make
+    ``longer`` (e,) by so much.
+    """
     count = (len(F) + _PORTION - 1) // _PORTION
-    energies, forces = np.zeros(count), np.empty((len(F), 3, 2))
+    energies, forces, pulls = np.zeros(count), np.empty((len(F), 3, 2)), np.zeros((len(F), 3))
     for portion in prange(count):
         own = 0.0
         for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
-            i, j, k = F[t, 0], F[t, 1], F[t, 2]
+            A, B, C = F[t, 0], F[t, 1], F[t, 2]
             D = forces[t]
             for a in range(3):
-                x, y = U[j, a] - U[i, a], U[k, a] - U[i, a]
+                x, y = U[B, a] - U[A, a], U[C, a] - U[A, a]
                 D[a, 0] = x * hats[t, 1, 0] + y * hats[t, 2, 0]
                 D[a, 1] = x * hats[t, 1, 1] + y * hats[t, 2, 1]
             area = areas[t]
@@ -284,14 +385,22 @@ def _stresses(
             e00 = 0.5 * (D[0, 0] * D[0, 0] + D[1, 0] * D[1, 0] + D[2, 0] * D[2, 0] - 1.0)
             e11 = 0.5 * (D[0, 1] * D[0, 1] + D[1, 1] * D[1, 1] + D[2, 1] * D[2, 1] - 1.0)
             e01 = 0.5 * (D[0, 0] * D[0, 1] + D[1, 0] * D[1, 1] + D[2, 0] * D[2, 1])
+            for k in range(3):
+                added = longer[edge_of[t, k]]
+                e00 += added * strains[t, 0, k]
+                e11 += added * strains[t, 1, k]
+                e01 += added * strains[t, 2, k]
             trace = e00 + e11
             own += area * (0.5 * lame * trace * trace + mu * (e00 * e00 + e11 * e11 + 2.0 * e01 * e01))
             s00, s11, s01 = lame * trace + 2.0 * mu * e00, lame * trace + 2.0 * mu * e11, 2.0 * mu * e01
+            for k in range(3):
+                stretch = s00 * strains[t, 0, k] + s11 * strains[t, 1, k]
+                pulls[t, k] = area * (stretch + 2.0 * s01 * strains[t, 2, k])
             for a in range(3):
                 x, y = D[a, 0], D[a, 1]
                 D[a, 0], D[a, 1] = area * (x * s00 + y * s01), area * (x * s01 + y * s11)
         energies[portion] = own
-    return sum_of_portions(energies), forces
+    return sum_of_portions(energies), forces, pulls
 
 
 @parallel()

@@ -67,6 +67,24 @@ def test_hinges_bend_like_a_plate_on_every_triangulation(mesh, curvatures):
     assert energy(hinges, bent(V, curvatures)) == pytest.approx(found.sum(), rel=1e-9)
 
 
+@pytest.mark.parametrize("curvatures", CURVATURES.values(), ids=CURVATURES)
+@pytest.mark.parametrize("mesh", MESHES)
+def test_hinges_tell_the_curvature_along_edges(mesh, curvatures):
+    """But for some at the rim with too few hinges around them, which are taken for straight."""
+    V, F = MESHES[mesh]
+    F = F.copy()
+    F[::3] = F[::3, ::-1]
+    hinges, size = Hinges(V, F, RIGIDITY, POISSON), 1e-4
+    A, B = V[hinges.edges[:, 0], :2], V[hinges.edges[:, 1], :2]
+    (a, b, c), (x, y) = curvatures, (B - A).T
+    expected = size * np.abs(a * x * x + b * y * y + 2 * c * x * y) / np.hypot(x, y)
+    found = np.abs(hinges.arc_angles @ angles_and_gradients(bent(V, curvatures, size), hinges.corners)[0])
+    right = np.abs(found - expected) < 1e-3 * expected.max()
+    has_hinge = np.arange(len(right)) < len(hinges.corners)
+    assert right[has_hinge & ((np.abs(0.5 * (A + B) - 0.5) < 0.4).all(axis=1) | (found > 0.0))].all()
+    assert right[~has_hinge].mean() > 0.5
+
+
 @pytest.mark.parametrize("mixed", [False, True], ids=["wound alike", "wound differently"])
 def test_hinges_bend_from_the_edge_of_a_clamp(mixed):
     """Its curvature ends at once where a wall is held flat."""
