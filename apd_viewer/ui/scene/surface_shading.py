@@ -235,12 +235,11 @@ def shade(
         code = _INSIDE + code
     textured = actor.GetTexture() is not None
     drawn = actor.GetMapper().GetInput()
-    sharp = drawn is not None and drawn.GetNumberOfPoints() <= MOST_SHARP
-    code = (
-        (_SHARP if sharp else _BLENDED)
-        + (_HEAT if color_map is not None else _TEXTURE if textured else _PAINT)
-        + code
-    )
+    is_painted = drawn is not None and drawn.GetPointData().HasArray("paintClass")
+    sharp = is_painted and drawn.GetNumberOfPoints() <= MOST_SHARP
+    if is_painted:
+        over = _HEAT if color_map is not None else _TEXTURE if textured else _PAINT
+        code = (_SHARP if sharp else _BLENDED) + over + code
     code = _SHARE.sub(_SHARE_CODE, code)
     values = {
         "COLORS": "" if color_map is None else color_map.glsl("place"),
@@ -416,9 +415,7 @@ SOFTWARE_RENDERERS = (
 )
 MULTISAMPLES = 8  # samples on a GPU; a software renderer needs as long for each sample as for a frame
 IDLE_DELAY = 200  # ms without a draw before a software renderer redraws with smooth edges
-SOFTWARE_FRAME_PAUSE = (
-    0.1  # s between frames of the solver, from which a software renderer takes the processor
-)
+SOFTWARE_FRAME_PAUSE = 0.1  # s between frames of the solver, to leave the processor to it
 
 
 class Antialiasing:
