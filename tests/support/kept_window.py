@@ -100,6 +100,7 @@ class KeptWindow:
     def opened(self, qtbot):
         """The window, active and without a mesh; its view may still show the last one."""
         if self._window is None:
+            self._settings.clear()  # whatever the last window left: it begins as a new user's
             self._window = window = open_window(qtbot, self._settings)
             self._layout, self._size = window.shell.saveState(), window.shell.size()
             checkable = (*window.shell.findChildren(QAbstractButton), *window.shell.findChildren(QAction))
