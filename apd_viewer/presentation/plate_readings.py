@@ -66,7 +66,7 @@ def _bend(state: State, unit: Unit, yield_radius: float | None) -> ReadingText:
         return ReadingText(tr("Tightest bend"), readings.NO_VALUE, "", tip)
     note = ""
     if yield_radius is not None:
-        crease = unit.format_length(format_length(yield_radius, size))
+        crease = unit.format_length(format_significant(yield_radius, 3))
         note = tr("creases below {radius}").format(radius=crease)
     return ReadingText(tr("Tightest bend"), unit.format_length(format_length(radius, size)), note, tip)
 

@@ -183,7 +183,7 @@ def _go_back(recorder: Recorder) -> None:
     slider = recorder.stage.window.press.panel.slider
     last = slider.maximum()
     recorder.say("Go back to any step")
-    places = [QPointF(slider.x_of(k), slider.height() / 2) for k in (last, round(0.1 * last), last)]
+    places = [QPointF(slider.knob_position(k), slider.height() / 2) for k in (last, round(0.1 * last), last)]
     recorder.glide(places[0], 0.8, widget=slider)
     recorder.slide(slider, places, 1.7)
     recorder.hold(0.3)

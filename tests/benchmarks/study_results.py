@@ -108,8 +108,8 @@ def main():
 
         for name in ("energy", "seconds"):
             gaps.measure(f"plot over {name}", partial(choose, name), lambda: drawn)
-        gaps.measure("choose a row", lambda: table.choose([count // 2]))
-        gaps.measure("choose another row", lambda: table.choose([count // 3]))
+        gaps.measure("choose a row", lambda: table.choose_rows([count // 2]))
+        gaps.measure("choose another row", lambda: table.choose_rows([count // 3]))
         gaps.measure("choose all rows", table.selectAll)
         gaps.measure("sort with all of them chosen", partial(sort, "energy", order.DescendingOrder))
         gaps.measure("Ctrl and a click on a dot", lambda: view.dot_picked.emit(count // 2, True))

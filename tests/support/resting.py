@@ -216,7 +216,7 @@ def _docks(window, folder):
     while not panel.model.rows and time.monotonic() < end:
         QApplication.processEvents()
         time.sleep(0.002)
-    panel.table.choose([1, 2])
+    panel.table.choose_rows([1, 2])
     yield "dock study"
     for name in ("history", "plots"):
         window.docks[name].show()

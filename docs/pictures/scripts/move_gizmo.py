@@ -22,7 +22,7 @@ def draw(stage: Stage) -> QImage:
     stage.callout("Arrow: move along an axis", spot(frame.arrow(1)[2]), (150, -12))
     stage.callout("Square: move in a plane", spot(frame.square(2).mean(axis=0)), (185, 45))
     stage.callout("Ring: rotate", spot(frame.ring(1)[0][52]), (-110, 35))
-    stage.callout("Corner: scale", spot(frame.corner), (120, 0))
+    stage.callout("Corner: scale", spot(frame.scale_corner), (120, 0))
     stage.callout("Dot: move in the plane\nof the view", spot(frame.screen_centre), (-175, -70))
     stage.callout("Patch: drag it itself", stage.at(stage.near((0.9, 18.9, 1.3))), (165, 60))
     middle = stage.place(spot(frame.screen_centre))

@@ -34,7 +34,7 @@ def draw(stage: Stage) -> QImage:
     stage.wait(lambda: len(panel.model.rows) == count)
     stage.pause(300)
     least = _by_volume(panel.model.rows)[:_CHOSEN]
-    panel.table.choose(least)
+    panel.table.choose_rows(least)
     stage.window.case_studies._open_case(least[0])
     stage.settle()
     stage.window.canvas.frame_mesh()

@@ -1,6 +1,7 @@
 """The unit of length: chosen where sizes are read, used wherever one is written, remembered by file."""
 
 import re
+from functools import partial
 
 import meshes
 import numpy as np
@@ -209,7 +210,8 @@ def test_unit_button_marks_a_guess_until_it_is_confirmed(qtbot, window, files, s
     assert panel.area.area.text().endswith("cm²?")
     assert window.status.extent.toolTip().split(" at rest")[0].endswith("cm?")
     menu = button.menu()
-    QTimer.singleShot(100, lambda: qtbot.keyClick(menu, Qt.Key.Key_Return))
+    press = partial(qtbot.keyClick, menu, Qt.Key.Key_Return)
+    menu.aboutToShow.connect(lambda: QTimer.singleShot(100, press))  # once it is on the screen
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert (button.text(), panel.unit) == ("cm", CM)
     assert "guess" not in button.toolTip()

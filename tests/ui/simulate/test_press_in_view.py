@@ -234,7 +234,7 @@ def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch)
     assert factor > 2.0
     assert reading(window, "Load")[1] == f"up to {factor:.2g} times too low"
     # A wall of 0.3 mm that yields at 1.75 % does so below 0.3 mm / (2 * 0.0175) = 8.57 mm.
-    assert reading(window, "Tightest bend")[1] == "creases below 0.8571\u00a0cm"
+    assert reading(window, "Tightest bend")[1] == "creases below 0.857\u00a0cm"
 
 
 def test_press_in_view_reads_newtons_of_the_method_wall_as_thick_as_it_is(window):
