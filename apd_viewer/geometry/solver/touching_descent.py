@@ -144,7 +144,7 @@ class TouchingDescent:
         0 with held vertices, which balance the loads.
         """
         contact = self._surface.contact
-        if self._is_held or not contact.obstacles:
+        if len(self._surface.elastic_surface.fixed) or not contact.obstacles:
             return 0.0
         contact.quarter_gradient(self.U)
         total = float(np.linalg.norm(contact.loads, axis=1).sum())
@@ -154,14 +154,7 @@ class TouchingDescent:
     def convergence_ratio(self) -> float | None:
         """Energy gain of the last steps in multiples of the tolerance; None at first."""
         E = self._energies
-        if len(E) <= _WINDOW:
-            return None
-        least = self.tolerance * float(E[-1])
-        return float(E[0] - E[-1]) / (least if self._is_held else self._surface.free_tolerance * least)
-
-    @property
-    def _is_held(self) -> bool:
-        return len(self._surface.elastic_surface.fixed) > 0
+        return float(E[0] - E[-1]) / (self.tolerance * float(E[-1])) if len(E) > _WINDOW else None
 
     def follow_path(self, path: HeldPath, fraction: float) -> None:
         """Follow ``path`` from ``fraction``, the part that held vertices have completed."""

@@ -52,12 +52,10 @@ class TouchingSurface(ABC):
         Whether a new path continues at the pace of the last one, since a drag is faster than the steps.
     most_imbalance : float
         Largest imbalance at rest of the loads on a mesh without held vertices.
-    free_tolerance : float
-        Tolerance of such a mesh, relative to that of others.
     """
 
     longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False
-    most_imbalance, free_tolerance = 2e-3, 1.0
+    most_imbalance = 2e-3
 
     def __init__(
         self, elastic_surface: HeldSurface, contact: Contact, gas: EnclosedGas | None = None

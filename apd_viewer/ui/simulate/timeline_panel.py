@@ -86,11 +86,11 @@ class TimelinePanel(QWidget):
         self.calm, self.warning = quiet_label(name), quiet_label(name, style="unreached")
         self._grid = QGridLayout(horizontalSpacing=12, verticalSpacing=2)
         self.reading_rows: list[tuple[QLabel, QLabel, QLabel]] = []
-        left = QWidget()
-        left.setFixedWidth(286)
-        column_layout(self.calm, self.warning, 4, self._grid, STRETCH, parent=left)
+        self._left = QWidget()
+        self._left.setFixedWidth(286)
+        column_layout(self.calm, self.warning, 4, self._grid, STRETCH, parent=self._left)
         views = [(view, 1) for view in self._chart_views]
-        lower = row_layout(left, *views, spacing=12)
+        lower = row_layout(self._left, *views, spacing=12)
         column = column_layout(
             self.controls, transport, (lower, 1), spacing=6, margins=(12, 6, 12, 8), parent=self
         )
@@ -289,6 +289,8 @@ class TimelinePanel(QWidget):
                 label.setToolTip(text.tip)
             value.setAccessibleName(text.title)
             note.setAccessibleName(tr("{title}, note").format(title=text.title))
+        # It only grows, so that the charts do not move with every number.
+        self._left.setFixedWidth(max(self._left.minimumWidth(), self._grid.minimumSize().width()))
         for label in (self.calm, self.warning):
             label.setText(verdict)
             label.setVisible(is_calm is (label is self.calm))
