@@ -7,7 +7,7 @@ from itertools import zip_longest
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation.plate_readings import ReadingText
@@ -87,7 +87,8 @@ class TimelinePanel(QWidget):
         self._grid = QGridLayout(horizontalSpacing=12, verticalSpacing=2)
         self.reading_rows: list[tuple[QLabel, QLabel, QLabel]] = []
         self._left = QWidget()
-        self._left.setFixedWidth(286)
+        self._left.setMinimumWidth(286)
+        self._left.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         column_layout(self.calm, self.warning, 4, self._grid, STRETCH, parent=self._left)
         views = [(view, 1) for view in self._chart_views]
         lower = row_layout(self._left, *views, spacing=12)
@@ -290,7 +291,7 @@ class TimelinePanel(QWidget):
             value.setAccessibleName(text.title)
             note.setAccessibleName(tr("{title}, note").format(title=text.title))
         # It only grows, so that the charts do not move with every number.
-        self._left.setFixedWidth(max(self._left.minimumWidth(), self._grid.minimumSize().width()))
+        self._left.setMinimumWidth(max(self._left.minimumWidth(), self._left.width()))
         for label in (self.calm, self.warning):
             label.setText(verdict)
             label.setVisible(is_calm is (label is self.calm))
