@@ -104,6 +104,8 @@ class KeptWindow:
             self._window = window = open_window(qtbot, self._settings)
             self._layout, self._size = window.shell.saveState(), window.shell.size()
             checkable = (*window.shell.findChildren(QAbstractButton), *window.shell.findChildren(QAction))
+            drawn = window.canvas.viewport.renderer
+            self._background = drawn.GetBackground(), drawn.GetBackground2(), drawn.GetGradientBackground()
             self._checked = {each: each.isChecked() for each in checkable if each.isCheckable()}
         self._window.shell.setUpdatesEnabled(True)
         activate(qtbot, self._window)
@@ -180,6 +182,10 @@ class KeptWindow:
             window.display_options.cutting_plane.slider.maximum() // 2
         )
         window.actions_.file.fill_recent(())
+        bottom, top, has_gradient = self._background
+        window.canvas.viewport.renderer.SetBackground(bottom)
+        window.canvas.viewport.renderer.SetBackground2(top)
+        window.canvas.viewport.renderer.SetGradientBackground(has_gradient)
         window.canvas.brush.size.radius = DEFAULT_RADIUS
         window.panel.obstacles.fields.along.setCurrentIndex(0)
         shell.showNormal()

@@ -15,9 +15,11 @@ MODIFIERS = "Alt+", "Alt+Shift+", "Ctrl+Alt+"
 
 
 def words(window):
-    """All that the window says, but for the rows of the sheet, which are made when it is opened."""
+    """All that the window says, but for dialogs opened before, whose F1 is no action of the window."""
     said = []
     for widget in window.shell.findChildren(QWidget):
+        if widget.window() is not window.shell:
+            continue
         said += [widget.toolTip(), widget.text() if isinstance(widget, QLabel | QAbstractButton) else ""]
     return [text for text in said if text]
 
