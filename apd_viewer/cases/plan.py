@@ -96,7 +96,8 @@ def _settings(cells: Mapping[str, str]) -> dict[str, CaseSetting]:
     for name in ("thickness", "yield_radius", "gas"):
         if name in found and not found.get("contact", "session" in cells):
             raise InputError(tr("“{name}” is for walls in contact; set “contact” to yes.").format(name=name))
-    if "yield_radius" in found and not found.get("stiffness", "session" in cells):
+    resists_bending = METHODS[method].is_wall or found.get("stiffness", "session" in cells)
+    if "yield_radius" in found and not resists_bending:
         raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))
     return found
 

@@ -199,7 +199,7 @@ def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
     if options.young and not options.stiffness and not is_thin:
         raise InputError(tr("Newtons need walls that resist bending; add --method wall."))
     # Walls without bending stiffness keep no creases, whatever their material.
-    keeps_creases = options.yield_radius or (options.stiffness and not is_thin)
+    keeps_creases = options.yield_radius or options.stiffness or is_thin
     return wall if keeps_creases else replace(wall, yield_radius=None)
 
 

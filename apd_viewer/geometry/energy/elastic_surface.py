@@ -66,6 +66,8 @@ class ElasticSurface(HeldSurface):
         Metric of :meth:`solve`: ``factor``, or the factor of another positive definite matrix.
     """
 
+    creases: PlasticBending | None = None
+
     def __init__(
         self,
         rest: SolveMesh,

@@ -6,6 +6,7 @@ import numpy as np
 
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.plastic_bending import PlasticBending
+from apd_viewer.geometry.energy.plastic_hinges import PlasticHinges
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
@@ -34,12 +35,12 @@ class HeldSurface(ABC):
     spring_constants : (s,) float array
         Of the springs of ``soft``.
     material : Material
-    creases : PlasticBending or None
+    creases : PlasticBending or PlasticHinges or None
         Plastic creases; None for a material that does not yield.
     """
 
     material: Material
-    creases: PlasticBending | None = None
+    creases: PlasticBending | PlasticHinges | None = None
 
     def __init__(
         self, rest: SolveMesh, fixed: np.ndarray, soft: SoftConstraints = NO_SOFT_CONSTRAINTS

@@ -55,6 +55,10 @@ class Hinges:
     corners : (h, 4) int array
         The edge of each hinge, then the opposite corners of its two triangles, the one on the left first.
     Q : (h, h) csr_array
+    slopes : (3 m, h) csr_array
+        From the angles of the hinges to the slopes across the triangles' edges.
+    stiffness : (3 m, 3 m) csr_array
+        Second derivatives of the triangles' energies in the slopes.
     others : (o, 2) int array
         Edges with more than two triangles, which have no hinge.
     edges : (e, 2) int array
@@ -79,13 +83,13 @@ class Hinges:
         topology = _HingeTopology(F, len(V))
         self.corners, self.others = topology.corners, topology.others
         near = _stencils(V, topology, clamps)
-        self._slopes = slopes = _slope_matrix(F, topology, clamps, near)
+        self.slopes = slopes = _slope_matrix(F, topology, clamps, near)
         self.edges, self.edge_of = topology.edges, topology.edge_of
         self.arc_angles = _arc_angles(V, F, topology, clamps, near, slopes)
-        self._stiffness = _triangle_stiffness(
+        self.stiffness = _triangle_stiffness(
             V, F, topology.hinge < 0, np.where(clamps, 0.0, rigidity), poisson
         )
-        Q = (slopes.T @ self._stiffness @ slopes).tocsr()
+        Q = (slopes.T @ self.stiffness @ slopes).tocsr()
         Q.sum_duplicates()
         Q.data[np.abs(Q.data) < _ROUNDING * rigidity] = 0.0
         Q.eliminate_zeros()
@@ -115,11 +119,16 @@ class Hinges:
 
         Rotations from rest are taken modulo full turns, at most half a turn.
         """
-        turned = self._turned(angles)
+        turned = self.turned(angles)
         moments = self.Q @ turned
         return 0.5 * parallel_ops.inner_product(turned, moments), moments
 
-    def _turned(self, angles: np.ndarray) -> np.ndarray:
+    def stiffness_at(self, _: np.ndarray) -> sp.csr_array:
+        """Matrix (h, h) for steps from the angles (h,), with the nonzeros of Q."""
+        return self.Q
+
+    def turned(self, angles: np.ndarray) -> np.ndarray:
+        """Rotations (h,) from rest to the ``angles`` (h,), at most half a turn."""
         turned = angles - self.rest
         if np.abs(turned).max(initial=0.0) > np.pi:
             turned -= 2.0 * np.pi * np.round(turned / (2.0 * np.pi))
@@ -127,12 +136,12 @@ class Hinges:
 
     def nearest_to_rest(self, angles: np.ndarray) -> np.ndarray:
         """The ``angles`` (h,) plus full turns, nearest to those at rest."""
-        return self.rest + self._turned(angles)
+        return self.rest + self.turned(angles)
 
     def triangle_energies(self, angles: np.ndarray) -> np.ndarray:
         """Energies (m,) of the triangles, with the total energy as their sum."""
-        slopes = self._slopes @ self._turned(angles)
-        return 0.5 * (slopes * (self._stiffness @ slopes)).reshape(-1, 3).sum(axis=1)
+        slopes = self.slopes @ self.turned(angles)
+        return 0.5 * (slopes * (self.stiffness @ slopes)).reshape(-1, 3).sum(axis=1)
 
     def gradient(self, moments: np.ndarray, J: np.ndarray) -> np.ndarray:
         """Gradient (n, 3) of the energy, for gradients ``J`` (h, 4, 3) of the angles."""

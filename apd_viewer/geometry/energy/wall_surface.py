@@ -31,6 +31,7 @@ from numba import prange
 from apd_viewer.geometry.energy.held_surface import HeldSurface
 from apd_viewer.geometry.energy.hinges import Hinges, angles_and_gradients
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.plastic_hinges import PlasticHinges
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.energy.wall_hessian import wall_blocks
 from apd_viewer.geometry.linalg import parallel_ops
@@ -68,9 +69,13 @@ class WallSurface(HeldSurface):
     stretching : Stretching
     hinges : Hinges
         Of a wall as thick as 1.
+    creases : PlasticHinges or None
+        The hinges, if they yield.
     rows : (n,) int array
         Row of every vertex in the Hessian; -1 for those that are not free.
     """
+
+    creases: PlasticHinges | None = None
 
     def __init__(
         self,
@@ -84,7 +89,10 @@ class WallSurface(HeldSurface):
         self._found: tuple[float, float, np.ndarray] | None = None
         unit = replace(material, thickness=1.0).plate_rigidity
         clamps = np.asarray(np.isin(rest.F, fixed).all(axis=1))
-        self.hinges = Hinges(rest.V, rest.F, unit, material.poisson, clamps)
+        shape = rest.V, rest.F, unit, material.poisson, clamps
+        self.hinges: Hinges = Hinges(*shape)
+        if material.yield_curvature < np.inf:
+            self.hinges = self.creases = PlasticHinges(*shape, material.yield_curvature)
         self.stretching = Stretching(rest.V, rest.all_triangles, self.hinges, material)
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]])
         self.rows = np.where(self.place < len(self.free), np.maximum(self.place, -1), -1)
@@ -120,6 +128,12 @@ class WallSurface(HeldSurface):
         """Make ``U`` (n, 3) current; return its energy."""
         self.restart(U)
         return self.energy
+
+    def commit_creases(self) -> None:
+        """Make the plastic flow at the current positions permanent."""
+        if self.creases:
+            self.creases.commit_flow(angles_and_gradients(self.U, self.hinges.corners)[0])
+            self._found = None
 
     @property
     def energy(self) -> float:
@@ -207,7 +221,9 @@ class WallSurface(HeldSurface):
         bent, mixed, strains, moments = flat.second_derivatives(U, angles, share)
         moments += square * hinges.moments(angles)[1]
         # Coordinates of the wall are the angles of its hinges, then the squared lengths of its edges.
-        M = sp.block_array([[square * hinges.Q + bent, mixed.T], [mixed, None]], format="csr")
+        M = sp.block_array(
+            [[square * hinges.stiffness_at(angles) + bent, mixed.T], [mixed, None]], format="csr"
+        )
         corners = np.concatenate([hinges.corners, hinges.edges[:, [0, 1, 0, 0]]])
         J = np.concatenate([J, flat.edge_gradients(U)])
         triangles = patch.F, patch.start, patch.corner, flat.hats, flat.areas, *flat.lame, strains

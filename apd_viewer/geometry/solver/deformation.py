@@ -119,7 +119,7 @@ class Deformation:
         surface slides, but does not rotate as a whole.
     yield_radius : float, optional
         Walls bent from flat to a smaller radius, mesh units, keep a crease; by default they are elastic.
-        Needs contact and stiffness. Creases become permanent once a shape has settled.
+        Needs contact, and stiffness or the method "wall". Creases become permanent once a shape has settled.
     gas : float, optional
         Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at constant
         temperature, at the outside pressure at rest. Openings are capped. By default there is no gas. Needs
@@ -190,9 +190,7 @@ class Deformation:
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = soft_solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
-        if self._traits.is_wall and yield_radius is not None:
-            raise InputError(tr("The method Wall keeps no creases; omit the yield radius."))
-        thin = wall_material(rest.diagonal, wall_thickness, poisson)
+        thin = wall_material(rest.diagonal, wall_thickness, poisson, yield_radius)
         if len(held) and np.isin(rest.solve_mesh.component, rest.solve_mesh.component[held]).sum() == len(
             held
         ):

@@ -226,6 +226,8 @@ def method_material(
     if yield_radius is None:
         return material
     check_argument("yield_radius", yield_radius)
+    if method.is_wall:
+        return material
     if not stiffness:
         raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))
     return replace(material, yield_curvature=1.0 / yield_radius)
@@ -246,7 +248,9 @@ def check_wall_size(vertices: int) -> None:
         )
 
 
-def wall_material(diagonal: float, thickness: float | None, poisson: float) -> Material:
+def wall_material(
+    diagonal: float, thickness: float | None, poisson: float, yield_radius: float | None = None
+) -> Material:
     """Material of a thin elastic wall; raises InputError unless it is thin.
 
     Parameters
@@ -256,6 +260,8 @@ def wall_material(diagonal: float, thickness: float | None, poisson: float) -> M
     thickness : float or None
         Mesh units; None for a thousandth of the diagonal.
     poisson : float
+    yield_radius : float, optional
+        Mesh units; by default the wall is elastic.
     """
     check_argument("poisson", poisson)
     if thickness is None:
@@ -273,4 +279,5 @@ def wall_material(diagonal: float, thickness: float | None, poisson: float) -> M
                 least=_THINNEST * diagonal
             )
         )
-    return Material(thickness=float(thickness), poisson=float(poisson))
+    curvature = np.inf if yield_radius is None else 1.0 / yield_radius
+    return Material(thickness=float(thickness), poisson=float(poisson), yield_curvature=curvature)

@@ -225,7 +225,9 @@ class Settings:
         tr("Yield radius"),
         tr("walls in contact bent to less than this radius keep a crease, in mesh units; default: none"),
         tr("Change yield radius"),
-        applies=lambda settings: settings.uses_contact and settings.effective_stiffness > 0.0,
+        applies=lambda settings: (
+            settings.uses_contact and (settings.traits.is_wall or settings.effective_stiffness > 0.0)
+        ),
     )
     gas: float | None = _setting(
         None,

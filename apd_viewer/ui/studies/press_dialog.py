@@ -267,7 +267,6 @@ class PressDialog(RunDialog):
         apart = text.contact_distance(self._unit) or (
             None if text.material else self._document.settings.thickness
         )
-        creased = "" if METHODS[self.method.currentData()].is_wall else text.yield_radius
         said = {
             "--unit": self._unit.symbol,
             "--material": text.words[-1],
@@ -275,7 +274,7 @@ class PressDialog(RunDialog):
             "--density": text.density and _number_text(wall.density),
             "--young": text.young.strip(),
             "--poisson": text.poisson.strip() if text.young else "",
-            "--yield-radius": creased and _number_text(wall.yield_radius),
+            "--yield-radius": text.yield_radius and _number_text(wall.yield_radius),
             "--gas": _AIR if self.air.isChecked() else "",
         }
         return {option: word for option, word in said.items() if word}

@@ -1,0 +1,116 @@
+"""Hinges that yield: energy by the closed form, forces, flow, and a ring that only yields."""
+
+import numpy as np
+import pytest
+from meshes import grid, moved, rotation, tube
+
+from apd_viewer import press
+from apd_viewer.geometry.energy.hinges import Hinges, angles_and_gradients
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.plastic_hinges import PlasticHinges
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.energy.wall_surface import WallSurface
+from apd_viewer.verification.press_cases import hinged_load
+
+RIGIDITY, POISSON, YIELD = 2.5, 0.3, 0.5
+V, F = tube(12, 8, height=3.0, shear=0.6)
+
+
+def angles_at(hinges, U):
+    return angles_and_gradients(U, hinges.corners)[0]
+
+
+def shaken(amount, seed):
+    return V + amount * np.random.default_rng(seed).normal(size=V.shape)
+
+
+@pytest.mark.parametrize("curvature", [0.3, 0.8, 2.0])
+def test_plastic_hinges_take_the_energy_of_a_plate_that_yields(curvature):
+    """On a cylinder, along which nothing curls: up to the yield curvature elastic, above linear."""
+    X, triangles = grid(60, 12, 1 / 60, 1 / 12)
+    U = (
+        np.column_stack([np.sin(curvature * X[:, 0]), curvature * X[:, 1], np.cos(curvature * X[:, 0])])
+        / curvature
+    )
+    hinges = PlasticHinges(X, triangles, RIGIDITY, 0.0, yield_curvature=YIELD)
+    stored = min(curvature, YIELD)
+    expected = RIGIDITY * stored * (curvature - 0.5 * stored)
+    assert hinges.moments(angles_at(hinges, U))[0] == pytest.approx(expected, rel=0.02)
+
+
+def test_plastic_hinges_are_hinges_below_the_yield_curvature():
+    plain = Hinges(V, F, RIGIDITY, POISSON)
+    yielding = PlasticHinges(V, F, RIGIDITY, POISSON, yield_curvature=1e6)
+    angles = angles_at(plain, shaken(0.05, 1))
+    (E, moments), (E_yielding, yielding_moments) = plain.moments(angles), yielding.moments(angles)
+    assert E_yielding == pytest.approx(E, rel=1e-12)
+    assert yielding_moments == pytest.approx(moments, abs=1e-12 * np.abs(moments).max())
+    assert yielding.stiffness_at(angles) is yielding.Q
+
+
+def test_plastic_hinges_matrix_bounds_the_energy_from_above():
+    """The matrix of a step is that of a quadratic that touches the energy, and is nowhere below it."""
+    hinges = PlasticHinges(V, F, RIGIDITY, POISSON, yield_curvature=YIELD)
+    rng, angles = np.random.default_rng(2), angles_at(hinges, shaken(0.1, 2))
+    E, moments = hinges.moments(angles)
+    matrix = hinges.stiffness_at(angles)
+    assert (np.abs(matrix - hinges.Q) > 0.0).nnz > 0
+    for size in (1e-3, 0.1, 1.0):
+        way = size * rng.normal(size=len(angles))
+        above = E + moments @ way + 0.5 * way @ (matrix @ way)
+        assert hinges.moments(angles + way)[0] <= above + 1e-9 * E
+
+
+@pytest.mark.parametrize("flowed", [False, True])
+def test_plastic_hinges_moments_are_the_slope_of_the_energy(flowed):
+    wall = WallSurface(
+        SolveMesh(V, F), np.array([0, 5]), Material(thickness=0.05, poisson=POISSON, yield_curvature=YIELD)
+    )
+    if flowed:
+        wall.restart(shaken(0.05, 3))
+        E = wall.energy
+        wall.commit_creases()
+        assert wall.energy == pytest.approx(E, rel=1e-12)
+        assert wall.creases.dissipated_energy > 0.0
+    U, step = shaken(0.05, 4), 1e-6
+    way = np.random.default_rng(5).normal(size=V.shape)
+    way[[0, 5]] = 0.0
+    there, back = (wall.energy_after_local_step(U + sign * step * way) for sign in (1, -1))
+    wall.restart(U)
+    slope = 4.0 * float((wall.residual(U[[0, 5]]) * way[wall.free]).sum())
+    assert (there - back) / (2 * step) == pytest.approx(slope, rel=1e-5)
+    turned = moved(U, rotation([1, 2, 3], 1.2), [3, -2, 1])
+    assert wall.energy_after_local_step(turned) == pytest.approx(wall.energy_after_local_step(U), rel=1e-9)
+
+
+def test_plastic_hinges_remember_where_they_flowed():
+    """At the shape of the flow a wall is at its yield moment; without flow again, as new."""
+    hinges = PlasticHinges(V, F, RIGIDITY, POISSON, yield_curvature=YIELD)
+    angles = angles_at(hinges, shaken(0.1, 6))
+    E, moments = hinges.moments(angles)
+    hinges.commit_flow(angles)
+    E_after, moments_after = hinges.moments(angles)
+    assert E_after == pytest.approx(E, rel=1e-12)
+    assert moments_after == pytest.approx(moments, abs=1e-12 * np.abs(moments).max())
+    assert np.abs(hinges.moments(hinges.rest)[1]).max() > 0.0
+    hinges.clear_flow()
+    assert hinges.moments(hinges.rest)[0] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("shear", [0.25, 0.5])
+def test_wall_presses_a_plastic_ring_by_the_load_of_theory(shear):
+    """Four hinges form, and between them it is nearly rigid [DeRuntz & Hodge 1963]."""
+    X, triangles = tube(192, 4, height=0.125, shear=shear)
+    radius, thickness = 8.0, 0.02
+    found = press(
+        *(X, triangles, (1, 0, 0), 0.8, 6),
+        method="wall",
+        wall_thickness=thickness,
+        poisson=0.0,
+        yield_radius=radius,
+    )
+    moment = Material(thickness=thickness).plate_rigidity / radius * np.ptp(X[:, 2])
+    for step in found.steps[2::2]:
+        assert step.settled
+        load = 0.5 * (step.load_low + step.load_high)
+        assert load / moment == pytest.approx(hinged_load(step.deflection / 2.0), rel=0.03)
