@@ -37,7 +37,7 @@ from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.named_obstacle import geometric_obstacles
 from apd_viewer.session.model.state import initial_document
-from apd_viewer.session.posing.motion_path import document_along, motion_paths
+from apd_viewer.session.posing.motion_path import document_along_paths, motion_paths
 from apd_viewer.session.storage.part_json import read_obstacles
 
 # Left out: hold_area, implied by an area target, and contact, whose default depends on the mesh size.
@@ -153,7 +153,7 @@ def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection)
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
     document = with_selection(initial_document(mesh), selection)
     paths = motion_paths(document, motion_from(options, document, mesh.unit))
-    ended = document_along(document, paths)
+    ended = document_along_paths(document, paths)
     ways = [[handle.pose for handle in each.handles] for each in (*intermediate_documents(ended), ended)]
     if options.iterations is not None and len(ways) > 1:
         raise InputError(tr("With --iterations handles turn at most half a turn; enter less, or omit it."))

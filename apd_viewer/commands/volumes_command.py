@@ -10,7 +10,7 @@ from typing import Any
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import naming_unit_option
+from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import hull_fields
@@ -47,7 +47,7 @@ def volumes_parser() -> Parser:
     return parser
 
 
-@naming_unit_option()
+@unit_option_in_errors()
 def _volumes(options: argparse.Namespace) -> None:
     mesh = open_mesh(options.mesh)
     unit = Unit(options.unit or mesh.unit)
@@ -168,5 +168,5 @@ def _published_figures() -> dict[str, list[dict[str, Any]]]:
             {name: None if value == math.inf else value for name, value in figure._asdict().items()}
             for figure in figures
         ]
-        for quantity, figures in volume_text.PUBLISHED_FIGURES.items()
+        for quantity, figures in volume_text.PUBLISHED_VOLUMES.items()
     }

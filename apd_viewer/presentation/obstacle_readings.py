@@ -32,8 +32,8 @@ _ESTIMATED = 2  # digits of estimates
 _ALWAYS = 0.95  # factors between this and its inverse are not reported
 
 
-def idle_reason(state: State) -> str:
-    """Sentence on inactive obstacles; empty if they are active."""
+def inactive_reason(state: State) -> str:
+    """Sentence saying why obstacles are inactive; empty if they are active."""
     method = state.document.settings.traits
     if not method.may_use_contact:
         sentence = tr("The method {method} cannot use contact: obstacles push nothing.")

@@ -61,7 +61,7 @@ class AnimationTargets:
 
         for path in filter(is_film, self._asked):
             check_film(path, ANIMATION_FORMATS)
-        named = [*self.films(), *self.all_files()]
+        named = [*self.films(), *self.files_of_all_versions()]
         check_distinct(named)
         for path in named:
             if path.parent.exists() or not self._is_in_output(path):
@@ -81,8 +81,8 @@ class AnimationTargets:
             return paths
         return [path.with_stem(f"{path.stem}-{version}") for path in paths]
 
-    def all_files(self) -> list[Path]:
-        """Animation files of all versions, without the films."""
+    def files_of_all_versions(self) -> list[Path]:
+        """Animation files of all versions of the motion, without the films."""
         return [path for version in self._versions for path in self.files(version)]
 
     def _is_in_output(self, path: Path) -> bool:

@@ -34,8 +34,8 @@ def open_input_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
 
 
 @contextmanager
-def naming_unit_option() -> Iterator[None]:
-    """Name the option ``--unit`` in errors raised by lengths without it."""
+def unit_option_in_errors() -> Iterator[None]:
+    """Context in which errors about lengths without a unit suggest ``--unit``."""
     try:
         yield
     except NoUnitError as error:

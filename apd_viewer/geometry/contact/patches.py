@@ -81,7 +81,7 @@ class Patches:
         """
         axis = int(np.ptp(boxes[:, :3], axis=0).argmax())
         order = np.argsort(boxes[:, axis])
-        first = np.concatenate([[0], np.cumsum(_count_near(boxes, order, axis, gap))])
+        first = np.concatenate([[0], np.cumsum(_count_near_boxes(boxes, order, axis, gap))])
         key, apart = _keys_near(boxes, order, axis, gap, first)
         ascending = np.argsort(key)
         key = key[ascending]
@@ -144,8 +144,8 @@ def boxes_within(A: np.ndarray, i: int, B: np.ndarray, j: int, gap: float) -> bo
 
 
 @parallel()
-def _count_near(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> np.ndarray:
-    """Number of boxes within ``gap`` of each box, among itself and later ones."""
+def _count_near_boxes(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> np.ndarray:
+    """Number of boxes within ``gap`` of each box, counting itself and later ones only."""
     count = np.ones(len(order), np.int64)
     for a in prange(len(order)):
         for b in range(a + 1, len(order)):

@@ -154,7 +154,7 @@ class GoalProjection:
                 break
             missing = self._target - self.values
             step = fraction * (self._inverse @ missing)
-            there = parallel_ops.with_added_combination(U, step, self._y)
+            there = parallel_ops.plus_linear_combination(U, step, self._y)
             if foreseen <= GOAL_TOLERANCE:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step

@@ -104,7 +104,7 @@ def add_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
 
 
 @parallel()
-def with_added_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
+def plus_linear_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
     """Sum ``X + sum_k c_k A_k`` of ``X`` (n, 3) and ``A`` (k, n, 3)."""
     out = np.empty_like(X)
     for i in prange(len(X)):

@@ -129,7 +129,7 @@ class GoalSet:
         """Drop the goals of calm parts until the next :meth:`restore_calm_goals`."""
         self._dropped, self.goals = self.goals, tuple(goal for goal in self.goals if not goal.is_smooth)
 
-    def restore_calm_goals(self) -> bool:
+    def restore_dropped_goals(self) -> bool:
         """Restore the dropped goals for another pose; False if none was dropped."""
         self._retries = 1
         if not self._dropped:
@@ -138,16 +138,16 @@ class GoalSet:
         return True
 
     @property
-    def may_retry_calm_goals(self) -> bool:
+    def may_retry_dropped_goals(self) -> bool:
         """True if the dropped goals have not been retried at the converged shape.
 
         On the way from a pose far away they may be missed although they can be kept.
         """
         return bool(self._dropped) and self._retries > 0
 
-    def retry_calm_goals(self) -> None:
+    def retry_dropped_goals(self) -> None:
         """Restore the dropped goals for one more attempt."""
-        self.restore_calm_goals()
+        self.restore_dropped_goals()
         self._retries = 0
 
     def out_of_reach_sentence(self, values: np.ndarray | None) -> str | None:

@@ -109,10 +109,10 @@ class EditController:
             self._parts.add_handle()
             self._take(Tool.HANDLE)
 
-    def next_handle(self) -> None:
-        """Make the next handle active."""
+    def activate_next_handle(self) -> None:
+        """Activate the next handle."""
         if self._is_open:
-            self._parts.next_handle()
+            self._parts.activate_next_handle()
 
     def add_region(self) -> None:
         """Add a region and select its brush."""

@@ -83,7 +83,7 @@ class CompareController:
         window.repeat_requested.connect(self._repeat)
         window.closed.connect(self._forget)
         for axis, action in self._views.items():
-            window.add_shortcuts(action.shortcuts(), partial(window.linked.look_along, axis))
+            window.add_shortcuts(action.shortcuts(), partial(window.linked.show_standard_view, axis))
         if self._frame is not None:
             window.add_shortcuts(self._frame.shortcuts(), window.linked.frame_shapes)
         return window

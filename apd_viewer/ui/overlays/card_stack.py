@@ -66,8 +66,8 @@ class CardStack(QWidget):
         for other in others:
             other.installEventFilter(self)
 
-    def keep_beside(self, column: QWidget) -> None:
-        """Leave a column at the left edge of the canvas uncovered too."""
+    def stay_clear_of(self, column: QWidget) -> None:
+        """Keep the cards clear of a column at the left edge of the canvas."""
         self._beside.append(column)
         column.installEventFilter(self)
         self.reposition()

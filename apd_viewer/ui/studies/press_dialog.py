@@ -270,7 +270,7 @@ class PressDialog(RunDialog):
         creased = "" if METHODS[self.method.currentData()].is_wall else text.yield_radius
         said = {
             "--unit": self._unit.symbol,
-            "--material": text.words[-1],
+            "--material": text.field_texts[-1],
             "--thickness": _number_text(apart),
             "--density": text.density and _number_text(wall.density),
             "--young": text.young.strip(),
