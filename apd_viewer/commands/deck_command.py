@@ -1,4 +1,4 @@
-"""The command deck: shells, sets and boundary conditions for CalculiX and Abaqus."""
+"""The ``deck`` command: shell model and boundary conditions for FE programs."""
 
 import argparse
 
@@ -17,7 +17,7 @@ from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, wall_mat
 
 
 def deck_parser() -> Parser:
-    """Parser of the command deck."""
+    """Argument parser for the ``deck`` command."""
     parser = Parser(
         prog="apd-viewer deck",
         description=tr(

@@ -1,4 +1,4 @@
-"""The command deform: deform a mesh without a window or display."""
+"""The ``deform`` command: deform a mesh without a window or display."""
 
 import argparse
 import sys
@@ -46,7 +46,7 @@ _PICTURE = (1600, 1000)  # size of the picture in pixels
 
 
 def deform_parser() -> Parser:
-    """Parser of the command deform."""
+    """Argument parser for the ``deform`` command."""
     parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
     add_option(parser, "MESH")
     about = tr(

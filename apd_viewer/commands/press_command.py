@@ -1,4 +1,4 @@
-"""The command ``apd-viewer press``: press a mesh between two closing plates."""
+"""The ``press`` command: press a mesh between two closing plates."""
 
 import argparse
 import json
@@ -43,7 +43,7 @@ _SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "area", "volume"
 
 
 def press_parser() -> Parser:
-    """Parser of the command press."""
+    """Argument parser for the ``press`` command."""
     parser = Parser(
         prog="apd-viewer press",
         description=tr(

@@ -61,7 +61,7 @@ def progress_line_callback(
 
 
 def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMesh) -> str:
-    """Terminal lines on a finished deformation."""
+    """Terminal lines about a finished deformation."""
     effort = tr("{n:,} iterations in {seconds:.1f} s").format(n=result.iterations, seconds=result.seconds)
     state = tr("{output}: {method}, converged after {effort}")
     if not result.converged:
@@ -92,12 +92,12 @@ def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMes
 
 
 def mesh_remarks(mesh: Mesh) -> list[str]:
-    """Sentences on open seams of a mesh and on peculiarities of its file."""
+    """Sentences about open seams of a mesh and peculiarities of its file."""
     return [found.sentence for found in (*seam_findings(mesh), *file_findings(mesh))]
 
 
 def result_lines(result: Result) -> list[str]:
-    """Lines on the area and volume relative to rest, and on capped openings."""
+    """Lines about the area and volume relative to rest, and capped openings."""
     lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
     if result.volume is not None and result.volume_rest:
         lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))

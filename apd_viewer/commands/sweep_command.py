@@ -1,4 +1,4 @@
-"""The command ``apd-viewer sweep``: table, curves, meshes and film of a motion."""
+"""The ``sweep`` command: table, curves, meshes and film of a motion."""
 
 import argparse
 import tempfile
@@ -42,7 +42,7 @@ _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # picture height, and width of each shape,
 
 
 def sweep_parser() -> Parser:
-    """Parser of the command sweep."""
+    """Argument parser for the ``sweep`` command."""
     parser = Parser(
         prog="apd-viewer sweep",
         description=tr(
@@ -229,7 +229,7 @@ def _caption_lines(step: CaseStep, abscissa: str) -> list[str]:
 
 
 def sweep_summary(swept: Sequence[tuple[Case, Sequence[CaseStep]]], folder: Path) -> str:
-    """Terminal lines on the cases of a sweep and their steps."""
+    """Terminal lines about the cases of a sweep and their steps."""
     first, _ = swept[0]
     lines = [
         tr("{folder}: {steps} steps by {methods}").format(

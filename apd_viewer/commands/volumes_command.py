@@ -1,4 +1,4 @@
-"""The command volumes: volumes by name, with published values for comparison."""
+"""The ``volumes`` command: volumes by name, with published values for comparison."""
 
 import argparse
 import json
@@ -26,7 +26,7 @@ from apd_viewer.session.quantities.wall import WallText, parse_wall
 
 
 def volumes_parser() -> Parser:
-    """Parser of the command volumes."""
+    """Argument parser for the ``volumes`` command."""
     parser = Parser(
         prog="apd-viewer volumes",
         description=tr(
@@ -93,7 +93,7 @@ _WIDTH, _GAP = 28, 2
 
 
 def volume_lines(name: str, rows: Sequence[volume_text.VolumeRow], has_rest: bool) -> str:
-    """Terminal lines on all volume quantities."""
+    """Terminal lines about all volume quantities."""
     lines = [name]
     width = max([_WIDTH, *(column_count(row.title) + _GAP for row in rows)])
     for row in rows:

@@ -113,7 +113,7 @@ def time_left_text(seconds: float) -> str:
 
 
 def progress_text(said: str, seconds: float, done: int, count: int) -> str:
-    """Sentence on the progress of equal steps, with the time left after the first.
+    """Sentence about the progress of equal steps, with the time left after the first.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ def verdict(row: VerificationRow) -> str:
 
 
 def verification_summary(rows: list[VerificationRow]) -> str:
-    """Sentence on the number of rows that pass."""
+    """Sentence about the number of rows that pass."""
     measured = [row for row in rows if row.error is not None]
     worse = sum(row.is_worse for row in measured)
     said = tr("{passing} of {count} quantities are within their bar.").format(

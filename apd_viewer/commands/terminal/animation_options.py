@@ -1,4 +1,4 @@
-"""The option ``--animation`` and checks of its files."""
+"""The ``--animation`` option and checks of its files."""
 
 import argparse
 from collections.abc import Sequence

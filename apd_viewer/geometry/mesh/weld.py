@@ -121,7 +121,7 @@ class Weld:
         spread = U[self.inverse]
         if self.V is not None and self.offset is not None:
             apart = np.flatnonzero(self.offset.any(axis=1))
-            # This order of operations restores unmoved vertices to the bit.
+            # This order of operations restores unmoved vertices bit for bit.
             spread[apart] = self.V[apart] + (spread[apart] - self.V[self.representative[apart]])
         return spread
 

@@ -151,7 +151,7 @@ class GoalSet:
         self._retries = 0
 
     def out_of_reach_sentence(self, values: np.ndarray | None) -> str | None:
-        """Sentence on goals out of reach in this pose; ``values`` are of abandoned goals."""
+        """Sentence about goals out of reach; ``values`` are those of abandoned goals."""
         missed = None if values is None else self.missed_goals_sentence(values)
         if missed is None:
             return _CALM_GAVE_WAY if self.has_dropped_calm_goals else None

@@ -31,9 +31,9 @@ def write_timeline(
     Parameters
     ----------
     newtons : sequence of (float, float)
-        Newtons per load at each step, for its state and for that of the method Wall; NaN if unknown.
+        Newtons per load at each step, for its state and for that of the Wall method; NaN if unknown.
     of_wall : bool
-        Write the shapes solved by the method Wall, if there are any; a table has the readings of both.
+        Write the shapes solved by the Wall method, if there are any; a table has the readings of both.
 
     Raises
     ------

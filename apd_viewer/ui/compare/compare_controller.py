@@ -120,5 +120,5 @@ class CompareController:
 
 
 def _refusal(state: State) -> str | None:
-    """Sentence on the step missing before a comparison; None if there is none."""
+    """Sentence about the step missing before a comparison; None if there is none."""
     return state.document.paint_problem or (_AT_REST if state.is_at_rest else None)
