@@ -89,7 +89,7 @@ def deform_parser() -> Parser:
 
 
 def _region(words: Sequence[str], vertices: int) -> Region:
-    """Region from the words after the option ``--region``."""
+    """Region from the values of the ``--region`` option."""
     if len(words) not in (2, 3):
         raise InputError(tr("--region takes a name, a file and an optional target area in percent."))
     name, path, *percent = words

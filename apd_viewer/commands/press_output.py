@@ -1,4 +1,4 @@
-"""Output of the command press: table, report and summary."""
+"""Output of the ``press`` command: table, report and summary."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -163,7 +163,7 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
 
 
 def _conditions(step: PressStep, newtons: NewtonConversion) -> str:
-    """Phrase on the conditions for the newtons of a step."""
+    """Phrase stating the conditions for the newtons of a step."""
     if newtons.matches_wall:
         return tr("for this thin elastic wall")
     off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(step.stretching))

@@ -28,7 +28,7 @@ from apd_viewer.language import comma_separated, in_quotes, tr
 from apd_viewer.presentation.progress_line import frame_line
 from apd_viewer.session.model.status_text import caps_phrase, crossing_findings
 
-_ROUNDED = 1e-6  # a larger relative area change by rounding in the written file causes a warning
+_ROUNDED = 1e-6  # relative area change by rounding in the written file that calls for a warning
 
 
 def write_result(

@@ -25,7 +25,7 @@ class FileState(Enum):
 
 
 class KnownFile:
-    """File with a digest of its content when last read or written.
+    """File with a digest of its last known content, to detect external changes.
 
     Parameters
     ----------

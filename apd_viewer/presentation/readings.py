@@ -124,7 +124,7 @@ class VolumeReadingText(NamedTuple):
 
 
 def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]:
-    """Texts of current and rest volume; openings of an open surface are capped."""
+    """Current and rest volume, with openings capped; None if unknown."""
     if rest.volume_capped is None:
         return frame.volume, rest.volume
     return frame.volume_capped, rest.volume_capped

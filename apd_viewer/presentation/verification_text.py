@@ -33,7 +33,7 @@ def row_cells(row: VerificationRow) -> tuple[str, ...]:
 
 
 def verdict(row: VerificationRow) -> str:
-    """Word on the result of a row."""
+    """Verdict on a verification row: "pass", "misses", "worse" or "not yet"."""
     if row.error is None:
         return tr("not yet")
     if row.is_worse:

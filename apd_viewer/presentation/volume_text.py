@@ -23,7 +23,7 @@ TextWithRange: TypeAlias = tuple[str, str]
 
 
 class VolumeRow(NamedTuple):
-    """Quantity with its definition, its readings and published figures.
+    """Quantity with its definition, its readings and published values.
 
     A reading comes with its range, or an empty text.
     """
@@ -170,7 +170,7 @@ class VolumeName(Enum):
 
 
 class PublishedVolume(NamedTuple):
-    """Published figure with its text, source and range of values.
+    """Published volume or volume ratio, with its text, source and range of values.
 
     Attributes
     ----------

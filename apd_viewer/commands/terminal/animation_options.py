@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 
 
 def add_animation_option(parser: Parser, films: bool = True) -> None:
-    """Add the option ``--animation``; it can be given several times."""
+    """Add the ``--animation`` option; it can be given several times."""
     about = tr(
         "write the shapes for Blender (.pc2, .mdd), with morph targets (.glb) or for ParaView (.pvd); "
         "may be given several times"

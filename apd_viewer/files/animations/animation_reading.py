@@ -109,14 +109,14 @@ def _gltf_shapes(path: Path, mesh: Mesh) -> Iterator[np.ndarray]:
 
 
 def read_point_cache(path: Path, mesh: Mesh) -> Iterator[np.ndarray]:
-    """Shapes (n, 3) of a PC2 or MDD file for the mesh that it was written of.
+    """Shapes (n, 3) from a PC2 or MDD file written for ``mesh``.
 
     Vertices that the cache leaves out lie with those at the same place, or stay at rest.
 
     Raises
     ------
     InputError
-        If the file is damaged or was written of another mesh.
+        If the file is damaged or was written for another mesh.
     """
     content, points = read_content(path), blender_vertex_order(mesh)
     try:

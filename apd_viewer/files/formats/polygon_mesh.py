@@ -33,7 +33,7 @@ class ParsedMesh(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class EncodedMeshOrigin(DerivedOrigin):
-    """Origin of a text file decoded to UTF-8 for its reader.
+    """Source file in a text encoding, decoded to UTF-8 for its reader.
 
     Attributes
     ----------

@@ -160,7 +160,7 @@ def detect_collisions(
     fraction: np.ndarray,
     radius: float,
 ) -> tuple[float, int]:
-    """Energy per stiffness at ``W``, and number of pairs blocking the step to it.
+    """Detect collisions in a step from ``U`` to ``W``; write collision-free fractions.
 
     Parameters
     ----------

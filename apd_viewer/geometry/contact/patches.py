@@ -18,20 +18,21 @@ from apd_viewer.geometry.linalg.threads import parallel
 # Larger patches mean fewer bounds, but more candidate pairs searched in vain.
 _VERTICES_PER_PATCH = 12
 _SWEEPS = 6  # iterations of Lloyd's algorithm
-# Points from which threads pay: for 300 they take six times as long as one, for 5,000 a quarter less.
+# Number of points above which threads pay off: they take six times as long as one for 300 points, and a
+# quarter less for 5,000.
 _WORTH_THREADS = 2000
 _PORTION = 512
 
 
 class PatchItems(NamedTuple):
-    """Items of every patch: ``item[start[p] : start[p + 1]]``."""
+    """Indices grouped by patch: ``item[start[p] : start[p + 1]]`` for patch p."""
 
     start: np.ndarray
     item: np.ndarray
 
     @classmethod
     def group(cls, patch: np.ndarray, item: np.ndarray, count: int) -> PatchItems:
-        """Group items (k,) by their patch (k,)."""
+        """Group indices ``item`` (k,) by their ``patch`` (k,)."""
         start = np.concatenate([[0], np.cumsum(np.bincount(patch, minlength=count))])
         return cls(start, item[np.argsort(patch, kind="stable")])
 
@@ -52,7 +53,7 @@ class Patches:
     used_vertices : int array
         Vertices with triangles.
     vertices, edges, faces : PatchItems
-        Items of every patch; an edge and a triangle belong to the patch of their first vertex.
+        Indices by patch; an edge and a triangle belong to the patch of their first vertex.
     covered_vertices : PatchItems
         Vertices of every patch and of its edges and triangles.
     """

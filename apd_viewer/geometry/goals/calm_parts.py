@@ -83,7 +83,7 @@ def _is_large_enough(solve_mesh: SolveMesh, level: np.ndarray) -> bool:
 
 
 def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarray:
-    """Calmness (n,): 0 where the handles' motion deforms the surface, 1 far away.
+    """Lack of the handles' influence (n,): 0 where they deform the surface, 1 far off.
 
     It is 1 beyond the last level, and NaN for held vertices and loose parts.
 
@@ -120,7 +120,9 @@ def _hats(x: np.ndarray) -> np.ndarray:
 def log_handle_flux(
     solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
 ) -> np.ndarray:
-    """Base-10 logarithm (n,) of the handles' harmonic flux relative to its mean.
+    """Base-10 logarithm (n,) of the handles' relative harmonic flux.
+
+    The flux at a vertex is ``|grad h|^2`` averaged over its triangles, relative to its flux-weighted mean.
 
     Parameters
     ----------
@@ -172,7 +174,7 @@ def _potentials(
 
 
 def _is_free(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the free vertices, the unknowns of the solve."""
+    """Mask (n,) of the free vertices, the unknowns of the solver."""
     moves = np.isin(solve_mesh.component, solve_mesh.component[held])
     moves[held] = False
     return moves
@@ -197,7 +199,8 @@ def _squared_slopes(V: np.ndarray, F: np.ndarray, h: np.ndarray) -> np.ndarray:
     return total
 
 
-# Shift by this fraction of the mean diagonal: coarse unknowns without fine ones would be singular.
+# Shift of the coarse matrix, relative to its mean diagonal entry; without it, coarse unknowns that no fine
+# vertex uses would make it singular.
 _SHIFT = 1e-9
 
 

@@ -37,7 +37,7 @@ class LbfgsMemory:
         shape = length + 1, 3 * count
         self._steps, self._changes = np.empty(shape, np.float32), np.empty(shape, np.float32)
         self._length, self._next = length, 0
-        # Inner products of steps and changes, by slot.
+        # Inner products of steps and gradient changes, by slot.
         self._products = np.zeros((length + 1, length + 1))
         self._order: list[int] = []
 

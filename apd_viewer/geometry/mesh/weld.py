@@ -24,7 +24,7 @@ MOST_EDGE_SHARE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Weld:
-    """Map from coincident file vertices to one vertex of the solve.
+    """Map from coincident file vertices to one vertex of the welded solve mesh.
 
     Files repeat vertices at texture seams, and STL repeats all of them: without welding such a mesh falls
     apart into loose triangles. Equal positions are joined; at borders, where rounding leaves cracks, also

@@ -48,7 +48,7 @@ def falloff_strengths(distance: np.ndarray, falloff: float) -> np.ndarray:
 
 
 def soft_constraints(free: np.ndarray, strength: np.ndarray, falloffs: np.ndarray) -> SoftConstraints:
-    """Soft vertices among ``free`` (n,) bool, each for its strongest handle.
+    """Soft constraints on free vertices, each by the handle with the largest strength.
 
     Parameters
     ----------

@@ -240,7 +240,7 @@ class Deformation:
 
     @property
     def tolerance(self) -> float:
-        """Relative error of the total area accepted by the method "paper"."""
+        """Relative error of the total area accepted by the "paper" method."""
         return self._kept.tolerance
 
     @tolerance.setter

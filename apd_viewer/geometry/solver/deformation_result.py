@@ -267,7 +267,7 @@ def _stops(path: np.ndarray, shifts: np.ndarray | None) -> Iterator[PathStop]:
 def _held_turns_function(
     solver: Deformation, handle: np.ndarray | Sequence[np.ndarray] | None, places: np.ndarray
 ) -> Callable[[np.ndarray], tuple[HeldTurn, ...]]:
-    """Function that returns the held turns of a shape after a path (s, k, 3)."""
+    """Function giving the held turns of a shape, reached along ``places`` (s, k, 3)."""
     rest, held = solver.rest, HeldVertices(solver.fixed, handle, solver.rest)
     labels = np.full(len(rest.solve_mesh.V), FREE)
     labels[held.ids] = np.where(held.handle_of > 0, HANDLE - 1 + held.handle_of, BASE)

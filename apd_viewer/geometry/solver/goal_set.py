@@ -85,7 +85,7 @@ class GoalSet:
 
     @property
     def tolerance(self) -> float:
-        """Relative error of the total area accepted by the method "paper"."""
+        """Relative error of the total area accepted by the "paper" method."""
         return self._tolerance
 
     @tolerance.setter
@@ -126,7 +126,7 @@ class GoalSet:
         return bool(self._dropped)
 
     def drop_calm_goals(self) -> None:
-        """Drop the goals of calm parts until the next :meth:`restore_calm_goals`."""
+        """Drop the goals of calm parts until the next :meth:`restore_dropped_goals`."""
         self._dropped, self.goals = self.goals, tuple(goal for goal in self.goals if not goal.is_smooth)
 
     def restore_dropped_goals(self) -> bool:

@@ -53,7 +53,7 @@ class TimelineStep:
 
     @property
     def non_wall_state(self) -> State | None:
-        """State solved by another method than Wall; None if there is only one by Wall."""
+        """State solved by a method other than Wall; None if only Wall has solved the step."""
         return None if self.state.document.settings.traits.is_wall else self.state
 
     @property

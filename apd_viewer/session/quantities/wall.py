@@ -74,7 +74,7 @@ class WallText(NamedTuple):
         return None
 
     def contact_distance(self, unit: Unit) -> float | None:
-        """Typed thickness in mesh units, the distance in contact; None if there is none."""
+        """Contact distance, mesh units: the typed thickness; None if none was typed."""
         return self._replace(material=None).usable_thickness(unit)
 
     def usable_density(self) -> float | None:

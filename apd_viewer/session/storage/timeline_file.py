@@ -13,7 +13,7 @@ from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 
-# Named like the columns of the command press.
+# Named like the columns of the ``press`` command.
 _COLUMNS = (
     *("step", "distance", "deflection", "load_low", "load_high", "volume", "volume_capped"),
     *("area_error", "settled", "load_low_newton", "load_high_newton"),

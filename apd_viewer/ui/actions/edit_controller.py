@@ -181,7 +181,7 @@ class EditController:
             )
 
     def open_pivot_entry(self) -> None:
-        """Open a card to enter the coordinates of the pivot, with the gizmo in the hand."""
+        """Choose the Move tool, and open a card to enter the coordinates of the pivot."""
         if self._is_open:
             self._take(Tool.MOVE)
             self.text_entries.open_entry(self.text_entries.pivot)

@@ -106,7 +106,7 @@ class PoseActions:
         self._gizmo.orientation = along
 
     def show_symmetry(self, on: bool) -> None:
-        """Check the symmetry action if handles are moved symmetrically."""
+        """Set the check mark of the symmetry action: on if handles move symmetrically."""
         self.symmetric.blockSignals(True)
         self.symmetric.setChecked(on)
         self.symmetric.blockSignals(False)

@@ -142,7 +142,7 @@ class CameraActions:
     Attributes
     ----------
     directions : dict of str to QAction
-        By the direction, as in Look.along.
+        By the name of the view, as in :meth:`Camera.standard_view`.
     """
 
     def __init__(self, maker: ActionMaker, canvas: Canvas) -> None:

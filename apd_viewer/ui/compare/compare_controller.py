@@ -54,7 +54,7 @@ class CompareController:
         Parameters
         ----------
         views : mapping of str to QAction
-            By the direction from which they look, as in Look.along.
+            By the name of the view, as in :meth:`Camera.standard_view`.
         """
         self._views, self._frame = views, frame
 

@@ -323,7 +323,7 @@ class MethodView(QWidget):
 
     @property
     def status_texts(self) -> tuple[str, str]:
-        """Texts of the progress and of the failure message."""
+        """Progress text and failure message."""
         return self._state.text(), self._note.text()
 
     def picture(self, pixel_ratio: int) -> np.ndarray:

@@ -19,7 +19,7 @@ _SHARE = 1 / 8  # largest fraction of the canvas that a card hides unless unfold
 GEOMETRY_EVENTS = (
     QEvent.Type.Move,
     QEvent.Type.Resize,
-    # Unlike Show and Hide, these are also sent to children of a hidden widget.
+    # Unlike Show and Hide, the next two are also sent to children of a hidden widget.
     QEvent.Type.ShowToParent,
     QEvent.Type.HideToParent,
     QEvent.Type.LayoutRequest,

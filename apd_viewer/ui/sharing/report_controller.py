@@ -111,7 +111,7 @@ class ReportController:
         self._notice.show_message(tr("Copied the Python lines that repeat this deformation."))
 
     def open_volumes(self) -> None:
-        """Open the dialog of volumes beside published figures."""
+        """Open the dialog of volumes beside published values."""
         if self.volumes is None:
             self.volumes = VolumesDialog(self._window, self._volumes_table)
         self.volumes.refresh()

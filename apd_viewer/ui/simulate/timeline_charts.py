@@ -42,7 +42,7 @@ class PressCharts:
         self._curves_of: tuple[Timeline | None, object] = None, None
 
     def load_chart(self) -> Chart:
-        """Chart of the load."""
+        """Chart of the load against the deflection."""
         points = [np.column_stack([part.deflection, part.load]) for part in self._read_curves()]
         loads = np.vstack(points)[:, 1]
         state = self._session.store.state
@@ -53,7 +53,7 @@ class PressCharts:
         return self._chart((tr("Load"), *self.names), points, "accent", y, suffix)
 
     def volume_chart(self) -> Chart:
-        """Chart of the volume."""
+        """Chart of the volume against the deflection, in percent of rest."""
         points = [np.column_stack([part.deflection, part.volume]) for part in self._read_curves()]
         known = np.vstack(points)
         known = known[np.isfinite(known).all(axis=1), 1]
