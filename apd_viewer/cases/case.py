@@ -194,14 +194,14 @@ class Case:
         """Document with its handles at a fraction of their motion."""
         return document_at(self.document, self.paths, fraction)
 
-    def document_along(self, fraction: float) -> Document:
+    def document_along_paths(self, fraction: float) -> Document:
         """Document at a fraction of the motion, with rotations of any size."""
-        return motion_path.document_along(self.document_at(fraction), self.paths, fraction)
+        return motion_path.document_along_paths(self.document_at(fraction), self.paths, fraction)
 
     @property
     def end_document(self) -> Document:
         """Document at the last step, including rotations of more than half a turn."""
-        return self.document_along(self.fractions[-1])
+        return self.document_along_paths(self.fractions[-1])
 
 
 def case_of(
@@ -306,7 +306,7 @@ def _step(case: Case, solver: Deformation, number: int, frame: Frame) -> CaseSte
         solver.rest.volume_capped,
         solver.rest.energy(frame.U),
         tuple(np.linalg.norm(frame.loads, axis=1).tolist()),
-        document_turns(motion_path.document_along(case.document, case.paths, fraction), frame.U),
+        document_turns(motion_path.document_along_paths(case.document, case.paths, fraction), frame.U),
     )
 
 

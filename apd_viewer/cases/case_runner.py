@@ -39,7 +39,7 @@ class Engine(Protocol):
     can_blame_case: bool
     overdue: set[Future[CaseAnswer]]
 
-    def free_slots(self) -> int:
+    def free_slot_count(self) -> int:
         """Number of cases the engine can accept now."""
 
     def running_count(self) -> int:
@@ -114,9 +114,9 @@ class CaseRunner:
         """Start waiting cases on free workers unless stopping; suspect cases run alone."""
         if self._stopping:
             return
-        while self._waiting and self._engine.free_slots() > 0:
+        while self._waiting and self._engine.free_slot_count() > 0:
             self._start(self._waiting.popleft())
-        if self._suspects and not self._running and self._engine.free_slots() > 0:
+        if self._suspects and not self._running and self._engine.free_slot_count() > 0:
             self._start(self._suspects.popleft())
 
     def _start(self, key: str) -> None:

@@ -42,7 +42,7 @@ class Cluster:
         self._threads, self._looked = 0, -_LOOK
         self._gone_since: float | None = None
 
-    def free_slots(self) -> int:
+    def free_slot_count(self) -> int:
         """Number of cases to submit now, with one queued per running case."""
         now = time.monotonic()
         if now - self._looked > _LOOK:

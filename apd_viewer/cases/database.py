@@ -15,7 +15,7 @@ from urllib.parse import quote
 from apd_viewer.cases.case_file import CaseResult, is_reading
 from apd_viewer.cases.plan import Plan
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.regular_files import NotRegularError, check_regular
+from apd_viewer.files.storage.regular_files import NotRegularFileError, check_regular_file
 from apd_viewer.language import tr
 
 DATABASE_NAME = "study.sqlite"
@@ -66,8 +66,8 @@ def _check_side_files(path: Path) -> None:
     for ending in _BESIDE:
         part = path.with_name(f"{path.name}{ending}")
         try:
-            check_regular(part)
-        except NotRegularError as error:
+            check_regular_file(part)
+        except NotRegularFileError as error:
             raise InputError(
                 tr("{path} is a folder, a pipe or a device; remove it.").format(path=part)
             ) from error

@@ -114,13 +114,13 @@ class LocalPool:
         self._work, self._recycle = work, recycle
         self.overdue: set[Future[CaseAnswer]] = set()
 
-    def free_slots(self) -> int:
+    def free_slot_count(self) -> int:
         """Number of idle processes."""
         return sum(lane.is_free for lane in self._slots)
 
     def running_count(self) -> int:
         """Number of running cases."""
-        return len(self._slots) - self.free_slots()
+        return len(self._slots) - self.free_slot_count()
 
     def start(self, task: CaseTask) -> Future[CaseAnswer]:
         """Start a case in a free process."""

@@ -23,7 +23,7 @@ _SHOWN = 40  # characters quoted from invalid input
 
 
 class PlanColumn(NamedTuple):
-    """A column of a plan.
+    """Column of a study plan: its parser and its description.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.solver.convergence import DISTURBANCE
-from apd_viewer.geometry.solver.methods import passing_walls_warning
+from apd_viewer.geometry.solver.methods import no_contact_warning
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_selection
@@ -276,7 +276,10 @@ def _result(case: StudyCase, computed: Case, steps: list[CaseStep], started: flo
         "saddle_escapes": sum(step.frame.saddle_escapes for step in steps),
         "seconds": round(time.perf_counter() - started, 3),
     }
-    told = _sentence(case, computed, steps), {name: _number(value) for name, value in readings.items()}
+    told = (
+        _warning_sentences(case, computed, steps),
+        {name: _number(value) for name, value in readings.items()},
+    )
     return CaseResult(case.key, case.to_json, DONE, *told, curves, frame_to_json(frame), frame.U)
 
 
@@ -287,7 +290,7 @@ def _number(value: Any) -> float | None:
     return value if isinstance(value, int) else float(value)
 
 
-def _sentence(case: StudyCase, computed: Case, steps: list[CaseStep]) -> str:
+def _warning_sentences(case: StudyCase, computed: Case, steps: list[CaseStep]) -> str:
     """Warnings about a computed case; empty if there are none."""
     last = steps[-1]
     said = list(computed.step_warnings(last))
@@ -300,6 +303,6 @@ def _sentence(case: StudyCase, computed: Case, steps: list[CaseStep]) -> str:
         )
     if case.contact_by_default:
         said.append(
-            passing_walls_warning(last.method, len(computed.document.mesh.V), tr("“contact” in the plan"))
+            no_contact_warning(last.method, len(computed.document.mesh.V), tr("“contact” in the plan"))
         )
     return " ".join(filter(None, said))

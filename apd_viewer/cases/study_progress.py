@@ -121,7 +121,7 @@ def study_forecast(plan: Plan, folder: Path, retry_failed: bool = False) -> Stud
     wrong = sum(row.case is None for row in plan.rows)
     left = [case for key, case in cases.items() if key not in done]
     timed = [(cases[key], each.readings.get("seconds")) for key, each in known.items() if key in cases]
-    return StudyForecast(len(cases), len(done), len(failed), wrong, _seconds(left, timed))
+    return StudyForecast(len(cases), len(done), len(failed), wrong, _remaining_seconds(left, timed))
 
 
 def _finished_rows(folder: Path) -> dict[str, DatabaseRow]:
@@ -143,8 +143,8 @@ def _is_intact(folder: Path, key: str, size: int, known: dict[str, DatabaseRow])
         return False
 
 
-def _seconds(left: list[StudyCase], timed: list[tuple[StudyCase, float | None]]) -> float | None:
-    """Time of the remaining cases, seconds, from mean step times per mesh and method."""
+def _remaining_seconds(left: list[StudyCase], timed: list[tuple[StudyCase, float | None]]) -> float | None:
+    """Expected seconds left for cases, from mean step times per mesh and method."""
     if not left:
         return 0.0
     measured: dict[object, list[float]] = defaultdict(list)

@@ -1,11 +1,11 @@
-"""The command deck: shells, sets and boundary conditions for CalculiX and Abaqus."""
+"""The ``deck`` command: shell model and boundary conditions for FE programs."""
 
 import argparse
 
 from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import naming_unit_option
+from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.files.fe_deck import SIX_NODES, THREE_NODES, check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
@@ -17,7 +17,7 @@ from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, wall_mat
 
 
 def deck_parser() -> Parser:
-    """Parser of the command deck."""
+    """Argument parser for the ``deck`` command."""
     parser = Parser(
         prog="apd-viewer deck",
         description=tr(
@@ -47,14 +47,16 @@ def _add_wall_options(parser: Parser) -> None:
         parser.add_argument(option, metavar=metavar, default="", help=what)
 
 
-@naming_unit_option()
+@unit_option_in_errors()
 def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
     document, view, motion = read_input(options)
     unit = Unit(options.unit or view.unit)
     given = options.thickness, options.density, options.young, options.poisson, "", options.material
     wall_material(options.material)  # raises InputError if unknown
-    text = WallText.from_words(*(word or known for word, known in zip(given, view.wall.words, strict=True)))
+    text = WallText.from_field_texts(
+        *(word or known for word, known in zip(given, view.wall.field_texts, strict=True))
+    )
     wall = deck_wall(text, unit, diagonal(document.mesh.V))
     deck = deck_of(document, wall, options.steps, motion)._replace(element=options.elements)
     write_deck(output, deck)

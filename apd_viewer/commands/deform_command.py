@@ -1,4 +1,4 @@
-"""The command deform: deform a mesh without a window or display."""
+"""The ``deform`` command: deform a mesh without a window or display."""
 
 import argparse
 import sys
@@ -37,7 +37,7 @@ from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.handle_paths import intermediate_documents
 from apd_viewer.session.model.named_obstacle import geometric_obstacles
 from apd_viewer.session.model.state import initial_document
-from apd_viewer.session.posing.motion_path import document_along, motion_paths
+from apd_viewer.session.posing.motion_path import document_along_paths, motion_paths
 from apd_viewer.session.storage.part_json import read_obstacles
 
 # Left out: hold_area, implied by an area target, and contact, whose default depends on the mesh size.
@@ -46,7 +46,7 @@ _PICTURE = (1600, 1000)  # size of the picture in pixels
 
 
 def deform_parser() -> Parser:
-    """Parser of the command deform."""
+    """Argument parser for the ``deform`` command."""
     parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
     add_option(parser, "MESH")
     about = tr(
@@ -89,7 +89,7 @@ def deform_parser() -> Parser:
 
 
 def _region(words: Sequence[str], vertices: int) -> Region:
-    """Region from the words after the option ``--region``."""
+    """Region from the values of the ``--region`` option."""
     if len(words) not in (2, 3):
         raise InputError(tr("--region takes a name, a file and an optional target area in percent."))
     name, path, *percent = words
@@ -153,7 +153,7 @@ def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection)
         raise InputError(tr("Give either --transform or a motion such as --twist, not both."))
     document = with_selection(initial_document(mesh), selection)
     paths = motion_paths(document, motion_from(options, document, mesh.unit))
-    ended = document_along(document, paths)
+    ended = document_along_paths(document, paths)
     ways = [[handle.pose for handle in each.handles] for each in (*intermediate_documents(ended), ended)]
     if options.iterations is not None and len(ways) > 1:
         raise InputError(tr("With --iterations handles turn at most half a turn; enter less, or omit it."))

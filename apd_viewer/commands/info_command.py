@@ -1,4 +1,4 @@
-"""The command info: check a mesh file and describe its contents."""
+"""The ``info`` command: check a mesh file and describe its contents."""
 
 import argparse
 import json
@@ -21,7 +21,7 @@ _KEYS = {"components": "pieces", "missing_volume_reason": "why_no_volume"}
 
 
 def info_parser() -> Parser:
-    """Parser of the command info."""
+    """Argument parser for the ``info`` command."""
     parser = Parser(prog="apd-viewer info", description=tr("Check a mesh file and describe its contents."))
     add_option(parser, "MESH")
     add_option(parser, "--json", tr("print JSON, for scripts"))

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from apd_viewer.commands.terminal.parser import add_option
-from apd_viewer.commands.terminal.weld_option import naming_unit_option, open_input_mesh
+from apd_viewer.commands.terminal.weld_option import open_input_mesh, unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
@@ -98,7 +98,7 @@ def _posed_document(document: Document, transforms: Sequence[str]) -> Document:
     return document
 
 
-@naming_unit_option()
+@unit_option_in_errors()
 def motion_from(
     options: argparse.Namespace, document: Document, unit_symbol: str = ""
 ) -> tuple[MotionStep, ...]:

@@ -1,4 +1,4 @@
-"""The command ``apd-viewer paper``: tables, figures and curves."""
+"""The ``paper`` command: tables, figures and curves."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _HEADINGS = (
 
 
 def paper_parser() -> Parser:
-    """Parser of the command paper."""
+    """Argument parser for the ``paper`` command."""
     parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
     add_option(parser, "-o, --output DIR", tr("folder for tables, curves and figures"), type=Path)
     add_option(parser, "--progress-lines", tr("report progress as lines of JSON"))
@@ -231,7 +231,7 @@ def format_markdown(rows: Sequence[PaperTableRow]) -> str:
 
 
 def tolerance_verdict(rows: Sequence[PaperTableRow]) -> str:
-    """Sentence on the number of motions within the tolerance."""
+    """Sentence about the number of motions within the tolerance."""
     failed = [row.case.title for row in rows if not row.is_within_tolerance]
     if not failed:
         return tr("Pass: APD keeps the area within 0.1 % in all {count} motions.").format(count=len(rows))

@@ -1,4 +1,4 @@
-"""The command ``apd-viewer press``: press a mesh between two closing plates."""
+"""The ``press`` command: press a mesh between two closing plates."""
 
 import argparse
 import json
@@ -14,7 +14,7 @@ from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import add_criteria, add_setting_options, given_criteria
-from apd_viewer.commands.terminal.weld_option import add_weld_option, naming_unit_option, open_input_mesh
+from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh, unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
 from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
@@ -43,7 +43,7 @@ _SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "area", "volume"
 
 
 def press_parser() -> Parser:
-    """Parser of the command press."""
+    """Argument parser for the ``press`` command."""
     parser = Parser(
         prog="apd-viewer press",
         description=tr(
@@ -142,7 +142,7 @@ def _press(options: argparse.Namespace) -> None:
     if METHODS[method].is_wall:
         material = thin_wall_material(rest.diagonal, wall.thickness, wall.nu)
     newtons = newton_conversion(wall, material, rest)
-    gas = _gas(options.gas, newtons, rest)
+    gas = _parsed_gas_amount(options.gas, newtons, rest)
     settings = {name: getattr(options, name) for name in _SETTINGS} | {
         "method": method,
         "wall_thickness": wall.thickness if METHODS[method].is_wall else None,
@@ -184,7 +184,7 @@ def _press(options: argparse.Namespace) -> None:
     print("\n".join([press_summary(found, rest, first, wall, newtons, extent), *mesh_remarks(mesh)]))
 
 
-@naming_unit_option()
+@unit_option_in_errors()
 def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
     """Wall properties from the options, for a mesh in ``unit``; raises InputError."""
     material = wall_material(options.material or "")
@@ -210,8 +210,8 @@ def _method(options: argparse.Namespace, wall: Wall) -> str:
     return "wall" if wall.rigidity is not None and not options.stiffness else DEFAULT_METHOD
 
 
-def _gas(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> float | None:
-    """Pressure times volume of the gas, in areas, from its text; raises InputError."""
+def _parsed_gas_amount(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> float | None:
+    """Gas amount (pressure times volume) from its text; raises InputError."""
     if text is None:
         return None
     pascals = parse_pressure(text)

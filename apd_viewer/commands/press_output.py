@@ -1,4 +1,4 @@
-"""Output of the command press: table, report and summary."""
+"""Output of the ``press`` command: table, report and summary."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -119,7 +119,7 @@ def press_summary(
     newtons: NewtonConversion | None,
     extent: float,
 ) -> str:
-    """Terminal lines on pressing a mesh of height ``extent`` between the plates."""
+    """Terminal lines about pressing a mesh of height ``extent`` between the plates."""
     last, first = pressed.steps[-1], pressed.steps[0]
     lines = [
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(
@@ -163,7 +163,7 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
 
 
 def _conditions(step: PressStep, newtons: NewtonConversion) -> str:
-    """Phrase on the conditions for the newtons of a step."""
+    """Phrase stating the conditions for the newtons of a step."""
     if newtons.matches_wall:
         return tr("for this thin elastic wall")
     off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(step.stretching))

@@ -1,4 +1,4 @@
-"""The command replay: solve a saved session again."""
+"""The ``replay`` command: solve a saved session again."""
 
 import argparse
 import math
@@ -46,7 +46,7 @@ _FIELDS = {0: "angle", 1: "length", 2: "area"}
 
 
 def replay_parser() -> Parser:
-    """Parser of the command replay."""
+    """Argument parser for the ``replay`` command."""
     parser = Parser(prog="apd-viewer replay", description=tr("Re-run a saved session without a window."))
     add_option(parser, "SESSION", tr("session file (.apd) saved by the window"))
     add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)

@@ -28,7 +28,7 @@ from apd_viewer.language import comma_separated, in_quotes, tr
 from apd_viewer.presentation.progress_line import frame_line
 from apd_viewer.session.model.status_text import caps_phrase, crossing_findings
 
-_ROUNDED = 1e-6  # a larger relative area change by rounding in the written file causes a warning
+_ROUNDED = 1e-6  # relative area change by rounding in the written file that calls for a warning
 
 
 def write_result(
@@ -61,7 +61,7 @@ def progress_line_callback(
 
 
 def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMesh) -> str:
-    """Terminal lines on a finished deformation."""
+    """Terminal lines about a finished deformation."""
     effort = tr("{n:,} iterations in {seconds:.1f} s").format(n=result.iterations, seconds=result.seconds)
     state = tr("{output}: {method}, converged after {effort}")
     if not result.converged:
@@ -92,12 +92,12 @@ def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMes
 
 
 def mesh_remarks(mesh: Mesh) -> list[str]:
-    """Sentences on open seams of a mesh and on peculiarities of its file."""
+    """Sentences about open seams of a mesh and peculiarities of its file."""
     return [found.sentence for found in (*seam_findings(mesh), *file_findings(mesh))]
 
 
 def result_lines(result: Result) -> list[str]:
-    """Lines on the area and volume relative to rest, and on capped openings."""
+    """Lines about the area and volume relative to rest, and capped openings."""
     lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
     if result.volume is not None and result.volume_rest:
         lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))

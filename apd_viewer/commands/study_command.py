@@ -1,4 +1,4 @@
-"""The commands ``study`` and ``study design``: run or write a plan of cases."""
+"""The ``study`` and ``study design`` commands: run or write a plan of cases."""
 
 import argparse
 import os
@@ -40,7 +40,7 @@ _CONTACT = "contact"  # a column of every new plan; plans without it predate thi
 
 
 def study_parser() -> Parser:
-    """Parser of the command study."""
+    """Argument parser for the ``study`` command."""
     parser = Parser(
         prog="apd-viewer study",
         description=tr(
@@ -170,7 +170,7 @@ def mistake_lines(plan: Plan) -> str:
 
 
 def work_left_lines(work_left: StudyForecast, processes: int) -> str:
-    """Terminal lines on the remaining work of a study."""
+    """Terminal lines about the remaining work of a study."""
     lines = [
         trn(
             "{cases:,} case, {done:,} done, {left:,} to do",
@@ -201,7 +201,7 @@ def work_left_lines(work_left: StudyForecast, processes: int) -> str:
 
 
 def study_summary(table: ResultTable, folder: Path) -> str:
-    """Terminal lines on the results of a study."""
+    """Terminal lines about the results of a study."""
     count = Counter(row.status for row in table.rows)
     words = comma_separated(
         f"{format_grouped(number, 0)} {status_text(status)}" for status, number in count.items()
@@ -235,7 +235,7 @@ def _first_lines(lines: list[str]) -> list[str]:
 
 
 def design_parser() -> Parser:
-    """Parser of the command ``study design``."""
+    """Argument parser for the ``study design`` command."""
     parser = Parser(
         prog="apd-viewer study design",
         description=tr(

@@ -1,4 +1,4 @@
-"""The command ``apd-viewer sweep``: table, curves, meshes and film of a motion."""
+"""The ``sweep`` command: table, curves, meshes and film of a motion."""
 
 import argparse
 import tempfile
@@ -32,7 +32,7 @@ from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.files.storage.atomic_file import staging_folder
 from apd_viewer.files.tables import Cell, write_table
 from apd_viewer.geometry.solver.convergence import DISTURBANCE, check_convergence
-from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, passing_walls_warning
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, no_contact_warning
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.model.view import SESSION_SUFFIX, CameraPose
@@ -42,7 +42,7 @@ _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # picture height, and width of each shape,
 
 
 def sweep_parser() -> Parser:
-    """Parser of the command sweep."""
+    """Argument parser for the ``sweep`` command."""
     parser = Parser(
         prog="apd-viewer sweep",
         description=tr(
@@ -82,7 +82,7 @@ def _sweep(options: argparse.Namespace) -> None:
     cases = cases_by_method(case, methods)
     animations = AnimationTargets(options, methods)
     progress = Progress(options.progress_lines)
-    with replacing_series(animations.all_files()), ExitStack() as stack:
+    with replacing_series(animations.files_of_all_versions()), ExitStack() as stack:
         folder = stack.enter_context(staging_folder(options.output))
         kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
         steps = _run(cases, progress, folder if options.meshes else None, kept if animations else None)
@@ -113,7 +113,7 @@ def _warnings(options: argparse.Namespace, cases: Sequence[Case]) -> set[str]:
     """Warnings that walls may pass through each other without ``--contact``."""
     if options.contact is not None or Path(options.file).suffix.lower() == SESSION_SUFFIX:
         return set()
-    passing = (passing_walls_warning(each.method, len(each.document.mesh.V), "--contact") for each in cases)
+    passing = (no_contact_warning(each.method, len(each.document.mesh.V), "--contact") for each in cases)
     return set(filter(None, passing))
 
 
@@ -229,7 +229,7 @@ def _caption_lines(step: CaseStep, abscissa: str) -> list[str]:
 
 
 def sweep_summary(swept: Sequence[tuple[Case, Sequence[CaseStep]]], folder: Path) -> str:
-    """Terminal lines on the cases of a sweep and their steps."""
+    """Terminal lines about the cases of a sweep and their steps."""
     first, _ = swept[0]
     lines = [
         tr("{folder}: {steps} steps by {methods}").format(

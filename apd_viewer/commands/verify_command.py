@@ -1,4 +1,4 @@
-"""The command ``apd-viewer verify``: cases with exact solutions."""
+"""The ``verify`` command: cases with exact solutions."""
 
 import argparse
 import json
@@ -21,7 +21,7 @@ _NARROWEST = 10  # terminal columns of a number, including leading blanks
 
 
 def verify_parser() -> Parser:
-    """Parser of the command verify."""
+    """Argument parser for the ``verify`` command."""
     parser = Parser(
         prog="apd-viewer verify",
         description=tr(

@@ -1,4 +1,4 @@
-"""The command volumes: volumes by name, with published values for comparison."""
+"""The ``volumes`` command: volumes by name, with published values for comparison."""
 
 import argparse
 import json
@@ -10,7 +10,7 @@ from typing import Any
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import naming_unit_option
+from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import hull_fields
@@ -26,7 +26,7 @@ from apd_viewer.session.quantities.wall import WallText, parse_wall
 
 
 def volumes_parser() -> Parser:
-    """Parser of the command volumes."""
+    """Argument parser for the ``volumes`` command."""
     parser = Parser(
         prog="apd-viewer volumes",
         description=tr(
@@ -47,7 +47,7 @@ def volumes_parser() -> Parser:
     return parser
 
 
-@naming_unit_option()
+@unit_option_in_errors()
 def _volumes(options: argparse.Namespace) -> None:
     mesh = open_mesh(options.mesh)
     unit = Unit(options.unit or mesh.unit)
@@ -93,7 +93,7 @@ _WIDTH, _GAP = 28, 2
 
 
 def volume_lines(name: str, rows: Sequence[volume_text.VolumeRow], has_rest: bool) -> str:
-    """Terminal lines on all volume quantities."""
+    """Terminal lines about all volume quantities."""
     lines = [name]
     width = max([_WIDTH, *(column_count(row.title) + _GAP for row in rows)])
     for row in rows:
@@ -168,5 +168,5 @@ def _published_figures() -> dict[str, list[dict[str, Any]]]:
             {name: None if value == math.inf else value for name, value in figure._asdict().items()}
             for figure in figures
         ]
-        for quantity, figures in volume_text.PUBLISHED_FIGURES.items()
+        for quantity, figures in volume_text.PUBLISHED_VOLUMES.items()
     }

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from apd_viewer.files.samples import resource_path
-from apd_viewer.files.storage.regular_files import open_regular
+from apd_viewer.files.storage.regular_files import open_regular_file
 
 
 class FileState(Enum):
@@ -25,7 +25,7 @@ class FileState(Enum):
 
 
 class KnownFile:
-    """File with a digest of its content when last read or written.
+    """File with a digest of its last known content, to detect external changes.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def fingerprint(path: Path) -> Fingerprint:
     """Compute the fingerprint of a file in one read."""
     digest, size = hashlib.sha256(), 0
     try:
-        with open_regular(path) as stream:
+        with open_regular_file(path) as stream:
             while portion := stream.read(_PORTION):
                 digest.update(portion)
                 size += len(portion)

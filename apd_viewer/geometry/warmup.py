@@ -58,7 +58,7 @@ def report_compilations(on_progress: Callable[[float], object]) -> Callable[[], 
 
 @cache
 def kernel_table() -> dict[str, list[str]]:
-    """Rows of the kernel table by section."""
+    """Signatures of the kernels to compile in advance, by section of kernels.txt."""
     found: dict[str, list[str]] = {}
     for line in _TABLE.read_text(encoding="utf-8").splitlines():
         if line.startswith("["):

@@ -91,7 +91,7 @@ def _detail(name: str, current: str, at_rest: str, change: str) -> str:
 
 
 def missing_reason(reading: MeasurementReading) -> str:
-    """Sentence on the reason for a missing value; empty if there is none."""
+    """Sentence saying why a value is missing; empty if it is not."""
     kind, values = reading.measurement.kind, reading.now.values
     if None in values or None in reading.rest.values:
         return tr("Measured when the shape stops moving.")

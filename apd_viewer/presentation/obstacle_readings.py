@@ -32,8 +32,8 @@ _ESTIMATED = 2  # digits of estimates
 _ALWAYS = 0.95  # factors between this and its inverse are not reported
 
 
-def idle_reason(state: State) -> str:
-    """Sentence on inactive obstacles; empty if they are active."""
+def inactive_reason(state: State) -> str:
+    """Sentence saying why obstacles are inactive; empty if they are active."""
     method = state.document.settings.traits
     if not method.may_use_contact:
         sentence = tr("The method {method} cannot use contact: obstacles push nothing.")
@@ -55,7 +55,7 @@ def load_text(state: State, k: int) -> str:
 
 
 def excess_phrase(excess: float | None) -> str:
-    """Phrase on the expected excess of loads; None means a wall without stiffness."""
+    """Phrase about the expected excess of loads; None means a wall without stiffness."""
     if excess is None:
         return tr("without stiffness, walls crumple and loads mean little")
     return tr("expected excess of loads {percent} %").format(
@@ -64,7 +64,7 @@ def excess_phrase(excess: float | None) -> str:
 
 
 def error_factor_phrase(factor: float) -> str:
-    """Phrase on loads too low or too high by a factor; empty near 1."""
+    """Phrase about loads too low or too high by a factor; empty near 1."""
     if factor > 1.0 / _ALWAYS:
         return tr("up to {factor} times too low").format(factor=format_significant(factor, _ESTIMATED))
     if factor < _ALWAYS:
@@ -73,7 +73,7 @@ def error_factor_phrase(factor: float) -> str:
 
 
 def load_excess_text(state: State) -> str:
-    """Sentence on the expected excess of converged loads; empty if there is none."""
+    """Sentence about the expected excess of converged loads; empty if there is none."""
     pressed = any(load_text(state, k) for k in range(len(state.document.obstacles)))
     if not pressed or not state.frame.settled:
         return ""

@@ -39,7 +39,7 @@ def plate_reading_texts(
     Parameters
     ----------
     wall_newtons : float, optional
-        Load by the method Wall at the same position of the plates.
+        Load by the Wall method at the same position of the plates.
     yield_radius : float, optional
         Radius below which the wall keeps a crease, mesh units.
     """
@@ -126,7 +126,7 @@ def rest_verdict(
     unsettled: str = tr("Not at rest: the load is not known yet."),
     stopped: str = tr("Contact stops the plates here."),
 ) -> tuple[str, bool]:
-    """Sentence on whether a shape is in equilibrium, and True if it is.
+    """Sentence saying whether a shape is in equilibrium, and True if it is.
 
     ``unsettled`` and ``stopped`` are the sentences for a shape not in equilibrium or stopped by contact.
     """

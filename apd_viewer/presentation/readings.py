@@ -116,7 +116,7 @@ def _rounded(change: float) -> float:
 
 
 class VolumeReadingText(NamedTuple):
-    """Texts on volume: change, values or the reason for none, and remarks."""
+    """Texts about the volume: change, values or the reason for none, and remarks."""
 
     change: str
     volumes: str
@@ -124,14 +124,14 @@ class VolumeReadingText(NamedTuple):
 
 
 def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]:
-    """Texts of current and rest volume; openings of an open surface are capped."""
+    """Current and rest volume, with openings capped; None if unknown."""
     if rest.volume_capped is None:
         return frame.volume, rest.volume
     return frame.volume_capped, rest.volume_capped
 
 
 def volume(state: State, unit: Unit) -> VolumeReadingText:
-    """Texts on the volume; with capped openings for an open surface."""
+    """Texts about the volume; openings of an open surface are capped."""
     inspection, capped = state.inspection, state.inspection.volume_capped is not None
     now, rest = volumes(state.frame, inspection)
     if not rest or now is None:
@@ -155,7 +155,7 @@ def volume(state: State, unit: Unit) -> VolumeReadingText:
 
 
 class ContactReadingText(NamedTuple):
-    """Texts on contact: pairs, smallest gap and fraction of the path reached."""
+    """Texts about contact: pairs, smallest gap and fraction of the path reached."""
 
     pairs: str
     least_gap: str
@@ -163,7 +163,7 @@ class ContactReadingText(NamedTuple):
 
 
 def contact(state: State, unit: Unit) -> ContactReadingText:
-    """Texts on self-contact of the shape; an ellipsis while unknown."""
+    """Texts about self-contact of the shape; an ellipsis while unknown."""
     touch = state.frame.contact
     path_fraction = NO_VALUE if state.is_at_rest else f"{math.floor(100.0 * state.frame.share_reached)} %"
     if touch is None and not state.is_at_rest:
@@ -213,7 +213,7 @@ def material_volume(state: State) -> float | None:
 
 
 def double_wall(state: State, unit: Unit) -> str:
-    """Text on material and capacity of a double wall; empty if there is none."""
+    """Text about material and capacity of a double wall; empty if there is none."""
     wall = state.inspection.double_wall
     if wall is None:
         return ""

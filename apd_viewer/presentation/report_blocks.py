@@ -234,7 +234,7 @@ def obstacle_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
         yield PageNote(tr("There are no obstacles."))
         return
     yield PageTable(tuple(obstacle_readings.obstacle_report_rows(state, unit)))
-    if why := obstacle_readings.idle_reason(state):
+    if why := obstacle_readings.inactive_reason(state):
         yield PageNote(why)
 
 

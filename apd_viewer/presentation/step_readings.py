@@ -26,7 +26,7 @@ def step_reading_texts(state: State, unit: Unit) -> tuple[ReadingText, ...]:
 
 
 def step_verdict(state: State) -> tuple[str, bool]:
-    """Sentence on whether a shape is in equilibrium, and True if it needs no warning."""
+    """Sentence saying whether a shape is in equilibrium; True if it needs no warning."""
     if state.frame.settled and state.document.paint_problem is not None:
         return tr("As it is in the file."), True
     return rest_verdict(state, tr("Not at rest."), tr("Contact stops the motion here."))

@@ -38,7 +38,7 @@ class TimeLeftEstimate:
         self._end: float | None = None
         self._has_measure = False
 
-    def add_gap(self, moment: float, gap: float | None, expected: float | None = None) -> None:
+    def add_sample(self, moment: float, gap: float | None, expected: float | None = None) -> None:
         """Add a sample of the solver's distance from convergence.
 
         Parameters
@@ -113,7 +113,7 @@ def time_left_text(seconds: float) -> str:
 
 
 def progress_text(said: str, seconds: float, done: int, count: int) -> str:
-    """Sentence on the progress of equal steps, with the time left after the first.
+    """Sentence about the progress of equal steps, with the time left after the first.
 
     Parameters
     ----------

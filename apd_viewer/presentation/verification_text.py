@@ -33,7 +33,7 @@ def row_cells(row: VerificationRow) -> tuple[str, ...]:
 
 
 def verdict(row: VerificationRow) -> str:
-    """Word on the result of a row."""
+    """Verdict on a verification row: "pass", "misses", "worse" or "not yet"."""
     if row.error is None:
         return tr("not yet")
     if row.is_worse:
@@ -42,7 +42,7 @@ def verdict(row: VerificationRow) -> str:
 
 
 def verification_summary(rows: list[VerificationRow]) -> str:
-    """Sentence on the number of rows that pass."""
+    """Sentence about the number of rows that pass."""
     measured = [row for row in rows if row.error is not None]
     worse = sum(row.is_worse for row in measured)
     said = tr("{passing} of {count} quantities are within their bar.").format(

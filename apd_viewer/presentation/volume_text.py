@@ -23,7 +23,7 @@ TextWithRange: TypeAlias = tuple[str, str]
 
 
 class VolumeRow(NamedTuple):
-    """Quantity with its definition, its readings and published figures.
+    """Quantity with its definition, its readings and published values.
 
     A reading comes with its range, or an empty text.
     """
@@ -125,7 +125,7 @@ def _row(
     before, after = values
     change = "" if before is None or after is None else change_percent(after, before)
     rest, now = ((text, "") if isinstance(text, str) else text for text in texts)
-    return VolumeRow(quantity, title, about, rest, now, change, PUBLISHED_FIGURES.get(quantity, ()))
+    return VolumeRow(quantity, title, about, rest, now, change, PUBLISHED_VOLUMES.get(quantity, ()))
 
 
 def _volume(value: float | None, unit: Unit) -> str:
@@ -170,7 +170,7 @@ class VolumeName(Enum):
 
 
 class PublishedVolume(NamedTuple):
-    """Published figure with its text, source and range of values.
+    """Published volume or volume ratio, with its text, source and range of values.
 
     Attributes
     ----------
@@ -196,8 +196,8 @@ _ISRI = tr("ISRI Scrap Specifications Circular, 2022, P-2022")
 _AMCOR = tr("Amcor, in Packaging Insights, 17 November 2021; read here as the middle side")
 _COLA = tr("Coca-Cola Japan, press release on I LOHAS, 23 April 2009")
 
-# No published figures were found for the other quantities.
-PUBLISHED_FIGURES: dict[VolumeName, tuple[PublishedVolume, ...]] = {
+# No published values were found for the other quantities.
+PUBLISHED_VOLUMES: dict[VolumeName, tuple[PublishedVolume, ...]] = {
     VolumeName.SIDES: (
         PublishedVolume(
             tr("width of a collapsed bottle that can be sorted: above 5 cm (bottles of 50 ml)"),

@@ -70,7 +70,7 @@ class Autosave:
         self._writer.set_interval(self.interval or 0.0)
 
     def set_interval(self, seconds: float | None) -> None:
-        """Save at most once in ``seconds``; None turns saving off and removes the file."""
+        """Save at most once every ``seconds``; None turns saving off, removes the file."""
         self.interval = seconds
         if self._writer is not None and seconds is not None:
             self._writer.set_interval(seconds)

@@ -12,7 +12,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handle_paths import document_at, handle_paths
-from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths, total_turn
+from apd_viewer.session.posing.motion_path import MotionStep, document_along_paths, motion_paths, total_turn
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, parse_wall
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON
@@ -67,7 +67,7 @@ def _stages(document: Document, steps: int | None, motion: Sequence[MotionStep])
     paths = motion_paths(document, motion) if motion else handle_paths(document)
     if steps is None:
         steps = max(1, math.ceil(max(total_turn(path) for path in paths) / _TURN - _ROUNDED))
-    ended = document_along(document, paths) if motion else document
+    ended = document_along_paths(document, paths) if motion else document
     return [*(document_at(document, paths, k / steps) for k in range(1, steps)), ended]
 
 

@@ -18,7 +18,7 @@ from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.solver.methods import passing_walls_warning
+from apd_viewer.geometry.solver.methods import no_contact_warning
 from apd_viewer.language import tr
 from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.deck_setup import deck_of, deck_wall
@@ -334,7 +334,7 @@ def _opened_point_cache(path: Path, state: State | None) -> OpenedFile:
 
 def _contact_warning(document: Document) -> str:
     """Warning that a new mesh is too large for contact by default; else empty."""
-    return passing_walls_warning(
+    return no_contact_warning(
         document.settings.method, len(document.mesh.V), tr("“Contact” in the section Method")
     )
 

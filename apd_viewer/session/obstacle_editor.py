@@ -181,7 +181,7 @@ class ObstacleEditor(DocumentEditor):
     # Moving obstacles
 
     def drag(self, k: int, shift: np.ndarray) -> None:
-        """Move obstacle ``k`` to ``shift`` (3,) from its initial position in a gesture."""
+        """Displace obstacle ``k`` by ``shift`` (3,) from its initial position in a drag."""
         state = self._store.required_state()
         if self._gestures.state_before is not None and k < len(state.document.obstacles):
             obstacle = state.document.obstacles[k]

@@ -93,7 +93,7 @@ class SavedWork:
         lost = last is not None and last.file is not None and last.file.state is not FileState.SAME
         return last is None or lost or last.document is not state.document
 
-    # External changes of the file
+    # External changes to the file
 
     def check_file(self) -> None:
         """Check on a thread for external changes to the session file."""

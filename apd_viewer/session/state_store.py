@@ -36,7 +36,7 @@ class Activity(Enum):
 
 
 def silence_text(seconds: int) -> str:
-    """Sentence on a solver silent for ``seconds``; empty for 0."""
+    """Sentence about a solver silent for ``seconds``; empty for 0."""
     words = tr("The solver has not answered for {n} s; wait, undo the last step, or restart the solver.")
     return words.format(n=seconds) if seconds else ""
 

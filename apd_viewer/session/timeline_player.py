@@ -29,7 +29,7 @@ class TimelinePlayer:
     began : float
         Start of the motion, in seconds of :func:`time.monotonic`.
     shows_wall : bool
-        True to display the states solved by the method Wall, if there are any.
+        True to display the states solved by the Wall method, if there are any.
     """
 
     def __init__(self, store: StateStore, gestures: Gestures, listener: Listener) -> None:
@@ -155,7 +155,7 @@ class TimelinePlayer:
         return _has_moved(self.timeline.steps[-1].state.document, state.document)
 
     def add_wall_result(self, k: int, result: State) -> None:
-        """Add a state solved by the method Wall at step ``k``; the display is unchanged."""
+        """Add a state solved by the Wall method at step ``k``; the display is unchanged."""
         self.timeline = self.timeline.with_wall_result(k, result)
         self._listener.status_changed()
 
@@ -177,7 +177,7 @@ class TimelinePlayer:
             self._store.jump_to(self._store.required_state())
 
     def choose_wall_results(self, shows_wall: bool) -> None:
-        """Display the steps as solved by the method Wall, or by that of the motion."""
+        """Display the steps as solved by the Wall method or by that of the motion."""
         k, is_other, self.shows_wall = self.shown_step, shows_wall is not self.shows_wall, shows_wall
         if is_other and k is not None and self.timeline.steps[k].wall_result is not None:
             self.show_step(k)

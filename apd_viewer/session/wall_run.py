@@ -1,4 +1,4 @@
-"""Run of the method Wall over the steps of a timeline, in a separate process."""
+"""Run of the Wall method over the steps of a timeline, in a separate process."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,9 +14,9 @@ from apd_viewer.session.timeline_player import RETRIES, TimelinePlayer
 
 
 class WallRun:
-    """Run solving the steps of a motion by the method Wall, one after another.
+    """Run solving the steps of a motion by the Wall method, one after another.
 
-    Each step starts from the result of the previous one, as in a press by the method Wall. The displayed
+    Each step starts from the result of the previous one, as in a press by the Wall method. The displayed
     shape has another solver; the run waits while that is working.
 
     Attributes
@@ -24,7 +24,7 @@ class WallRun:
     done : int
         Number of steps solved since the start of the run.
     settings : mapping of str to object
-        Changes of settings, by name, to solve a document by the method Wall.
+        Changes of settings, by name, to solve a document by the Wall method.
     is_running : bool
     """
 

@@ -74,7 +74,7 @@ def connect_settings(panel: Panel, session: Session, wall_settings: Callable[...
     Parameters
     ----------
     wall_settings : callable
-        Settings by name that the method Wall takes from the wall.
+        Settings by name that the Wall method takes from the wall.
     """
 
     def change(name: str, value: Any) -> None:

@@ -87,7 +87,8 @@ class Shell(QtWidgets.QMainWindow):
         self.setWindowIcon(application_icon())
         self.setAcceptDrops(True)
         self.setMinimumSize(800, 640)
-        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # a menu could hide the tool bar
+        # The context menu of QMainWindow would let users switch off the tool bar.
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         resize_on_screen(self, QSize(1280, 800))
 
     def _add_docks(self) -> None:

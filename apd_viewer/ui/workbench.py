@@ -165,7 +165,7 @@ class Workbench(QObject):
         menus = self.shell.menus
         menus.choose_tool = self.tools.choose_tool
         self.actions_ = actions = Actions(menus, self._commands())
-        actions.add_panels(self.docks.toggles)
+        actions.add_panel_actions(self.docks.toggles)
         menus.maker.set_theme(self.shell.theme)
         actions.file.fill_recent(self.preferences.recent_files)
         add_handle, _, add_region = actions.pose.part_actions
@@ -176,7 +176,7 @@ class Workbench(QObject):
             self.canvas.viewport, tr("Measurements"), [list(actions.measurements.kinds.values())]
         )
         for bar in (self.mode_bar, self.kind_bar):
-            self.display_options.cards.keep_beside(bar)
+            self.display_options.cards.stay_clear_of(bar)
         self.next_step = NextStepHint(self.invitation, actions.tools)
         self.help = HelpController(
             self.shell,
@@ -289,7 +289,7 @@ class Workbench(QObject):
     def choose_unit(self, unit: Unit) -> None:
         """Set the unit of length of the mesh, and store it for its file."""
         if (state := self.session.store.state) is not None:
-            self.units.choose(state.document.mesh, unit)
+            self.units.set_unit(state.document.mesh, unit)
             self.session.store.unit = unit
             self.display_options.set_unit(unit)
             self.comparison.set_unit(unit)

@@ -15,7 +15,7 @@ from apd_viewer.verification.verification_case import CaseQuantity, CaseResults,
 
 _PLAIN_ITERATIONS = 1000
 _STRICT = Convergence(energy_tolerance=1e-9)  # at 1e-7 the error of the sags is 0.02 % larger
-_THIN = 1e-4  # thickness of a nearly inextensible wall, in sizes of the shape
+_THIN = 1e-4  # thickness of a nearly inextensible wall, as a fraction of the size of the shape
 
 
 def _shape(

@@ -110,7 +110,7 @@ GROUPS = (
         "Colours and their scale, once an overlay is shown. See [See what has changed](../howto/look.md).",
     ),
     Group(
-        "CuttingPlane",
+        "CuttingPlaneCard",
         _VIEW,
         "Section",
         "A plane that cuts the mesh open (`S`). See [See what has changed](../howto/look.md).",
@@ -300,7 +300,7 @@ SENTENCES = {
     "EmptyState/Open mesh": "Asks for a mesh or a session to open",
     "BlendCard/Close before and after": "Closes the card; the view shows the current shape again",
     "Legend/Overlay": "Quantity that the colours show",
-    "CuttingPlane/Section position": "Moves the plane through the mesh",
+    "CuttingPlaneCard/Section position": "Moves the plane through the mesh",
     "TextEntryCard/Field": "The radius of the brush, the coordinates of a pivot, or IDs and conditions of vertices",
     "ShortcutSheet/Search shortcuts": "Shows the rows with all words that you type",
     "ShortcutSheet/Swap": "Gives the keys to this action, and its own keys to the one that had them",

@@ -22,7 +22,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_selection
 from apd_viewer.session.model.handles_and_regions import NamedRegion
 from apd_viewer.session.model.state import State, initial_state
-from apd_viewer.session.posing.motion_path import document_along, motion_paths
+from apd_viewer.session.posing.motion_path import document_along_paths, motion_paths
 from apd_viewer.session.storage.part_json import read_obstacles
 
 
@@ -50,7 +50,7 @@ def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:
     state = state.updated(document)
     if options.motion:
         paths = motion_paths(document, motion_from(options, document))
-        state = state.updated(document_along(document, paths))
+        state = state.updated(document_along_paths(document, paths))
     return shaped(state, open_mesh(options.output).V if U is None else U)
 
 

@@ -79,7 +79,7 @@ def pull(subdivisions: int) -> None:
         solver.iterate()
         now = time.monotonic() - begun - measuring
         frame, hides = solver.frame(), solver.solver.progress.is_iterate_hidden
-        forecast.add_gap(now, frame.gap, frame.seconds_left)
+        forecast.add_sample(now, frame.gap, frame.seconds_left)
         measured = time.monotonic()
         rough = roughness.of(frame.U)
         held = float(np.abs(frame.U[fixed] - targets).max())

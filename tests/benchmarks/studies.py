@@ -120,7 +120,7 @@ def engine(pool, workers, work=None):
         return
     with dask(workers) as (address, _):
         found = connect_cluster(address, None, **given)
-        while found.free_slots() < 2 * workers:
+        while found.free_slot_count() < 2 * workers:
             time.sleep(0.1)
         try:
             yield found

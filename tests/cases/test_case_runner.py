@@ -23,7 +23,7 @@ class Pseudo:
         self.fate, self.places, self.eager = fate, 2, eager
         self.open, self.tried = [], []
 
-    def free_slots(self):
+    def free_slot_count(self):
         return self.places - len(self.open)
 
     def running_count(self):
@@ -33,7 +33,7 @@ class Pseudo:
         future = Future()
         self.open.append((future, task))
         self.tried.append(task.case.steps)
-        if self.eager and not self.free_slots():
+        if self.eager and not self.free_slot_count():
             self.settle()
         return future
 

@@ -106,7 +106,7 @@ def done_one(study):
     """Run one case of a study, and stop."""
 
     class Once(Here):
-        def free_slots(self):
+        def free_slot_count(self):
             return 1 - len(self.ran)
 
     study.run(Once(), on_progress=lambda _: study.stop())

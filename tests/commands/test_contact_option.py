@@ -17,7 +17,7 @@ from apd_viewer.geometry.solver import methods
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
+from apd_viewer.session.posing.motion_path import MotionStep, document_along_paths, motion_paths
 from apd_viewer.session.storage.session_file import save_session
 
 pytestmark = pytest.mark.usefixtures("undrawn_sweeps", "cases_run_here")
@@ -90,7 +90,9 @@ def replayed(turn=TURN, **changed):
     state = initial_state(apd_viewer.open_mesh("tube.off"), labels())
     document = state.document.with_settings(**changed)
     motion = [MotionStep(0, MOTIONS["TWIST"], (np.radians(turn),))]
-    save_session("new.apd", state.updated(document_along(document, motion_paths(document, motion))), View())
+    save_session(
+        "new.apd", state.updated(document_along_paths(document, motion_paths(document, motion))), View()
+    )
     return replay_session("new.apd", from_rest=True)[1]
 
 

@@ -139,7 +139,7 @@ class OneByOne(Here):
         super().__init__(work)
         self.held = None
 
-    def free_slots(self):
+    def free_slot_count(self):
         return int(self.held is None)
 
     def start(self, task):

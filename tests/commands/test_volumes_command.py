@@ -8,7 +8,7 @@ import pytest
 import apd_viewer
 from apd_viewer.__main__ import main
 from apd_viewer.commands.volumes_command import volume_lines
-from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES, VolumeName, VolumeRow
+from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES, VolumeName, VolumeRow
 
 
 @pytest.fixture
@@ -50,9 +50,9 @@ def test_volumes_command_writes_and_says_readings_of_both_shapes(files, tmp_path
         assert report["minimum_width" + suffix] == pytest.approx(4.0)
     assert report["material_volume_rest"] == pytest.approx(0.03 * 220)
     assert report["bulk_density_rest"] == pytest.approx(1000 * 0.03 * 220 * 0.64 / 200)
-    assert set(report["published"]) == {quantity.value for quantity in PUBLISHED_FIGURES}
+    assert set(report["published"]) == {quantity.value for quantity in PUBLISHED_VOLUMES}
     assert {quantity.value for quantity in VolumeName} <= set(report)
-    for figures in PUBLISHED_FIGURES.values():
+    for figures in PUBLISHED_VOLUMES.values():
         for figure in figures:
             assert f"published: {figure.words} [{figure.source}]" in said
     assert "100.0\u00a0cm³ of 200.0\u00a0cm³  −50.0 %" in said

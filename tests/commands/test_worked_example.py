@@ -18,7 +18,7 @@ from apd_viewer.__main__ import main
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES
+from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES
 
 ROOT = Path(__file__).parents[2]
 CHAPTER = (ROOT / "docs/howto/bottle.md").read_text(encoding="utf-8")
@@ -95,7 +95,7 @@ def check_volumes(found):
     assert found["bulk_volume"] == pytest.approx(found["hull_volume"] / 0.64)
     assert found["objects_in_bag"] > found["objects_in_bag_rest"]
     assert found["material_volume"] == pytest.approx(found["material_volume_rest"], rel=1e-6)
-    assert set(found["published"]) == {quantity.value for quantity in PUBLISHED_FIGURES}
+    assert set(found["published"]) == {quantity.value for quantity in PUBLISHED_VOLUMES}
 
 
 def check_table(said, found):

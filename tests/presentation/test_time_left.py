@@ -11,7 +11,7 @@ def told(gaps, step=0.2):
     forecast, said = TimeLeftEstimate(0.0), []
     moments = step * (1.0 + np.arange(len(gaps)))
     for moment, gap in zip(moments, gaps, strict=True):
-        forecast.add_gap(moment, gap)
+        forecast.add_sample(moment, gap)
         said.append(forecast.seconds_left(moment))
     return said, moments
 
@@ -51,27 +51,27 @@ def test_time_left_estimate_no_longer_foretells_what_stalls():
 def test_time_left_estimate_lets_the_time_go_on_while_nothing_is_heard():
     forecast = TimeLeftEstimate(0.0)
     for k in range(1, 50):
-        forecast.add_gap(0.2 * k, 1e6 * 0.9**k)
+        forecast.add_sample(0.2 * k, 1e6 * 0.9**k)
     left = forecast.seconds_left(9.8)
     assert left > 2.0
     assert forecast.seconds_left(10.8) == pytest.approx(left - 1.0)
     assert forecast.seconds_left(9.8 + left) is None
     assert 0.0 < forecast.elapsed_fraction(9.8) < forecast.elapsed_fraction(10.8) < 1.0
-    forecast.add_gap(10.0, None)
+    forecast.add_sample(10.0, None)
     assert forecast.seconds_left(10.0) is None
 
 
 def test_time_left_estimate_counts_what_the_solver_expects_until_the_gap_tells():
     forecast = TimeLeftEstimate(0.0)
-    forecast.add_gap(1.0, None, 90.0)
+    forecast.add_sample(1.0, None, 90.0)
     assert forecast.seconds_left(1.0) == pytest.approx(90.0)
     assert forecast.seconds_left(61.0) == pytest.approx(30.0)
     for k in range(1, 100):
         gap = 1e6 ** (1.0 - k / 100)
-        forecast.add_gap(61.0 + 0.2 * k, gap, 30.0 - 0.2 * k)
+        forecast.add_sample(61.0 + 0.2 * k, gap, 30.0 - 0.2 * k)
         assert forecast.seconds_left(61.0 + 0.2 * k) is not None
     assert forecast.seconds_left(80.8) == pytest.approx(0.2, abs=0.1)
-    forecast.add_gap(81.0, None)
+    forecast.add_sample(81.0, None)
     assert forecast.seconds_left(81.0) is None
 
 

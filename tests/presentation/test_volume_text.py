@@ -6,7 +6,7 @@ import meshes
 import pytest
 
 import apd_viewer
-from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES, VolumeName, volume_rows
+from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES, VolumeName, volume_rows
 from apd_viewer.session.quantities.units import Unit
 
 
@@ -25,24 +25,24 @@ def test_volume_rows_are_one_for_every_quantity_with_figures_of_its_own(shapes):
     rows = rows_of(shapes)
     assert len({row.title for row in rows.values()}) == len(VolumeName)
     for quantity, row in rows.items():
-        assert row.published == PUBLISHED_FIGURES.get(quantity, ())
+        assert row.published == PUBLISHED_VOLUMES.get(quantity, ())
 
 
 def test_published_volume_has_a_source_and_a_range():
-    figures = [figure for figures in PUBLISHED_FIGURES.values() for figure in figures]
+    figures = [figure for figures in PUBLISHED_VOLUMES.values() for figure in figures]
     assert len(figures) > 5
     for figure in figures:
         assert figure.words
         assert any(year in figure.source for year in map(str, range(1990, 2030)))
         assert 0.0 < figure.low <= figure.high
-    uncompacted, compacted, bales = PUBLISHED_FIGURES[VolumeName.DENSITY]
+    uncompacted, compacted, bales = PUBLISHED_VOLUMES[VolumeName.DENSITY]
     assert (uncompacted.low, uncompacted.high) == pytest.approx((17.8, 23.7), abs=0.05)
     assert compacted.low / uncompacted.high == pytest.approx(3.0)
     assert compacted.low / uncompacted.low == pytest.approx(4.0)
     assert bales.low == pytest.approx(10 * 0.45359237 / 0.3048**3)
     assert bales.high == math.inf
     for bulk, count in zip(
-        PUBLISHED_FIGURES[VolumeName.BULK], PUBLISHED_FIGURES[VolumeName.COUNT], strict=True
+        PUBLISHED_VOLUMES[VolumeName.BULK], PUBLISHED_VOLUMES[VolumeName.COUNT], strict=True
     ):
         assert bulk.low * count.low == pytest.approx(1.0)
 

@@ -36,7 +36,7 @@ def test_time_left_estimate_knows_the_time_left_before_half_of_the_way_to_the_mi
         frame, now = empty.store.state.frame, time.monotonic() - began
         if frame is not seen:
             seen = frame
-            forecast.add_gap(now, frame.gap, frame.seconds_left)
+            forecast.add_sample(now, frame.gap, frame.seconds_left)
         said.append((now, forecast.seconds_left(now)))
         return frame.gap is not None and frame.gap <= 1.0
 

@@ -19,7 +19,7 @@ class Here:
     def __init__(self, work=quick):
         self.work, self.ran, self.overdue = work, [], set()
 
-    def free_slots(self):
+    def free_slot_count(self):
         """One at a time."""
         return 1
 

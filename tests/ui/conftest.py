@@ -95,7 +95,7 @@ def surface(qtbot, view, ball):
     F, U = ball
     surface = Surface(view)
     surface.set_mesh(SurfaceIndex.from_triangles(F, len(U)), U, grey(len(U)))
-    view.camera_controller.look_along("front")
+    view.camera_controller.show_standard_view("front")
     view.camera_controller.frame(U)
     settle(qtbot, view)
     return surface

@@ -130,7 +130,7 @@ def test_ground_writes_no_figure_over_another(qtbot, bottle, monkeypatch):
     bottle.actions_.display.switches["ground"].trigger()
     written = []
     for axis in ("front", "side", "top", "-front"):
-        bottle.canvas.viewport.camera_controller.look_along(axis)
+        bottle.canvas.viewport.camera_controller.show_standard_view(axis)
         settle(qtbot, bottle.canvas.viewport)
         taken = [room for _, room in figures(bottle)]
         written += taken

@@ -1,4 +1,4 @@
-"""The command desktop: register or unregister the program with the desktop."""
+"""The ``desktop`` command: register or unregister the program with the desktop."""
 
 import argparse
 import contextlib
@@ -22,7 +22,7 @@ _ENDING = ".exe" if sys.platform == "win32" else ""
 
 
 def desktop_parser() -> Parser:
-    """Parser of the command desktop."""
+    """Argument parser for the ``desktop`` command."""
     parser = Parser(
         prog="apd-viewer desktop",
         description=tr("Add the program to the menu, and open files with it (Linux)."),

@@ -1,4 +1,4 @@
-"""The command thumbnail: a small picture of a session or a mesh."""
+"""The ``thumbnail`` command: a small picture of a session or a mesh."""
 
 import argparse
 from pathlib import Path
@@ -23,7 +23,7 @@ MOST_BYTES = 1 << 26
 
 
 def thumbnail_parser() -> Parser:
-    """Parser of the command thumbnail."""
+    """Argument parser for the ``thumbnail`` command."""
     parser = Parser(
         prog="apd-viewer thumbnail",
         description=tr("Draw a small picture of a session or a mesh, without OpenGL; file managers call it."),

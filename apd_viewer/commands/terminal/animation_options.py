@@ -1,4 +1,4 @@
-"""The option ``--animation`` and checks of its files."""
+"""The ``--animation`` option and checks of its files."""
 
 import argparse
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 
 
 def add_animation_option(parser: Parser, films: bool = True) -> None:
-    """Add the option ``--animation``; it can be given several times."""
+    """Add the ``--animation`` option; it can be given several times."""
     about = tr(
         "write the shapes for Blender (.pc2, .mdd), with morph targets (.glb) or for ParaView (.pvd); "
         "may be given several times"
@@ -61,7 +61,7 @@ class AnimationTargets:
 
         for path in filter(is_film, self._asked):
             check_film(path, ANIMATION_FORMATS)
-        named = [*self.films(), *self.all_files()]
+        named = [*self.films(), *self.files_of_all_versions()]
         check_distinct(named)
         for path in named:
             if path.parent.exists() or not self._is_in_output(path):
@@ -81,8 +81,8 @@ class AnimationTargets:
             return paths
         return [path.with_stem(f"{path.stem}-{version}") for path in paths]
 
-    def all_files(self) -> list[Path]:
-        """Animation files of all versions, without the films."""
+    def files_of_all_versions(self) -> list[Path]:
+        """Animation files of all versions of the motion, without the films."""
         return [path for version in self._versions for path in self.files(version)]
 
     def _is_in_output(self, path: Path) -> bool:

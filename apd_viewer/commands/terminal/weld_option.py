@@ -1,4 +1,4 @@
-"""The option ``--weld``."""
+"""Input meshes of commands, with the options ``--weld`` and ``--unit``."""
 
 import argparse
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from apd_viewer.session.quantities.units import NoUnitError
 
 
 def add_weld_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option ``--weld``."""
+    """Add the option to weld open seams, ``--weld``."""
     about = tr(
         "weld seams: boundary vertices within 1/10,000 of the size of the mesh move together; the file "
         "written has all its vertices"
@@ -34,8 +34,8 @@ def open_input_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
 
 
 @contextmanager
-def naming_unit_option() -> Iterator[None]:
-    """Name the option ``--unit`` in errors raised by lengths without it."""
+def unit_option_in_errors() -> Iterator[None]:
+    """Context in which errors about lengths without a unit suggest ``--unit``."""
     try:
         yield
     except NoUnitError as error:

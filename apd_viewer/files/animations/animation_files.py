@@ -28,7 +28,7 @@ _RATE = 24.0  # shapes per second, Blender's default frame rate
 
 def write_pc2(animation: Animation, path: Path) -> None:
     """Write the shapes as PC2, one per frame from frame 0; raises InputError."""
-    points = len(animation.imported_vertices)
+    points = len(animation.blender_vertex_order)
     with replacing_file(path) as scratch, scratch.open("wb") as stream:
         stream.write(PC2_HEADER.pack(b"POINTCACHE2\0", 1, points, 0.0, 1.0, len(animation)))
         _write_points(animation, stream, "<f4")
@@ -38,14 +38,14 @@ def write_mdd(animation: Animation, path: Path) -> None:
     """Write the shapes as MDD, 24 per second from time 0; raises InputError."""
     count = len(animation)
     with replacing_file(path) as scratch, scratch.open("wb") as stream:
-        stream.write(struct.pack(">ii", count, len(animation.imported_vertices)))
+        stream.write(struct.pack(">ii", count, len(animation.blender_vertex_order)))
         stream.write((np.arange(count) / _RATE).astype(">f4").tobytes())
         _write_points(animation, stream, ">f4")
 
 
 def _write_points(animation: Animation, stream: BinaryIO, kind: str) -> None:
     for U in animation:
-        stream.write(U[animation.imported_vertices].astype(kind).tobytes())
+        stream.write(U[animation.blender_vertex_order].astype(kind).tobytes())
 
 
 _WRITERS = {".pc2": write_pc2, ".mdd": write_mdd, ".glb": write_morph_targets}

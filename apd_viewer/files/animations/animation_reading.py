@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_files import PC2_HEADER
-from apd_viewer.files.animations.animation_shapes import imported_vertices
+from apd_viewer.files.animations.animation_shapes import blender_vertex_order
 from apd_viewer.files.gltf.gltf_reader import keyed_positions
 from apd_viewer.files.mesh_formats import GLTF_FORMATS, SERIES
 from apd_viewer.files.meshes import (
@@ -109,16 +109,16 @@ def _gltf_shapes(path: Path, mesh: Mesh) -> Iterator[np.ndarray]:
 
 
 def read_point_cache(path: Path, mesh: Mesh) -> Iterator[np.ndarray]:
-    """Shapes (n, 3) of a PC2 or MDD file for the mesh that it was written of.
+    """Shapes (n, 3) from a PC2 or MDD file written for ``mesh``.
 
     Vertices that the cache leaves out lie with those at the same place, or stay at rest.
 
     Raises
     ------
     InputError
-        If the file is damaged or was written of another mesh.
+        If the file is damaged or was written for another mesh.
     """
-    content, points = read_content(path), imported_vertices(mesh)
+    content, points = read_content(path), blender_vertex_order(mesh)
     try:
         kind, start, count, size = _cache_layout(content, path.suffix.lower())
         if len(content) < start + 12 * count * size:

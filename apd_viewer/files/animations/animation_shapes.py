@@ -50,9 +50,9 @@ class Animation:
             yield np.load(path)
 
     @cached_property
-    def imported_vertices(self) -> np.ndarray:
-        """Vertices (k,) in the order of Blender's importer."""
-        return imported_vertices(self.mesh)
+    def blender_vertex_order(self) -> np.ndarray:
+        """Indices (k,) of the vertices kept by Blender's importer, in its order."""
+        return blender_vertex_order(self.mesh)
 
 
 class ShapeRecorder:
@@ -106,8 +106,8 @@ class ShapeRecorder:
 _FACES_ALONE = (".obj", ".glb", ".gltf")
 
 
-def imported_vertices(mesh: Mesh) -> np.ndarray:
-    """Vertices in the order of Blender's importer, (k,) int array.
+def blender_vertex_order(mesh: Mesh) -> np.ndarray:
+    """Indices (k,) of the vertices kept by Blender's importer, in its order.
 
     STL has no vertices but corners: those equal in single precision become one vertex, in order of first
     appearance. From OBJ and glTF only the vertices of faces are imported; from all other formats, and for a

@@ -33,7 +33,7 @@ class ParsedMesh(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class EncodedMeshOrigin(DerivedOrigin):
-    """Origin of a text file decoded to UTF-8 for its reader.
+    """Source file in a text encoding, decoded to UTF-8 for its reader.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ class Polygons(NamedTuple):
             for folded in np.unique(face[_folds(V[self.corner], T, face)]):
                 a, b = self.start[folded], self.start[folded + 1]
                 if b - a <= _MOST_TO_CLIP and tries < _MOST_TRIES:  # too many folds mean a broken file
-                    ears, tried = _ears(V[self.corner[a:b]])
+                    ears, tried = _ear_clipped_triangles(V[self.corner[a:b]])
                     T[first[folded] : first[folded + 1]] = a + ears
                     tries += tried
         return T
@@ -172,8 +172,8 @@ def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
         return np.flatnonzero((cross * whole[face]).sum(axis=1) < 0.0)
 
 
-def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
-    """Ear-clipped triangles (k - 2, 3) of a polygon (k, 3), and the ears tested."""
+def _ear_clipped_triangles(X: np.ndarray) -> tuple[np.ndarray, int]:
+    """Ear-clipped triangles (k - 2, 3) of a polygon (k, 3); number of corners tested."""
     left, found, tries = np.arange(len(X)), [], 0
     with np.errstate(all="ignore"):  # huge coordinates are rejected later
         x = _projected_corners(X)

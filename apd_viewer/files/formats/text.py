@@ -26,7 +26,7 @@ class Encoding(NamedTuple):
 
 _MARKED = (
     Encoding(codecs.BOM_UTF8, "utf-8"),
-    Encoding(codecs.BOM_UTF32_LE, "utf-32-le"),  # before UTF-16, whose mark is a prefix of UTF-32's
+    Encoding(codecs.BOM_UTF32_LE, "utf-32-le"),  # before UTF-16, whose BOM is a prefix of UTF-32's
     Encoding(codecs.BOM_UTF32_BE, "utf-32-be"),
     Encoding(codecs.BOM_UTF16_LE, "utf-16-le"),
     Encoding(codecs.BOM_UTF16_BE, "utf-16-be"),

@@ -172,7 +172,7 @@ class GltfFile:
 
 
 def _local_positions(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
-    """Positions ``U`` (n, 3) in local coordinates of a matrix, or of one per vertex."""
+    """Local coordinates of positions ``U`` (n, 3), by one matrix or one per vertex."""
     new = matrix_products(np.linalg.pinv(matrix[..., :3, :3]), U - matrix[..., :3, 3])
     if np.abs(new).max() > np.finfo(np.float32).max:
         raise InputError(tr("A node of the file scales a mesh to zero; choose another format."))

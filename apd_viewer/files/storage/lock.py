@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import IO
 
-from apd_viewer.files.storage.regular_files import check_regular
+from apd_viewer.files.storage.regular_files import check_regular_file
 
 if sys.platform == "win32":
     import msvcrt
@@ -53,7 +53,7 @@ def acquire_lock(path: Path) -> FileLock | None:
         If there can be no such file, or no locks on its disk.
     """
     with contextlib.suppress(FileNotFoundError):
-        check_regular(path)
+        check_regular_file(path)
     stream = path.open("ab")
     try:
         _lock(stream.fileno())

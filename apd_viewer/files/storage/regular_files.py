@@ -40,21 +40,21 @@ def without_library_warnings() -> Iterator[None]:
         yield
 
 
-class NotRegularError(OSError):
+class NotRegularFileError(OSError):
     """Error for a pipe, device or folder in place of a regular file."""
 
     def __init__(self, path: str | Path) -> None:
         super().__init__(errno.EINVAL, tr("it is not a regular file"), str(path))
 
 
-def check_regular(path: str | Path) -> None:
-    """Raise NotRegularError unless ``path`` is a regular file, OSError if missing."""
+def check_regular_file(path: str | Path) -> None:
+    """Raise NotRegularFileError unless ``path`` is a regular file, OSError if missing."""
     # Checked before opening, since opening a device may already have an effect.
     if not stat.S_ISREG(os.stat(path).st_mode):  # noqa: PTH116, Path raises on names that are too long
-        raise NotRegularError(path)
+        raise NotRegularFileError(path)
 
 
-def open_regular(path: str | Path, flags: int = 0) -> BinaryIO:
+def open_regular_file(path: str | Path, flags: int = 0) -> BinaryIO:
     """Open a regular file for reading; raises OSError for anything else.
 
     Parameters
@@ -62,17 +62,17 @@ def open_regular(path: str | Path, flags: int = 0) -> BinaryIO:
     flags : int
         More of those of :func:`os.open`.
     """
-    check_regular(path)
+    check_regular_file(path)
     stream = os.fdopen(os.open(path, _FLAGS | flags), "rb")
     if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):  # the file was replaced after the check
         stream.close()
-        raise NotRegularError(path)
+        raise NotRegularFileError(path)
     return stream
 
 
 def read_bytes(path: str | Path) -> bytes:
     """Content of a regular file up to its current size; raises OSError."""
-    with open_regular(path) as stream:
+    with open_regular_file(path) as stream:
         # Kernel files such as those in /proc are regular with size 0, and may block or be endless.
         return stream.read(os.fstat(stream.fileno()).st_size)
 
@@ -89,7 +89,7 @@ def read_content(path: Path) -> bytes:
         return read_bytes(path)
     except (FileNotFoundError, ValueError) as error:  # missing, or an impossible file name
         raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error
-    except NotRegularError as error:
+    except NotRegularFileError as error:
         raise InputError(
             tr("{path} is a folder, a pipe or a device; name a file instead.").format(path=path)
         ) from error
@@ -149,7 +149,7 @@ def sibling_content(name: str, mesh: Path | None, most: int | None = None) -> by
     # os.path: Path raises on names that are too long.
     if place is None or not os.path.isfile(place):  # noqa: PTH113
         return None
-    with open_regular(place, _NO_LINKS) as stream:
+    with open_regular_file(place, _NO_LINKS) as stream:
         size = os.fstat(stream.fileno()).st_size
         wanted = size if most is None else min(most, size)
         if wanted > LARGEST_FILE:

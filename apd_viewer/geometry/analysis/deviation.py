@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from numba import prange
 
-from apd_viewer.geometry.analysis.surface_distance import cancellable_distances, displacements
+from apd_viewer.geometry.analysis.surface_distance import cancellable_distances, displacement_lengths
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.arrays import diagonal
@@ -84,7 +84,7 @@ class Deviation:
     def displacement(self, U: np.ndarray) -> np.ndarray:
         """Distance of each vertex from its rest position, (n,), mesh units."""
         with cores_for(len(U)):
-            found = displacements(U, self._V)
+            found = displacement_lengths(U, self._V)
         found[self._bare_vertices] = np.nan
         return found
 

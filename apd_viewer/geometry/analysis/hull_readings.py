@@ -219,7 +219,7 @@ def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
 def _rotation_matrix(x: float, y: float, z: float) -> np.ndarray:
     """Matrix of a rotation vector.
 
-    Equal to scipy's result to the bit, but seven times as fast for a single matrix.
+    Equal to scipy's result bit for bit, but seven times as fast for a single matrix.
     """
     angle = math.sqrt(x * x + y * y + z * z)
     square = angle * angle

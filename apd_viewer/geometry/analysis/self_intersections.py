@@ -50,7 +50,7 @@ def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     Parameters
     ----------
     U : (n, 3) float array
-        Positions of the vertices of the solve: of those at one place only one is named by ``F``.
+        Positions of the vertices of the solve mesh: of those at one place only one is named by ``F``.
     F : (m, 3) int array
 
     Returns

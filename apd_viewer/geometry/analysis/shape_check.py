@@ -16,7 +16,7 @@ from apd_viewer.language import tr
 
 
 class ShapeCheck(NamedTuple):
-    """Results of a shape check.
+    """Self-intersections, box, convex hull and held turns of a shape.
 
     Attributes
     ----------

@@ -177,8 +177,8 @@ def _squared_segment_distance(dx: float, dy: float, dz: float, ex: float, ey: fl
 
 
 @parallel()
-def displacements(U: np.ndarray, V: np.ndarray) -> np.ndarray:
-    """Distances between corresponding vertices, (n,)."""
+def displacement_lengths(U: np.ndarray, V: np.ndarray) -> np.ndarray:
+    """Distances between corresponding vertices of two shapes, (n,)."""
     out = np.empty(len(U))
     for v in prange(len(U)):
         x, y, z = U[v, 0] - V[v, 0], U[v, 1] - V[v, 1], U[v, 2] - V[v, 2]

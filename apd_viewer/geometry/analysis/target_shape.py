@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.geometry.analysis.surface_distance import (
     SurfaceDistance,
     cancellable_distances,
-    displacements,
+    displacement_lengths,
     distance_summary,
     surface_distance,
 )
@@ -67,7 +67,7 @@ class TargetShape:
     def vertex_distances(self, U: np.ndarray) -> np.ndarray:
         """Distance (n,) of each point of ``U`` (n, 3) from the target vertex of its ID."""
         with cores_for(len(U)):
-            return displacements(U, self.mesh.V)
+            return displacement_lengths(U, self.mesh.V)
 
     def target_distance(
         self, mesh: Mesh, U: np.ndarray, is_cancelled: Callable[[], bool] = lambda: False

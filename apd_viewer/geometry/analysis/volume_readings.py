@@ -59,7 +59,7 @@ class VolumeReadings(NamedTuple):
         thickness: float | None,
         wall: DoubleWall | None = None,
     ) -> VolumeReadings:
-        """Readings with the material volume from a double wall or a known ``thickness``."""
+        """Readings of a shape, with material volume from a double wall or ``thickness``."""
         if wall is not None:
             return cls(area, enclosed, openings, hull, wall.material, wall.capacity)
         return cls(area, enclosed, openings, hull, None if thickness is None else area * thickness)

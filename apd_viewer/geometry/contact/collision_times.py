@@ -160,7 +160,7 @@ def detect_collisions(
     fraction: np.ndarray,
     radius: float,
 ) -> tuple[float, int]:
-    """Energy per stiffness at ``W``, and number of pairs blocking the step to it.
+    """Detect collisions in a step from ``U`` to ``W``; write collision-free fractions.
 
     Parameters
     ----------
@@ -180,6 +180,13 @@ def detect_collisions(
         Written into: lower bounds of the gaps at ``W``, and the collision-free fraction of the step.
     radius : float
         Radius of a rounded obstacle: gaps are smaller than distances from its points by this amount.
+
+    Returns
+    -------
+    energy : float
+        Per stiffness, at ``W``.
+    blocking : int
+        Number of pairs that block the step.
     """
     count = (len(pairs) + _PORTION - 1) // _PORTION
     energies, blocked = np.zeros(count), np.zeros(count, np.int64)

@@ -195,7 +195,7 @@ class Contact:
         self._ahead, self._placed_ahead, self._energy_ahead = self.start, self._placed, self._energy
         self._is_ahead = False
         placed = self.followers.with_followers(W)
-        found = [pairs.find_free_fractions(self._placed, placed) for pairs in self._all]
+        found = [pairs.find_collision_free_fractions(self._placed, placed) for pairs in self._all]
         blocked = [fractions for fractions in found if fractions is not None]
         if blocked:
             return np.min(blocked, axis=0)

@@ -100,11 +100,11 @@ class NearPairs:
         self._listed = _ListedPairs.empty()
         self._paid_at, self._clearance = U, 0.0
         self._find_near_patches(U, self._usual)
-        self.find_free_fractions(U, U)
+        self.find_collision_free_fractions(U, U)
         self.accept_step()
 
-    def find_free_fractions(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
-        """Collision-free fractions (n,) of the step ``U`` to ``W``; None if all of it.
+    def find_collision_free_fractions(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
+        """Collision-free fractions (n,) of steps from ``U`` to ``W``; None if all are 1.
 
         ``U`` is the shape of the last :meth:`rebuild_at` or :meth:`accept_step`.
         """
@@ -241,8 +241,8 @@ class NoPairs:
     def rebuild_at(self, _: np.ndarray) -> None:
         """Do nothing."""
 
-    def find_free_fractions(self, _: np.ndarray, _W: np.ndarray) -> None:
-        """Return None: every step is collision-free."""
+    def find_collision_free_fractions(self, _: np.ndarray, _W: np.ndarray) -> None:
+        """None: every step is collision-free."""
 
     def accept_step(self) -> None:
         """Do nothing."""

@@ -82,11 +82,11 @@ class ObstaclePairs:
         self._bound = np.full(len(self._all), -np.inf)
         self._list_pairs(self._listed_at)
         self._floor = min(_FLOOR * self._reach, _LEFT * float(self._low.min(initial=np.inf)))
-        self.find_free_fractions(U, U)
+        self.find_collision_free_fractions(U, U)
         self.accept_step()
 
-    def find_free_fractions(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
-        """Collision-free fractions (n,) of the step ``U`` to ``W``; None if all of it."""
+    def find_collision_free_fractions(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
+        """Collision-free fractions (n,) of steps from ``U`` to ``W``; None if all are 1."""
         X, Y = self._with(U, self.points), self._with(W, self.points_ahead)
         step = 2.0 * _CORNER * largest_difference(Y, X)
         if step > self._beyond:

@@ -18,20 +18,21 @@ from apd_viewer.geometry.linalg.threads import parallel
 # Larger patches mean fewer bounds, but more candidate pairs searched in vain.
 _VERTICES_PER_PATCH = 12
 _SWEEPS = 6  # iterations of Lloyd's algorithm
-# Points from which threads pay: for 300 they take six times as long as one, for 5,000 a quarter less.
+# Number of points above which threads pay off: they take six times as long as one for 300 points, and a
+# quarter less for 5,000.
 _WORTH_THREADS = 2000
 _PORTION = 512
 
 
 class PatchItems(NamedTuple):
-    """Items of every patch: ``item[start[p] : start[p + 1]]``."""
+    """Indices grouped by patch: ``item[start[p] : start[p + 1]]`` for patch p."""
 
     start: np.ndarray
     item: np.ndarray
 
     @classmethod
     def group(cls, patch: np.ndarray, item: np.ndarray, count: int) -> PatchItems:
-        """Group items (k,) by their patch (k,)."""
+        """Group indices ``item`` (k,) by their ``patch`` (k,)."""
         start = np.concatenate([[0], np.cumsum(np.bincount(patch, minlength=count))])
         return cls(start, item[np.argsort(patch, kind="stable")])
 
@@ -52,7 +53,7 @@ class Patches:
     used_vertices : int array
         Vertices with triangles.
     vertices, edges, faces : PatchItems
-        Items of every patch; an edge and a triangle belong to the patch of their first vertex.
+        Indices by patch; an edge and a triangle belong to the patch of their first vertex.
     covered_vertices : PatchItems
         Vertices of every patch and of its edges and triangles.
     """
@@ -81,7 +82,7 @@ class Patches:
         """
         axis = int(np.ptp(boxes[:, :3], axis=0).argmax())
         order = np.argsort(boxes[:, axis])
-        first = np.concatenate([[0], np.cumsum(_count_near(boxes, order, axis, gap))])
+        first = np.concatenate([[0], np.cumsum(_count_near_boxes(boxes, order, axis, gap))])
         key, apart = _keys_near(boxes, order, axis, gap, first)
         ascending = np.argsort(key)
         key = key[ascending]
@@ -144,8 +145,8 @@ def boxes_within(A: np.ndarray, i: int, B: np.ndarray, j: int, gap: float) -> bo
 
 
 @parallel()
-def _count_near(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> np.ndarray:
-    """Number of boxes within ``gap`` of each box, among itself and later ones."""
+def _count_near_boxes(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> np.ndarray:
+    """Number of boxes within ``gap`` of each box, counting itself and later ones only."""
     count = np.ones(len(order), np.int64)
     for a in prange(len(order)):
         for b in range(a + 1, len(order)):

@@ -60,7 +60,7 @@ def calm_level_weights(
     (g, n) float array
         From 0 to 1; 0 in loose parts, which keep their area by themselves, and where all around is held.
     """
-    levels = _hats(gesture_flux(solve_mesh, held, handle_of, soft)) * _is_reached(solve_mesh, held)
+    levels = _hats(log_handle_flux(solve_mesh, held, handle_of, soft)) * _is_reached(solve_mesh, held)
     # The level next to the handles is not split: two goals there would conflict in a strong pull.
     found = [*levels[:1], *(part for level in levels[1:] for part in _parts(solve_mesh, level))]
     return np.array([level for level in found if _is_large_enough(solve_mesh, level)]).reshape(
@@ -83,7 +83,7 @@ def _is_large_enough(solve_mesh: SolveMesh, level: np.ndarray) -> bool:
 
 
 def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarray:
-    """Calmness (n,): 0 where the handles' motion deforms the surface, 1 far away.
+    """Lack of the handles' influence (n,): 0 where they deform the surface, 1 far off.
 
     It is 1 beyond the last level, and NaN for held vertices and loose parts.
 
@@ -102,7 +102,7 @@ def calmness(mesh: Mesh, labels: np.ndarray, soft: SoftConstraints) -> np.ndarra
     held, first = np.unique(weld.inverse[fixed], return_index=True)
     handle_of = np.maximum(labels[fixed[first]].astype(np.int64) - HANDLE + 1, 0)
     drawn, which = np.unique(weld.inverse[soft.ids], return_index=True)
-    x = gesture_flux(shape, held, handle_of, soft.subset(which)._replace(ids=drawn))
+    x = log_handle_flux(shape, held, handle_of, soft.subset(which)._replace(ids=drawn))
     return np.where(_is_free(shape, held), calmness_from_flux(x), np.nan)[weld.inverse]
 
 
@@ -117,10 +117,12 @@ def _hats(x: np.ndarray) -> np.ndarray:
     return np.array([np.interp(x, middles, row) for row in np.eye(len(middles))])[-2::-1]
 
 
-def gesture_flux(
+def log_handle_flux(
     solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
 ) -> np.ndarray:
-    """Base-10 logarithm (n,) of the handles' harmonic flux relative to its mean.
+    """Base-10 logarithm (n,) of the handles' relative harmonic flux.
+
+    The flux at a vertex is ``|grad h|^2`` averaged over its triangles, relative to its flux-weighted mean.
 
     Parameters
     ----------
@@ -172,7 +174,7 @@ def _potentials(
 
 
 def _is_free(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the free vertices, the unknowns of the solve."""
+    """Mask (n,) of the free vertices, the unknowns of the solver."""
     moves = np.isin(solve_mesh.component, solve_mesh.component[held])
     moves[held] = False
     return moves
@@ -197,7 +199,8 @@ def _squared_slopes(V: np.ndarray, F: np.ndarray, h: np.ndarray) -> np.ndarray:
     return total
 
 
-# Shift by this fraction of the mean diagonal: coarse unknowns without fine ones would be singular.
+# Shift of the coarse matrix, relative to its mean diagonal entry; without it, coarse unknowns that no fine
+# vertex uses would make it singular.
 _SHIFT = 1e-9
 
 

@@ -150,11 +150,11 @@ class GoalProjection:
         fraction = 1.0
         fresh = False  # true once gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
-            if worst <= GOAL_TOLERANCE or worst == np.inf:  # a trial that goes too far by many powers of ten
+            if worst <= GOAL_TOLERANCE or worst == np.inf:  # inf if a trial overshoots by far
                 break
             missing = self._target - self.values
             step = fraction * (self._inverse @ missing)
-            there = parallel_ops.with_added_combination(U, step, self._y)
+            there = parallel_ops.plus_linear_combination(U, step, self._y)
             if foreseen <= GOAL_TOLERANCE:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step

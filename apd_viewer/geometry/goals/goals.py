@@ -63,7 +63,7 @@ class Goal:
     name : str
         "the area", "the volume", the name of a region or of a level of calmness.
     patch : Patch
-        All triangles, in vertices of the solve.
+        All triangles, in vertices of the solve mesh.
     rest, target : float
         Value at rest, and the value asked for.
     weight : (n,) float array or None
@@ -198,7 +198,7 @@ def make_goals(
         Of the total area and the volume.
     regions : sequence of Region
     calm : (k, n) float array, optional
-        Levels of calmness of the vertices of the solve, each with an area to keep as the total area is.
+        Levels of calmness of the vertices of the solve mesh, each with an area to keep as the total area is.
 
     Raises
     ------

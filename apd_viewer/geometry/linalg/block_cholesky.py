@@ -27,7 +27,7 @@ from apd_viewer.geometry.linalg.threads import one_blas_thread
 
 
 class BlockPattern:
-    """Elimination order of symmetric matrices with the same nonzero blocks.
+    """Symbolic Cholesky factorization of matrices with the same nonzero blocks.
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """Limited-memory BFGS directions.
 
-In the kernels ``A`` (l, m) are steps or changes in single precision, ``order`` (k,) those that count. Sums
-are made in double precision and in portions of a fixed length, so they are the same on any number of cores.
+In the kernels ``A`` (l, m) are steps or gradient changes in single precision, ``order`` (k,) those that
+count. Sums are made in double precision and in portions of a fixed length, so they are the same on any number
+of cores.
 """
 
 from collections.abc import Callable
@@ -20,8 +21,8 @@ class LbfgsMemory:
 
     With the factor of the global step as preconditioner, the first step is a global step, and the following
     ones correct what it leaves out [Liu, Bouaziz & Kavan 2017, Quasi-Newton methods for real-time simulation
-    of hyperelastic materials]. Directions need no high precision, so steps and changes are kept in single
-    precision: half the memory to read.
+    of hyperelastic materials]. Directions need no high precision, so steps and gradient changes are kept in
+    single precision: half the memory to read.
 
     Parameters
     ----------
@@ -36,7 +37,7 @@ class LbfgsMemory:
         shape = length + 1, 3 * count
         self._steps, self._changes = np.empty(shape, np.float32), np.empty(shape, np.float32)
         self._length, self._next = length, 0
-        # Inner products of steps and changes, by slot.
+        # Inner products of steps and gradient changes, by slot.
         self._products = np.zeros((length + 1, length + 1))
         self._order: list[int] = []
 

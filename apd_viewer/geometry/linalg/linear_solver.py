@@ -104,7 +104,7 @@ class LinearSolver:
     ) -> None:
         begun = time.monotonic()
         self.factor: _SimplicialFactor | SupernodalFactor | None = None
-        if V is not None and len(V) >= FEWEST_SUPERNODAL_UNKNOWNS and supernodal_works():
+        if V is not None and len(V) >= FEWEST_SUPERNODAL_UNKNOWNS and supernodal_solver_works():
             self.factor = _supernodal_factor(start, column, entry, V)
         if self.factor is None:
             self.factor = _SimplicialFactor(start, column, entry)
@@ -150,8 +150,8 @@ def _supernodal_factor(
 
 
 @cache
-def supernodal_works() -> bool:
-    """True if kernels compiled for this processor solve a known system."""
+def supernodal_solver_works() -> bool:
+    """True if the supernodal solver solves a known system on this processor."""
     size = 24
     line = diags_array([np.ones(size - 1), np.ones(size - 1)], offsets=[-1, 1])
     couplings = kron(line, eye_array(size)) + kron(eye_array(size), line)

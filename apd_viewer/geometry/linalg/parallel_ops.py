@@ -104,7 +104,7 @@ def add_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
 
 
 @parallel()
-def with_added_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
+def plus_linear_combination(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
     """Sum ``X + sum_k c_k A_k`` of ``X`` (n, 3) and ``A`` (k, n, 3)."""
     out = np.empty_like(X)
     for i in prange(len(X)):
@@ -142,7 +142,7 @@ def gathered_rows(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 @parallel()
 def scattered_rows(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """Copy of ``U`` (n, 3) with rows replaced by those of ``A`` and ``B``.
+    """Copy of ``U`` (n, 3) with rows replaced by rows of ``A`` or ``B``, by ``place``.
 
     Row i becomes ``A[place[i]]``, or ``B[-1 - place[i]]`` where ``place`` is negative; where it is beyond the
     rows of ``A``, the row is unchanged.

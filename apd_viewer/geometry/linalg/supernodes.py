@@ -111,7 +111,7 @@ def _ranked_supernodes(
 
 @njit(cache=True, nogil=True)
 def children_of(parent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A child of each supernode, and the next child of the same parent; -1 for none."""
+    """First child and next sibling of each supernode; -1 for none."""
     child, sibling = np.full_like(parent, -1), np.full_like(parent, -1)
     for s in range(len(parent)):
         if parent[s] >= 0:

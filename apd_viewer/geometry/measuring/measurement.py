@@ -49,7 +49,7 @@ class Measurement:
 
 
 class MeasurementResult(NamedTuple):
-    """Result of a measurement.
+    """Measured values, with the lines and the label to draw for them.
 
     Attributes
     ----------

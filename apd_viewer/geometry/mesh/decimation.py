@@ -49,7 +49,7 @@ def decimated_mesh(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray
         By the places of their corners among ``vertices``.
     """
     proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
-    if len(proper) <= 2 * count:  # already so few triangles, or disconnected ones
+    if len(proper) <= 2 * count:  # few enough triangles already, or disconnected ones
         vertices, T = np.unique(proper, return_inverse=True)
         return vertices, T.reshape(-1, 3)
     origin = V[proper[:, 0]].mean(axis=0)

@@ -1,4 +1,4 @@
-"""Triangle mesh in file order, and its welded counterpart for the solve."""
+"""Triangle mesh in file order, and its welded counterpart for the solver."""
 
 from __future__ import annotations
 
@@ -183,7 +183,7 @@ class Mesh:
 
     @cached_property
     def weld(self) -> Weld:
-        """Map between the file's vertices and the vertices of the solve."""
+        """Map between the vertices of the file and those of the welded solve mesh."""
         return Weld.from_positions(self.V, self.F)
 
     @cached_property

@@ -114,8 +114,9 @@ def _nearby_pairs(
 
     ends, points = V[edges], KDTree(V[border])
     half = 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    size = np.frexp(half)[1]  # edges of similar length together: a ball around a long one holds many vertices
-    pairs = [np.empty((0, 2), dtype=np.int64)]  # one array even without edges
+    # Edges are queried by size: the search radius of long ones would find too many vertices near short ones.
+    size = np.frexp(half)[1]
+    pairs = [np.empty((0, 2), dtype=np.int64)]  # so that arrays can be joined even without edges
     for each in np.unique(size):
         some = np.flatnonzero(size == each)
         middles = KDTree(ends[some].mean(axis=1))

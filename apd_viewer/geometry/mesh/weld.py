@@ -24,7 +24,7 @@ MOST_EDGE_SHARE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Weld:
-    """Map from coincident file vertices to one vertex of the solve.
+    """Map from coincident file vertices to one vertex of the welded solve mesh.
 
     Files repeat vertices at texture seams, and STL repeats all of them: without welding such a mesh falls
     apart into loose triangles. Equal positions are joined; at borders, where rounding leaves cracks, also
@@ -121,7 +121,7 @@ class Weld:
         spread = U[self.inverse]
         if self.V is not None and self.offset is not None:
             apart = np.flatnonzero(self.offset.any(axis=1))
-            # This order of operations restores unmoved vertices to the bit.
+            # This order of operations restores unmoved vertices bit for bit.
             spread[apart] = self.V[apart] + (spread[apart] - self.V[self.representative[apart]])
         return spread
 

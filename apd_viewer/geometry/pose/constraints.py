@@ -129,7 +129,7 @@ def constraints(
 
 
 def next_paint_sentence(labels: np.ndarray, obstacles: bool = False) -> str | None:
-    """Sentence on what to paint next; None if handles or obstacles can move."""
+    """Sentence saying what to paint next; None if handles or obstacles can move."""
     if not obstacles and not (labels == BASE).any():
         return tr("There is no base: paint the part that stays in place as base.")
     if not obstacles and not (labels >= HANDLE).any():

@@ -41,19 +41,21 @@ def distances(graph: Graph, start: np.ndarray, limit: float) -> np.ndarray:
     return found
 
 
-def strengths(distance: np.ndarray, falloff: float) -> np.ndarray:
-    """Strength ``(1 - (d / r)^2)^2`` at distance d, for falloff r; 0 beyond it."""
+def falloff_strengths(distance: np.ndarray, falloff: float) -> np.ndarray:
+    """Strength ``(1 - (d / r)^2)^2`` of a falloff r at distance d; 0 beyond r."""
     share = np.clip(1.0 - (distance / falloff) ** 2, 0.0, 1.0)
     return share * share
 
 
 def soft_constraints(free: np.ndarray, strength: np.ndarray, falloffs: np.ndarray) -> SoftConstraints:
-    """Soft vertices among ``free`` (n,) bool, each for its strongest handle.
+    """Soft constraints on free vertices, each by the handle with the largest strength.
 
     Parameters
     ----------
+    free : (n,) bool array
+        Vertices that may be constrained.
     strength : (h, n) float array
-        Of every handle at every vertex: see :func:`strengths`.
+        Of every handle at every vertex: see :func:`falloff_strengths`.
     falloffs : (h,) float array
     """
     handle = strength.argmax(axis=0)

@@ -10,7 +10,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 # Relative accuracy of area and volume targets; the paper's method has
 # its own tolerance.
 TARGET_ACCURACY = 1e-9
-# Displacements when there are no obstacles.
+# Obstacle displacements where there are no obstacles.
 NO_SHIFTS = frozen(np.zeros((0, 3)))
 
 

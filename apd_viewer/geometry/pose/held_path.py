@@ -17,7 +17,7 @@ ITERATIONS_A_STEP = 4
 
 
 class HeldPath:
-    """Paths of handles (screws, or lines if deformed) and of obstacles (lines).
+    """Paths of handles (screws, or lines if they change shape) and obstacles (lines).
 
     Half a turn follows an arc in either sense; on a straight path the handle would collapse onto its axis.
 

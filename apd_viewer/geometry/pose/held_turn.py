@@ -52,7 +52,7 @@ class HeldTurn(NamedTuple):
 
     @property
     def has_lost_whole_turns(self) -> bool:
-        """True if the lost angle amounts to whole turns.
+        """True if the requested and the held angle differ by whole turns.
 
         Only a surface passing through itself can lose whole turns.
         """

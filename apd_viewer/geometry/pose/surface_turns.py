@@ -225,7 +225,7 @@ class TriangleTurns(NamedTuple):
     intermediate_rotations : tuple of four (p, 4) float arrays
         Quaternions from that of the first triangle to that of the second, without a jump.
     has_jump : (p,) bool array
-        Whether the last of them is the other one of the second triangle.
+        True where the last of them is the negative of the quaternion of the second triangle.
     """
 
     q: np.ndarray
@@ -257,10 +257,15 @@ class TriangleTurns(NamedTuple):
         return cls(q, np.column_stack([s, t]), ends, tuple(way), _dots(way[-1], q[t]) < 0.0)
 
     def turns_about(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Turns (p,) about ``axis`` (3,) in each pair, and their clarity (p,) from 0 to 1."""
+        """Turn (p,) about ``axis`` (3,) across each triangle pair, and how definite it is.
+
+        The second array (p,) is 1 for turns about the axis itself, and 0 for half turns about a perpendicular
+        axis, where the turn is undefined.
+        """
         points = [(q[:, 0], q[:, 1:] @ axis) for q in self.intermediate_rotations]
         angles = [np.arctan2(along, w) for w, along in points]
-        # A turn below 360 degrees changes the half-angle along the ellipse by less than 180 degrees.
+        # The half-angle follows the ellipse of (w, component along the axis): it changes by less than 180
+        # degrees for a turn below 360 degrees.
         steps = [_wrapped_angle(after - before) for before, after in itertools.pairwise(angles)]
         clear = np.min([np.hypot(w, along) for w, along in points], axis=0)
         return 2.0 * np.sum(steps, axis=0), clear

@@ -57,7 +57,7 @@ class AdaptiveMetric:
         return surface.hessian.factor_at(surface.U)
 
     def update(self, projection: GoalProjection) -> None:
-        """Switch to the Hessian at the current shape, or renew it when due."""
+        """Switch to the Hessian at the current shape; renew it every few iterations."""
         surface = self._elastic
         if self.is_hessian and self._age < _PERIOD:
             self._age += 1

@@ -248,7 +248,7 @@ class ConstrainedDescent:
         self._give_up_stalled()
 
     def _update_directions(self, pressure: float) -> None:
-        """Update gradients and directions of the goals when due."""
+        """Update gradients and directions of the goals every few iterations."""
         projection, U = self._projection, self.surface.U
         if self._age % _REFRESH == 0 or projection.has_outdated_directions:
             projection.refresh_directions(U)

@@ -72,7 +72,7 @@ def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
 
 
 def stop_sentence(fraction: float, contact: ContactDescent | None = None) -> str:
-    """Sentence on the handle or obstacle stopped by contact at a fraction of its path."""
+    """Sentence about the handle or obstacle that contact stops on its path."""
     moves = (contact.path.moves_held, contact.path.moves_obstacles) if contact else (True, False)
     said = {
         (True, True): tr("Contact stops handle and obstacle at {percent:.0f} % of the path."),

@@ -98,7 +98,7 @@ def check_convergence(convergence: Convergence) -> None:
 
 
 def stability_text(frame: Frame, descends: bool) -> str:
-    """Text on the stability of the last shape, or the reason why it is unknown.
+    """Text about the stability of the last shape, or the reason why it is unknown.
 
     Parameters
     ----------

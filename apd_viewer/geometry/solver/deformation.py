@@ -238,7 +238,7 @@ class Deformation:
 
     @property
     def tolerance(self) -> float:
-        """Relative error of the total area accepted by the method "paper"."""
+        """Relative error of the total area accepted by the "paper" method."""
         return self._kept.tolerance
 
     @tolerance.setter
@@ -328,7 +328,7 @@ class Deformation:
             surface = self.solver.surface
             if surface.creases and self.contact and (self.contact.is_stopped or self.settled):
                 surface.commit_creases()
-            if self._kept.restore_calm_goals():
+            if self._kept.restore_dropped_goals():
                 self.solver.set_goals(self._kept.goals)
             if self.contact is not None:
                 self.contact.target_shifts, self.contact.start_shifts = shifts, begin
@@ -369,8 +369,8 @@ class Deformation:
     def _descend(self) -> None:
         """Do a step; repeat it without the area goals of calm parts if they are missed."""
         solver, kept = self.solver, self._kept
-        if kept.may_retry_calm_goals and self._has_settled(solver.progress):
-            kept.retry_calm_goals()
+        if kept.may_retry_dropped_goals and self._has_settled(solver.progress):
+            kept.retry_dropped_goals()
             solver.set_goals(kept.goals)
         before = solver.progress.U
         solver.step()
@@ -396,7 +396,7 @@ class Deformation:
     @property
     def _is_in_equilibrium(self) -> bool:
         """True if the shape is in equilibrium, stable or not."""
-        return self._has_settled(self.solver.progress) and not self._kept.may_retry_calm_goals
+        return self._has_settled(self.solver.progress) and not self._kept.may_retry_dropped_goals
 
     def _has_settled(self, progress: SolverProgress) -> bool:
         converged = progress.converged

@@ -28,7 +28,7 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_TOLERANCE,
     contact_by_default,
     method_named,
-    passing_walls_warning,
+    no_contact_warning,
 )
 from apd_viewer.geometry.solver.path_iteration import PathIteration, PathStop
 from apd_viewer.language import tr
@@ -250,8 +250,10 @@ def deform(
     if targets is path and iterations is not None:
         raise InputError(tr("Plain iterations follow no path; give the last targets alone."))
     walk = PathIteration(solver, [*_stops(path, shifts)])
-    result = iterate_to_result(solver, walk, started, iterations, told, _turns(solver, handle, path))
-    passing = passing_walls_warning(*size, tr("--contact or contact=True")) if by_default else ""
+    result = iterate_to_result(
+        solver, walk, started, iterations, told, _held_turns_function(solver, handle, path)
+    )
+    passing = no_contact_warning(*size, tr("--contact or contact=True")) if by_default else ""
     return replace(result, warnings=(*result.warnings, passing)) if passing else result
 
 
@@ -262,10 +264,10 @@ def _stops(path: np.ndarray, shifts: np.ndarray | None) -> Iterator[PathStop]:
         yield PathStop(targets, None, None if whole is None else number / len(path) * whole)
 
 
-def _turns(
+def _held_turns_function(
     solver: Deformation, handle: np.ndarray | Sequence[np.ndarray] | None, places: np.ndarray
 ) -> Callable[[np.ndarray], tuple[HeldTurn, ...]]:
-    """Function that returns the held turns of a shape after a path (s, k, 3)."""
+    """Function giving the held turns of a shape, reached along ``places`` (s, k, 3)."""
     rest, held = solver.rest, HeldVertices(solver.fixed, handle, solver.rest)
     labels = np.full(len(rest.solve_mesh.V), FREE)
     labels[held.ids] = np.where(held.handle_of > 0, HANDLE - 1 + held.handle_of, BASE)

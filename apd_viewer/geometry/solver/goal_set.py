@@ -85,7 +85,7 @@ class GoalSet:
 
     @property
     def tolerance(self) -> float:
-        """Relative error of the total area accepted by the method "paper"."""
+        """Relative error of the total area accepted by the "paper" method."""
         return self._tolerance
 
     @tolerance.setter
@@ -126,10 +126,10 @@ class GoalSet:
         return bool(self._dropped)
 
     def drop_calm_goals(self) -> None:
-        """Drop the goals of calm parts until the next :meth:`restore_calm_goals`."""
+        """Drop the goals of calm parts until the next :meth:`restore_dropped_goals`."""
         self._dropped, self.goals = self.goals, tuple(goal for goal in self.goals if not goal.is_smooth)
 
-    def restore_calm_goals(self) -> bool:
+    def restore_dropped_goals(self) -> bool:
         """Restore the dropped goals for another pose; False if none was dropped."""
         self._retries = 1
         if not self._dropped:
@@ -138,20 +138,20 @@ class GoalSet:
         return True
 
     @property
-    def may_retry_calm_goals(self) -> bool:
+    def may_retry_dropped_goals(self) -> bool:
         """True if the dropped goals have not been retried at the converged shape.
 
         On the way from a pose far away they may be missed although they can be kept.
         """
         return bool(self._dropped) and self._retries > 0
 
-    def retry_calm_goals(self) -> None:
+    def retry_dropped_goals(self) -> None:
         """Restore the dropped goals for one more attempt."""
-        self.restore_calm_goals()
+        self.restore_dropped_goals()
         self._retries = 0
 
     def out_of_reach_sentence(self, values: np.ndarray | None) -> str | None:
-        """Sentence on goals out of reach in this pose; ``values`` are of abandoned goals."""
+        """Sentence about goals out of reach; ``values`` are those of abandoned goals."""
         missed = None if values is None else self.missed_goals_sentence(values)
         if missed is None:
             return _CALM_GAVE_WAY if self.has_dropped_calm_goals else None

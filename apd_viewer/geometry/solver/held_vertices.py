@@ -36,7 +36,7 @@ def vertex_ids(value: np.ndarray | Sequence[int], n: int, role: str = "held") ->
 def handle_numbers(
     handle: np.ndarray | Sequence[np.ndarray] | None, rest: RestMesh, solve_ids: np.ndarray
 ) -> np.ndarray:
-    """Handle number of each held vertex of the solve, from 1; 0 for the base."""
+    """Handle number of each held vertex of the solve mesh, from 1; 0 for the base."""
     listed = isinstance(handle, Sequence) or (isinstance(handle, np.ndarray) and handle.ndim > 0)
     if handle is not None and not listed:
         raise InputError(tr("The handle must be an array of vertex IDs, or a list of such arrays."))
@@ -79,7 +79,7 @@ class HeldVertices:
     ----------
     fixed : (k,) int array
     ids : (h,) int array
-        Of the solve, ascending.
+        Of the solve mesh, ascending.
     handle_of : (h,) int array
         The number of the handle of each, from 1; 0 is base.
     targets : (h, 3) float array
@@ -159,7 +159,7 @@ def checked_soft_targets(
 def checked_targets(
     targets: np.ndarray, rest: RestMesh, fixed: np.ndarray, chosen: np.ndarray, inverse: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Local targets of the held vertices of the file and of the solve.
+    """Checked local targets, of the held vertices of the file and of the welded mesh.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def checked_targets(
     fixed : (k,) int array
         Held vertices of the file.
     chosen, inverse : (h,) and (k,) int arrays
-        Row of ``fixed`` for each held vertex of the solve, and the inverse map.
+        Row of ``fixed`` for each held vertex of the welded mesh, and the inverse map.
 
     Raises
     ------

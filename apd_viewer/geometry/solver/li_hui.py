@@ -92,7 +92,7 @@ class LiHui:
         self._iteration = 0
 
     def step(self) -> None:
-        """Do an ARAP iteration, corrected and blended; end a round when due."""
+        """Do an ARAP iteration with area correction; update the handle after each round."""
         self.surface.local_step(self.surface.global_step(self._h))
         self._correct_and_blend()
         self._iteration += 1

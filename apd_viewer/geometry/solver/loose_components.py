@@ -44,7 +44,7 @@ class LooseComponents:
     ----------
     rest : RestMesh
     held : (k,) int array
-        Held vertices of the solve.
+        Held vertices of the solve mesh.
     handle_of : (k,) int array
         For each the number of its handle, from 1; 0 is base.
     loose : "go", "stay" or int array

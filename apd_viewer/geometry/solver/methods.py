@@ -181,8 +181,8 @@ def contact_by_default(method: str, vertices: int) -> bool:
     return method_named(method).may_use_contact and vertices <= MOST_VERTICES_IN_CONTACT
 
 
-def passing_walls_warning(method: str, vertices: int, switch: str) -> str:
-    """Warning about a mesh too large for contact by default; otherwise empty."""
+def no_contact_warning(method: str, vertices: int, switch: str) -> str:
+    """Warning that contact is off by default for a large mesh; otherwise empty."""
     if vertices <= MOST_VERTICES_IN_CONTACT or not method_named(method).may_use_contact:
         return ""
     return tr(

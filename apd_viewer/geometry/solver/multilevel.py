@@ -205,7 +205,7 @@ class MultilevelDescent:
             self._advance_coarse()
             self.coarse.smooth(_SMOOTHING_OF_FABRIC if self.surface.membrane else _SMOOTHING)
             self._preview = self._preview or CoarsePreview(self.surface, self.coarse, self.fine.goals)
-            self._preview.follow_coarse(self.fine.held_positions)
+            self._preview.follow_coarse_surface(self.fine.held_positions)
             self.forecast.expect_factor()
         elif self._previews:
             self._end_previews()
@@ -277,7 +277,7 @@ class CoarsePreview:
         """Smooth response (f, 3) to forces ``b_f`` (f, 3), used to meet the goals."""
         return self._coarse.response(b_f)
 
-    def follow_coarse(self, targets: np.ndarray) -> None:
+    def follow_coarse_surface(self, targets: np.ndarray) -> None:
         """Follow the coarse surface, with the held vertices at ``targets`` (k, 3)."""
         U = self._coarse.prolonged_positions(targets)
         if self.projection.has_outdated_directions:

@@ -77,7 +77,7 @@ class PathIteration:
         self._solver.aim(stop.targets, U, stop.soft_targets, stop.shifts, start_shifts)
 
     def iterate(self) -> None:
-        """Iterate once, and advance to the next stop when due."""
+        """Iterate once; advance to the next stop after enough iterations at this one."""
         self._solver.iterate()
         self._iterations += 1
         if self.has_arrived or self._iterations < ITERATIONS_A_STEP or self._solver.is_on_its_way:

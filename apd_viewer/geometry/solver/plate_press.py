@@ -110,7 +110,7 @@ class PlatePress:
         self.solver.aim(self._targets, start)
 
     def _plates_around(self, U: np.ndarray, aside: float = 0.0) -> list[Obstacle]:
-        """Local plates around a shape ``U`` (k, 3), each at a distance ``aside``."""
+        """Plates on both sides of a local shape ``U`` (k, 3), ``aside`` away from it."""
         X = U[np.unique(self._rest.solve_mesh.F)]
         self.travel = way = plate_travel(X, *self._asked)
         # Centre of the bounding box: plates also need a position perpendicular to their axis.

@@ -154,7 +154,7 @@ class Restarts:
             if progress.stuck or progress.converged:
                 self._end()
         elif self._is_hopeless() or (self._on_trial and (progress.stuck or self._is_last(energy, progress))):
-            (self._end if self._by_hessian else self._finish)()
+            (self._end if self._by_hessian else self._converge_best)()
         elif progress.stuck:
             self._done = True
         elif progress.converged or ((self._on_trial or not self._by_hessian) and self._stagnates(energy)):
@@ -198,8 +198,8 @@ class Restarts:
         self._coarse_start, self._led = inner.coarse.shapes()[0], False
         self._best, self._minima, self._on_trial = best, [*minima, energy], True
 
-    def _finish(self) -> None:
-        """Converge the best shape fully, and show it once its energy is lower."""
+    def _converge_best(self) -> None:
+        """Start converging the best shape; show it once its energy is the lowest."""
         best, minima = self._best, self._minima
         self._end_trial()
         self._best, self._minima = best, minima

@@ -42,7 +42,7 @@ class StabilitySearch:
     Parameters
     ----------
     equilibrium : Equilibrium
-        Restored to the bit after each step.
+        Restored bit for bit after each step.
     size : float
         Of the mesh, mesh units.
 

@@ -70,7 +70,7 @@ def intermediate_documents(document: Document) -> Iterator[Document]:
 
 
 def with_rounded_poses(document: Document) -> Document:
-    """Document with rounded poses of all handles with half a turn or more."""
+    """Document with rounded numbers in the poses of handles turned by 180° or more."""
     return _with_rounded_poses(document, [handle.has_half_turn for handle in document.handles])
 
 

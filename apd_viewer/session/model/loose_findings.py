@@ -15,7 +15,7 @@ _MOST = 100
 
 
 def loose_component_findings(document: Document) -> Iterator[tuple[Finding, tuple[int, ...]]]:
-    """Findings on all loose parts, then on each with its lowest vertex ID.
+    """Findings about all loose parts, then about each with its lowest vertex ID.
 
     Before anything is painted, the largest part is left out, since it will probably be painted.
     """

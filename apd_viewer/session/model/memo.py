@@ -14,7 +14,7 @@ from apd_viewer.geometry.mesh.components import face_components
 from apd_viewer.geometry.mesh.operators import face_areas, region_areas
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.pose import constraints
-from apd_viewer.geometry.pose.falloff import distances, edge_graph, soft_constraints, strengths
+from apd_viewer.geometry.pose.falloff import distances, edge_graph, falloff_strengths, soft_constraints
 
 T = TypeVar("T")
 
@@ -144,7 +144,7 @@ def falloff_constraints(
     strength = np.zeros((len(falloffs), len(labels)))
     for k, (falloff, reach) in enumerate(zip(falloffs, reaches, strict=True)):
         if falloff > 0.0:
-            strength[k] = strengths(
+            strength[k] = falloff_strengths(
                 _label_distances(V, F, weld, labels, constraints.HANDLE + k, float(reach)), falloff
             )
     return soft_constraints(labels == constraints.FREE, strength, np.array(falloffs))

@@ -9,7 +9,7 @@ from apd_viewer.session.model.view import View
 
 
 class OpenedFile(NamedTuple):
-    """Content of a file.
+    """State, view and timeline read from an opened file.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Status messages on files, findings and warnings."""
+"""Status messages about files, findings and warnings."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def missing_target_sentence(document: Document) -> str | None:
 
 
 def target_sentence(target: TargetShape, mesh: Mesh) -> str:
-    """Sentence about a loaded target shape, with a warning on a different size."""
+    """Sentence about a loaded target shape, with a warning if its size differs."""
     name, factor = target.mesh.name, target.size_ratio(mesh)
     if factor is None:
         return tr("Comparing with {name}.").format(name=name)
@@ -179,6 +179,6 @@ def self_intersection_warnings(state: State, check: ShapeCheck | None) -> tuple[
 
 
 def held_turn_phrase(check: ShapeCheck | None, k: int) -> str:
-    """Phrase on the turn of handle ``k`` that the surface reaches; empty if unknown."""
+    """Phrase about the turn of handle ``k`` reached by the surface; empty if unknown."""
     held = check.turns[k].degrees[1] if check is not None and k < len(check.turns) else None
     return "" if held is None else tr("the surface holds {angle:.1f}°").format(angle=held).replace("-", "−")

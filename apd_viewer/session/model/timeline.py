@@ -44,7 +44,7 @@ class TimelineStep:
     begins_run : bool
         True for the state before a motion; the steps up to the next such state belong to its run.
     wall_result : State or None
-        State solved by the method Wall with the obstacles at the same positions; None if not solved.
+        State solved by the Wall method with the obstacles at the same positions; None if not solved.
     """
 
     state: State
@@ -53,16 +53,16 @@ class TimelineStep:
 
     @property
     def non_wall_state(self) -> State | None:
-        """State solved by another method than Wall; None if there is only one by Wall."""
+        """State solved by a method other than Wall; None if only Wall has solved the step."""
         return None if self.state.document.settings.traits.is_wall else self.state
 
     @property
     def wall_state(self) -> State | None:
-        """State solved by the method Wall; None if there is none."""
+        """State solved by the Wall method; None if there is none."""
         return self.wall_result or (self.state if self.non_wall_state is None else None)
 
     def lacks_wall_result(self, settings: Mapping[str, Any]) -> bool:
-        """True unless the method Wall has solved the step with these settings."""
+        """True unless the Wall method has solved the step with these settings."""
         own = self.state.document.with_settings(**settings).settings
         return self.non_wall_state is not None and (
             self.wall_result is None or self.wall_result.document.settings != own
@@ -105,7 +105,7 @@ class Timeline:
         return range(first, min((i for i in starts if i > k), default=len(self.steps)))
 
     def steps_without_wall_result(self, k: int, settings: Mapping[str, Any]) -> list[int]:
-        """Numbers of the steps in the run of step ``k`` not solved by the method Wall."""
+        """Numbers of steps in the run of step ``k`` that the Wall method has not solved."""
         return [i for i in self.run_of(k) if self.steps[i].lacks_wall_result(settings)]
 
     def index_of_recorded(self, state: State) -> int | None:
@@ -113,7 +113,7 @@ class Timeline:
         return next((k for k, step in enumerate(self.steps) if step.state is state), None)
 
     def with_wall_result(self, k: int, result: State) -> Timeline:
-        """Timeline with a state solved by the method Wall at step ``k``."""
+        """Timeline with a state solved by the Wall method at step ``k``."""
         step = replace(self.steps[k], wall_result=result)
         return replace(self, steps=(*self.steps[:k], step, *self.steps[k + 1 :]))._within_limit()
 
@@ -145,7 +145,7 @@ class Timeline:
     def state_at(self, k: int, current: Document, of_wall: bool = False) -> State:
         """State of step ``k``, with regions and measurements of the current document.
 
-        With ``of_wall``, that of the method Wall, if there is one.
+        With ``of_wall``, that of the Wall method, if there is one.
         """
         state = (self.steps[k].wall_state if of_wall else None) or self.steps[k].state
         own = {name: getattr(current, name) for name in MEASURING_FIELDS}

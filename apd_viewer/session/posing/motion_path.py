@@ -187,7 +187,7 @@ def _with_handles_unmoved(document: Document) -> Document:
     return replace(document, handles=tuple(handle.with_pose(IDENTITY) for handle in document.handles))
 
 
-def document_along(
+def document_along_paths(
     document: Document, paths: Sequence[HandlePath | MotionPath], fraction: float = 1.0
 ) -> Document:
     """Document with handles moved along their paths, keeping turns of any size."""

@@ -72,7 +72,7 @@ class Cost:
 
 @dataclass(frozen=True, eq=False)
 class Reply:
-    """Result of a request: a frame, or a message on its failure.
+    """Result of a request: a frame, or a message about its failure.
 
     Attributes
     ----------

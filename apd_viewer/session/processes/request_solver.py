@@ -125,7 +125,7 @@ class RequestSolver:
 
     @property
     def is_factoring(self) -> bool:
-        """True while another process factors."""
+        """True while a matrix is being factorized in another process."""
         return any(factor.is_factoring for factor in self._factors)
 
     def _run_idle_work(self, when_idle: Callable[[Callable[[], bool]], object]) -> bool:
@@ -232,7 +232,7 @@ class RequestSolver:
         self._warning = self._solver.loose.warning
         jumps = request.generation != self._generation
         elsewhere = jumps or not request_and_reply.are_same_keys(around, self._placed)
-        # Only after a change: equal targets would reset the handle of the method "paper" to its target.
+        # Only after a change: equal targets would reset the handle of the "paper" method to its target.
         if fresh or elsewhere or not request_and_reply.are_same_keys(poses, self._poses):
             U = request.U if fresh or elsewhere else None
             walks = request.iterate and (jumps or (fresh and _must_start_at_rest(self._solver, request)))

@@ -62,8 +62,8 @@ def _request_number(thing: object) -> int | None:
     return thing.number if isinstance(thing, Request) else None
 
 
-class _Pulse:
-    """Thread reporting work on a request or in idle time every second.
+class _Heartbeat:
+    """Thread that reports every second that the process is working.
 
     A process waiting in vain uses no processor time.
     """
@@ -71,7 +71,7 @@ class _Pulse:
     def __init__(self, tell: SolverMessageSender, factoring: Callable[[], bool]) -> None:
         self._tell, self._factoring = tell, factoring
         self._beats, self._ended = threading.Event(), threading.Event()
-        self._thread = threading.Thread(target=self._run, name="pulse", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="heartbeat", daemon=True)
         self._thread.start()
 
     def send_message(self, message: SolverMessage) -> None:
@@ -148,8 +148,8 @@ def serve(
     reader = threading.Thread(target=receive, name="requests", daemon=True)
     reader.start()
     solver: RequestSolver
-    pulse = _Pulse(send, lambda: solver.is_factoring)
-    solver = RequestSolver(requests, pulse.send_message)
-    solver.run(partial(pulse.run_idle_work, when_idle))
-    pulse.end()
+    heartbeat = _Heartbeat(send, lambda: solver.is_factoring)
+    solver = RequestSolver(requests, heartbeat.send_message)
+    solver.run(partial(heartbeat.run_idle_work, when_idle))
+    heartbeat.end()
     reader.join()

@@ -139,7 +139,7 @@ class ExpressionParser:
             self._take()
             value = self._sum()
             self._close_parenthesis()
-        elif is_number(self._token):
+        elif starts_number(self._token):
             value = _number(self._take())
         elif self._token in FUNCTIONS and self._token not in self._names:
             value = call_function(self._take(), self._arguments())
@@ -203,7 +203,7 @@ class ExpressionParser:
     def _misplaced_error(self) -> InputError:
         if not self._token:
             return InputError(tr("The expression is incomplete; complete it."))
-        if is_number(self._token):
+        if starts_number(self._token):
             return InputError(
                 tr("An operator is missing before {text}; enter one such as * or +.").format(
                     text=quoted_input(self._token)
@@ -309,8 +309,8 @@ def tokenize(text: str) -> list[str]:
     return tokens
 
 
-def is_number(token: str) -> bool:
-    """True if a token begins like a number."""
+def starts_number(token: str) -> bool:
+    """True if a token is a number, recognised by its first character."""
     return token[:1].isdecimal() or token[:1] == "."
 
 

@@ -44,15 +44,15 @@ class WallText(NamedTuple):
     material: wall_material.WallMaterial | None = None
 
     @property
-    def words(self) -> tuple[str, ...]:
-        """Texts and name of the material, in the form accepted by :meth:`from_words`."""
+    def field_texts(self) -> tuple[str, ...]:
+        """Typed texts and material name, as accepted by :meth:`from_field_texts`."""
         return (*self[:-1], self.material.name if self.material else "")
 
     @classmethod
-    def from_words(cls, *words: str) -> "WallText":
-        """Wall from some or all of its words; an unknown material is ignored."""
+    def from_field_texts(cls, *given: str) -> "WallText":
+        """Wall from field texts and a material name; an unknown name is ignored."""
         known = {material.name: material for material in wall_material.WALL_MATERIALS}
-        *texts, name = (*words, *[""] * len(cls._fields))[: len(cls._fields)]
+        *texts, name = (*given, *[""] * len(cls._fields))[: len(cls._fields)]
         return cls._make((*texts, known.get(name)))
 
     def text(self, unit: Unit) -> str:
@@ -74,7 +74,7 @@ class WallText(NamedTuple):
         return None
 
     def contact_distance(self, unit: Unit) -> float | None:
-        """Typed thickness in mesh units, the distance in contact; None if there is none."""
+        """Contact distance, mesh units: the typed thickness; None if none was typed."""
         return self._replace(material=None).usable_thickness(unit)
 
     def usable_density(self) -> float | None:

@@ -16,7 +16,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.archive import Archive
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.lock import FileLock, acquire_lock
-from apd_viewer.files.storage.regular_files import open_regular
+from apd_viewer.files.storage.regular_files import open_regular_file
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr, trn
 from apd_viewer.session.model.state import State
@@ -154,7 +154,7 @@ def age_text(written_at: float) -> str:
 def _name_of_mesh(path: Path) -> str:
     """Name of the mesh in a session file."""
     try:
-        with open_regular(path) as stream:  # read lazily, as the file may be large
+        with open_regular_file(path) as stream:  # read lazily, as the file may be large
             said = JsonFields.parse(Archive(stream).content(JSON_MEMBER), path.name)
         return PurePath(said.nested_fields("mesh").text("name")).name
     except (OSError, ValueError):

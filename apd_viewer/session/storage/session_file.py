@@ -21,7 +21,7 @@ from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.files.storage.archive import Archive, npy_content, write_archive
 from apd_viewer.files.storage.json_fields import JsonFields
-from apd_viewer.files.storage.regular_files import open_regular, read_content
+from apd_viewer.files.storage.regular_files import open_regular_file, read_content
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -330,7 +330,7 @@ def has_mesh(path: Path, mesh: Mesh) -> bool:
     if mesh_location.is_mesh_in_file(mesh):
         return True
     try:
-        with open_regular(path) as stream:
+        with open_regular_file(path) as stream:
             archive = Archive(stream)
             said = JsonFields.parse(archive.content(JSON_MEMBER), JSON_MEMBER).nested_fields("mesh")
             return (

@@ -228,7 +228,7 @@ def _up_axis(name: str) -> UpAxis:
 
 def _wall_to_json(wall: WallText) -> dict[str, str | None]:
     """Wall as typed; empty fields unknown to older sessions are left out."""
-    said = dict(zip(_WALL, wall.words, strict=True))
+    said = dict(zip(_WALL, wall.field_texts, strict=True))
     return {name: word or None for name, word in said.items() if word or name in ("thickness", "density")}
 
 
@@ -237,7 +237,7 @@ def _wall_from_json(fields: JsonFields) -> WallText:
     words = [fields.text(name) if fields.has_value(name) else "" for name in _WALL]
     if any(len(word) > MOST_CHARACTERS for word in words):
         raise ValueError(tr("its “wall” is damaged"))
-    return WallText.from_words(*words)
+    return WallText.from_field_texts(*words)
 
 
 def _point(numbers: np.ndarray) -> Point3:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.archive import Archive
-from apd_viewer.files.storage.regular_files import open_regular
+from apd_viewer.files.storage.regular_files import open_regular_file
 from apd_viewer.language import tr
 
 PICTURE_MEMBER = "picture.png"
@@ -21,7 +21,7 @@ def session_picture(path: Path) -> bytes | None:
     InputError
         If the file cannot be read, or is no session.
     """
-    with explaining_errors(path), open_regular(path) as stream:
+    with explaining_errors(path), open_regular_file(path) as stream:
         archive = Archive(stream)
         return archive.content(PICTURE_MEMBER) if archive.has_member(PICTURE_MEMBER) else None
 

@@ -13,7 +13,7 @@ from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 
-# Named like the columns of the command press.
+# Named like the columns of the ``press`` command.
 _COLUMNS = (
     *("step", "distance", "deflection", "load_low", "load_high", "volume", "volume_capped"),
     *("area_error", "settled", "load_low_newton", "load_high_newton"),
@@ -31,9 +31,9 @@ def write_timeline(
     Parameters
     ----------
     newtons : sequence of (float, float)
-        Newtons per load at each step, for its state and for that of the method Wall; NaN if unknown.
+        Newtons per load at each step, for its state and for that of the Wall method; NaN if unknown.
     of_wall : bool
-        Write the shapes solved by the method Wall, if there are any; a table has the readings of both.
+        Write the shapes solved by the Wall method, if there are any; a table has the readings of both.
 
     Raises
     ------

@@ -69,18 +69,18 @@ class Actions:
         view: QMenu,
         helps: QMenu,
     ) -> None:
-        self.file.fill(file)
+        self.file.add_to_menu(file)
         edit.addActions([self.undo, self.redo])
         edit.addSeparator()
         edit.addActions([self.reset, self.bake])
         edit.addSeparator()
         edit.addAction(self.settings)
         tools.addActions(list(self.tools.values()))
-        self.measurements.fill(tools)
-        self.select.fill(select)
-        self.pose.fill(handle)
-        self.simulate.fill(simulate)
-        self.view.fill(view, self.display)
+        self.measurements.add_to_menu(tools)
+        self.select.add_to_menu(select)
+        self.pose.add_to_menu(handle)
+        self.simulate.add_to_menu(simulate)
+        self.view.add_to_menu(view, self.display)
         helps.addActions(list(self.help.values()))
 
     def enable_actions(self, is_open: bool, is_at_rest: bool) -> None:
@@ -96,14 +96,14 @@ class Actions:
         self.file.follow_document(document)
         self.display.follow_document(document)
 
-    def add_panels(self, actions: list[QAction]) -> None:
-        """Add the actions to show or hide the panels to the View menu."""
+    def add_panel_actions(self, actions: list[QAction]) -> None:
+        """Add actions to show or hide the panels to the View menu."""
         for action in actions:
             tip = tr("Show or hide the panel “{title}”").format(title=without_mnemonic(action.text()))
             name = f"panel:{action.objectName()}"
             image = f"panel-{action.objectName()}"
             self._maker.adopt(name, action, image, tip, tuple(action.shortcuts()))
-        self.view.add_panels(actions)
+        self.view.add_panel_actions(actions)
 
     @property
     def entries(self) -> list[ShortcutEntry]:

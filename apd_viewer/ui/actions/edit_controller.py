@@ -109,10 +109,10 @@ class EditController:
             self._parts.add_handle()
             self._take(Tool.HANDLE)
 
-    def next_handle(self) -> None:
-        """Make the next handle active."""
+    def activate_next_handle(self) -> None:
+        """Activate the next handle."""
         if self._is_open:
-            self._parts.next_handle()
+            self._parts.activate_next_handle()
 
     def add_region(self) -> None:
         """Add a region and select its brush."""
@@ -181,7 +181,7 @@ class EditController:
             )
 
     def open_pivot_entry(self) -> None:
-        """Open a card to enter the coordinates of the pivot, with the gizmo in the hand."""
+        """Choose the Move tool, and open a card to enter the coordinates of the pivot."""
         if self._is_open:
             self._take(Tool.MOVE)
             self.text_entries.open_entry(self.text_entries.pivot)

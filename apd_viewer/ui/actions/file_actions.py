@@ -67,7 +67,7 @@ class FileActions:
         )
         tip = tr("Copy the Python lines that repeat this deformation to the clipboard")
         self.copy_python = make(
-            "copy_python", tr("Copy as P&ython"), "copy-python", tip, None, reporting.copy_python
+            "copy_python", tr("Copy as P&ython"), "copy-python", tip, None, reporting.copy_python_script
         )
         self.samples = []
         for name, sample in SAMPLES.items():
@@ -96,7 +96,7 @@ class FileActions:
         )
         self.clear_target.setEnabled(False)
 
-    def fill(self, menu: QMenu) -> None:
+    def add_to_menu(self, menu: QMenu) -> None:
         """Add the file actions to a menu."""
         menu.addAction(self.open)
         self.recent = menu.addMenu(tr("Open &recent"))

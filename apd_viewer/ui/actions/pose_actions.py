@@ -41,7 +41,7 @@ class PoseActions:
         after = tr("Select next handle")
         self.part_actions = [
             make("add_handle", tr("&Add handle"), "add-handle", add, "Shift+H", editing.add_handle),
-            make("next_handle", tr("&Next handle"), "next-handle", after, "N", editing.next_handle),
+            make("next_handle", tr("&Next handle"), "next-handle", after, "N", editing.activate_next_handle),
             make("add_region", tr("Add &region"), "add-region", region, "Shift+R", editing.add_region),
         ]
         tip = tr("Enter an amount to move, rotate, twist or bend the handle")
@@ -106,12 +106,12 @@ class PoseActions:
         self._gizmo.orientation = along
 
     def show_symmetry(self, on: bool) -> None:
-        """Check the symmetry action if handles are moved symmetrically."""
+        """Set the check mark of the symmetry action: on if handles move symmetrically."""
         self.symmetric.blockSignals(True)
         self.symmetric.setChecked(on)
         self.symmetric.blockSignals(False)
 
-    def fill(self, menu: QMenu) -> None:
+    def add_to_menu(self, menu: QMenu) -> None:
         """Add the actions to a menu."""
         menu.addActions(self.part_actions)
         menu.addSeparator()

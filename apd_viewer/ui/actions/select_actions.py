@@ -65,7 +65,12 @@ class SelectActions:
         maker.make_exclusive(self.modes.values())
         tip = tr("Let box, lasso and polygon also select hidden vertices")
         self.select_hidden = maker.make_checkable(
-            "through", tr("&X-ray (select hidden)"), "through", tip, "T", commands.canvas.set_selects_hidden
+            "through",
+            tr("&X-ray (select hidden)"),
+            "through",
+            tip,
+            "T",
+            commands.canvas.set_selects_hidden_vertices,
         )
 
     def _make_sizes(self, maker: ActionMaker, commands: Commands) -> None:
@@ -120,7 +125,7 @@ class SelectActions:
         """Actions of the tool bar shown while a painting tool is active."""
         return [list(self.modes.values()), [self.select_hidden], self.changes]
 
-    def fill(self, menu: QMenu) -> None:
+    def add_to_menu(self, menu: QMenu) -> None:
         """Add the selection actions to a menu."""
         menu.addActions(list(self.modes.values()))
         menu.addSeparator()

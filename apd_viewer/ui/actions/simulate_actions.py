@@ -49,10 +49,10 @@ class SimulateActions:
         runs = [self.press_live, self.press, self.compare, self.sweep, self.study, self.volumes]
         return [*runs, *self.obstacles.mesh_actions]
 
-    def fill(self, menu: QMenu) -> None:
+    def add_to_menu(self, menu: QMenu) -> None:
         """Add the actions to a menu."""
         menu.addAction(self.press_live)
-        self.obstacles.fill(menu)
+        self.obstacles.add_to_menu(menu)
         menu.addSeparator()
         menu.addActions([self.press, self.compare, self.sweep, self.study])
         menu.addAction(self.volumes)

@@ -91,12 +91,12 @@ class ViewActions:
         self.shadings[self._surface.shading].setChecked(True)
         self.camera.refresh()
 
-    def fill(self, menu: QMenu, display: DisplayActions) -> None:
+    def add_to_menu(self, menu: QMenu, display: DisplayActions) -> None:
         """Add the view actions to a menu, with the display actions in between."""
         menu.addAction(self.frame)
-        self.camera.fill(menu)
+        self.camera.add_to_menu(menu)
         menu.addSeparator()
-        display.fill(menu)
+        display.add_to_menu(menu)
         menu.addSeparator()
         menu.addAction(self.edges)
         shading = menu.addMenu(tr("&Shading"))
@@ -107,7 +107,7 @@ class ViewActions:
         self._menu, self._appearance = menu, menu.addMenu(tr("A&ppearance"))
         self._appearance.addActions(list(self.schemes.values()))
 
-    def add_panels(self, actions: list[QAction]) -> None:
+    def add_panel_actions(self, actions: list[QAction]) -> None:
         """Insert the panel actions above the submenu of the appearance."""
         self._menu.insertActions(self._appearance.menuAction(), actions)
         self._menu.insertSeparator(self._appearance.menuAction())
@@ -142,14 +142,14 @@ class CameraActions:
     Attributes
     ----------
     directions : dict of str to QAction
-        By the direction, as in Look.along.
+        By the name of the view, as in :meth:`Camera.standard_view`.
     """
 
     def __init__(self, maker: ActionMaker, canvas: Canvas) -> None:
         self._look = canvas.viewport.camera_controller
         self.directions = {}
         for title, image, tip, key, axis in _VIEWS:
-            command = partial(canvas.look_along, axis)
+            command = partial(canvas.show_standard_view, axis)
             self.directions[axis] = maker.make(f"look:{axis}", title, image, tip, key, command)
         canvas.orientation.views = self.directions
         tip = tr("View the mesh without perspective")
@@ -180,7 +180,7 @@ class CameraActions:
         self.up_axes[eye.up_axis].setChecked(True)
         self.orthographic.setChecked(eye.is_orthographic)
 
-    def fill(self, menu: QMenu) -> None:
+    def add_to_menu(self, menu: QMenu) -> None:
         """Add these actions and a submenu of them to a menu."""
         menu.addActions(list(self.directions.values()))
         menu.addAction(self.orthographic)
@@ -302,7 +302,7 @@ class DisplayActions:
         (self.no_overlay if measure is None else self.measures[measure]).setChecked(True)
         self.finishes[self._looks.finish].setChecked(True)
 
-    def fill(self, menu: QMenu) -> None:
+    def add_to_menu(self, menu: QMenu) -> None:
         """Add these actions and a submenu of them to a menu."""
         self.overlay = menu.addMenu(tr("&Overlay"))
         self.overlay.addActions([self.no_overlay, *self.measures.values()])

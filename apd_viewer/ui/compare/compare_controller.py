@@ -54,7 +54,7 @@ class CompareController:
         Parameters
         ----------
         views : mapping of str to QAction
-            By the direction from which they look, as in Look.along.
+            By the name of the view, as in :meth:`Camera.standard_view`.
         """
         self._views, self._frame = views, frame
 
@@ -83,7 +83,7 @@ class CompareController:
         window.repeat_requested.connect(self._repeat)
         window.closed.connect(self._forget)
         for axis, action in self._views.items():
-            window.add_shortcuts(action.shortcuts(), partial(window.linked.look_along, axis))
+            window.add_shortcuts(action.shortcuts(), partial(window.linked.show_standard_view, axis))
         if self._frame is not None:
             window.add_shortcuts(self._frame.shortcuts(), window.linked.frame_shapes)
         return window
@@ -120,5 +120,5 @@ class CompareController:
 
 
 def _refusal(state: State) -> str | None:
-    """Sentence on the step missing before a comparison; None if there is none."""
+    """Sentence about the step missing before a comparison; None if there is none."""
     return state.document.paint_problem or (_AT_REST if state.is_at_rest else None)

@@ -229,7 +229,7 @@ class ComparisonWindow(QWidget):
         set_style_property(self.status, "warn", warn)
 
     def show_refusal(self, sentence: str) -> None:
-        """Show a sentence on why the document cannot be compared."""
+        """Show a sentence saying why the document cannot be compared."""
         self._say(sentence, warn=True)
 
     def _rescale(self) -> None:

@@ -88,9 +88,9 @@ class LinkedViews(QWidget):
         self._aspect = float(np.ptp(both @ right) / max(np.ptp(both @ up), 1e-300))
         self._frame(both)
 
-    def look_along(self, axis: str) -> None:
-        """Frame all shapes along an axis: see :meth:`CameraController.look_along`."""
-        self._first_view.viewport.camera_controller.look_along(axis)
+    def show_standard_view(self, name: str) -> None:
+        """Frame all shapes from 'front', 'side' or 'top'; prefix '-' gives the opposite."""
+        self._first_view.viewport.camera_controller.show_standard_view(name)
         self.frame_shapes()
 
     def frame_shapes(self) -> None:
@@ -323,7 +323,7 @@ class MethodView(QWidget):
 
     @property
     def status_texts(self) -> tuple[str, str]:
-        """Texts of the progress and of the failure message."""
+        """Progress text and failure message."""
         return self._state.text(), self._note.text()
 
     def picture(self, pixel_ratio: int) -> np.ndarray:

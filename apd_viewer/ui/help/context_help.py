@@ -71,7 +71,7 @@ class ContextHelp(QObject):
 
     @property
     def target_place(self) -> ManualPlace:
-        """Location in the manual of the control under the mouse or with the focus."""
+        """Place in the manual about the control under the mouse or with the focus."""
         if (marked := self._marked()) is not None:
             return marked
         mouse = QCursor.pos()

@@ -59,7 +59,7 @@ class ActionRow(QFrame):
 
     @property
     def search_text(self) -> str:
-        """Text for the search."""
+        """Text searched when rows are filtered."""
         return f"{self.title} {self.entry.tip} {self.entry.keys} {native_keys(self.entry.keys)}"
 
     def set_theme(self, theme: Theme) -> None:
@@ -107,7 +107,7 @@ class GestureRow(QFrame):
 
     @property
     def search_text(self) -> str:
-        """Text for the search."""
+        """Text searched when rows are filtered."""
         return " ".join([self._gesture.title, self._gesture.text, tr("mouse")])
 
     def set_theme(self, theme: Theme) -> None:

@@ -395,7 +395,7 @@ class MeasureActions:
             "clear_measurements", title, "clear-measurements", tip, None, measurements.clear
         )
 
-    def fill(self, menu: QMenu) -> None:
+    def add_to_menu(self, menu: QMenu) -> None:
         """Add the measuring actions to the Tools menu."""
         menu.addSeparator()
         own = menu.addMenu(tr("Me&asurements"))

@@ -53,7 +53,7 @@ class ObstacleActions:
         """Obstacle actions available only with an open mesh."""
         return [*self.kinds.values(), self.floor, *self.side_plates]
 
-    def fill(self, menu: QMenu) -> None:
+    def add_to_menu(self, menu: QMenu) -> None:
         """Add a submenu of the obstacle actions to a menu."""
         own = menu.addMenu(tr("Obstac&les"))
         own.addActions([*self.kinds.values(), self.floor])

@@ -334,7 +334,7 @@ class ObstaclePlacer(MouseTool, QObject):
         self.prompt_changed.emit(HINTS[kind])
 
     def press(self, event: QMouseEvent) -> bool:
-        """Grab the mouse over the surface; the position can change until release."""
+        """Show the obstacle at the cursor, and grab the mouse to move it until release."""
         if self.kind is None or event.button() != Qt.MouseButton.LeftButton:
             return False
         return self._show(self._proposed_obstacle(event, at_once=True))

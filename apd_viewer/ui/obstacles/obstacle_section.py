@@ -93,7 +93,7 @@ class ObstacleSection(Section):
 
     def _show_idle_reason(self, state: State) -> None:
         """Show why the obstacles have no effect on the shape, if so."""
-        why, there = obstacle_readings.idle_reason(state), bool(state.document.obstacles)
+        why, there = obstacle_readings.inactive_reason(state), bool(state.document.obstacles)
         self.note.setText(why)
         self.note.setVisible(there and bool(why))
         self.contact.setVisible(there and bool(why) and state.document.settings.traits.may_use_contact)

@@ -19,7 +19,7 @@ _SHARE = 1 / 8  # largest fraction of the canvas that a card hides unless unfold
 GEOMETRY_EVENTS = (
     QEvent.Type.Move,
     QEvent.Type.Resize,
-    # Unlike Show and Hide, these are also sent to children of a hidden widget.
+    # Unlike Show and Hide, the next two are also sent to children of a hidden widget.
     QEvent.Type.ShowToParent,
     QEvent.Type.HideToParent,
     QEvent.Type.LayoutRequest,
@@ -66,8 +66,8 @@ class CardStack(QWidget):
         for other in others:
             other.installEventFilter(self)
 
-    def keep_beside(self, column: QWidget) -> None:
-        """Leave a column at the left edge of the canvas uncovered too."""
+    def stay_clear_of(self, column: QWidget) -> None:
+        """Keep the cards clear of a column at the left edge of the canvas."""
         self._beside.append(column)
         column.installEventFilter(self)
         self.reposition()

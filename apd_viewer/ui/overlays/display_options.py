@@ -55,7 +55,7 @@ class DisplayOptions:
         self.cards = CardStack(canvas.viewport, below)
         self.before_after, self.cutting_plane, self.legend = (
             BlendCard(canvas),
-            CuttingPlane(canvas),
+            CuttingPlaneCard(canvas),
             Legend(),
         )
         self.cards.add(self.before_after)
@@ -283,8 +283,8 @@ _STEPS = 400
 _POSITIONS = SliderScale(_STEPS, lambda step: step / _STEPS, lambda fraction: fraction * _STEPS, _STEPS // 2)
 
 
-class CuttingPlane(QFrame):
-    """Card with the plane's axis, position and side.
+class CuttingPlaneCard(QFrame):
+    """Card for a plane that cuts the mesh open: its axis, position and visible side.
 
     Attributes
     ----------

@@ -195,7 +195,7 @@ class Legend(QFrame):
 
 
 _STEPS = 256
-_TALL, _SPAN, _TICK = 14, 3, 7  # px: colour height, gap to the range line below, and tick length
+_TALL, _SPAN, _TICK = 14, 3, 7  # px: height of the colour bar, gap to the range line below, and tick length
 
 
 class LegendColorBar(QWidget):

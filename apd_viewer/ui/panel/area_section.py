@@ -210,7 +210,7 @@ class StrainSection(Section):
         self.column.addLayout(grid)
 
     def show_readings(self, state: State, unit: Unit) -> None:
-        """Show strains and drift of a state's shape."""
+        """Show the strains of a state's shape and the drift of its handles."""
         self.drift.setText(readings.drift(state, unit))
         self.local_change.setText(readings.local_change(state))
         self.largest_strain.setText(readings.largest_edge_strain(state))

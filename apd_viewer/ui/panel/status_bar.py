@@ -104,7 +104,7 @@ class StatusBar(QStatusBar):
         self._job.setVisible(job is not None)
         self._cancel.setVisible(job is not None and job.can_be_cancelled)
         self.extent.setText(_vertices(state) if state else "")
-        self.extent.setToolTip(_extent(state, session.store.unit) if state else "")
+        self.extent.setToolTip(_mesh_size_text(state, session.store.unit) if state else "")
         self.compiling.show_fraction(session.store.compiled_fraction)
         activity = session.store.activity
         self._silence = session.store.silence_text
@@ -141,8 +141,8 @@ def _vertices(state: State) -> str:
     return trn("{n:,} vertex", "{n:,} vertices", n).format(n=n)
 
 
-def _extent(state: State, unit: Unit) -> str:
-    """Vertex and face counts, and extents along x, y and z, as text."""
+def _mesh_size_text(state: State, unit: Unit) -> str:
+    """Text with vertex and face counts, and extents along x, y and z."""
     found = state.inspection
     size = unit.format_length(" × ".join(format_short(extent) for extent in found.size))
     return tr("{vertices:,} vertices, {faces:,} faces; {size} at rest").format(

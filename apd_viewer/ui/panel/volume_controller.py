@@ -157,7 +157,7 @@ class VolumeController(QObject):
     def wall_settings(self, *names: str) -> dict[str, float | None]:
         """Settings by name that are derived from the wall, unless typed elsewhere.
 
-        Thickness and Poisson's ratio of the method Wall, and the yield radius; none if the wall is invalid or
+        Thickness and Poisson's ratio of the Wall method, and the yield radius; none if the wall is invalid or
         not thin.
         """
         state = self._session.store.required_state()

@@ -127,7 +127,7 @@ def _seconds(trace: Trace) -> Axis:
 
 
 def _release_lines(trace: Trace) -> tuple[ReferenceLine, ...]:
-    """Reference line at the end of the drag; convergence follows."""
+    """Reference line at the end of the drag; after it the solver only converges."""
     moment, last = trace.released_at, float(trace["seconds"][-1])
     return (ReferenceLine(moment, tr("released")),) if moment is not None and moment < last else ()
 

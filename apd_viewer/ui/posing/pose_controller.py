@@ -91,7 +91,9 @@ class SymmetryController:
             searched = document.mirror_axis is not None and document.centre(k) is not None
             partner = mirror_partner(document, k) if searched else None
             self._row.show_settings(
-                document.mirror_axis, _sentence(document, k) if searched else "", searched and partner is None
+                document.mirror_axis,
+                _partner_sentence(document, k) if searched else "",
+                searched and partner is None,
             )
 
     def _choose(self, axis: int | None) -> None:
@@ -104,8 +106,8 @@ class SymmetryController:
         self._session.handles.paint_partner(self._parts.handle)
 
 
-def _sentence(document: Document, k: int) -> str:
-    """Sentence on the mirror partner of handle ``k``."""
+def _partner_sentence(document: Document, k: int) -> str:
+    """Sentence about the mirror partner of handle ``k``."""
     partner = mirror_partner(document, k)
     if partner is None:
         return tr("No handle is painted at its mirror image, so it moves alone.")

@@ -151,14 +151,14 @@ class Preferences:
         for line in self._lines("walls"):
             with contextlib.suppress(ValueError, TypeError):  # ignore damaged entries
                 path, *words = json.loads(line)
-                walls[Path(path)] = WallText.from_words(*map(str, words))
+                walls[Path(path)] = WallText.from_field_texts(*map(str, words))
         return walls
 
     def remember_wall(self, path: Path, wall: WallText) -> None:
         """Store ``wall`` as the latest entry, for the file at ``path``."""
         path = resolved_path(path)
         walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
-        lines = [json.dumps([str(other), *wall.words]) for other, wall in walls.items()]
+        lines = [json.dumps([str(other), *wall.field_texts]) for other, wall in walls.items()]
         self._settings.setValue("walls", lines[:MOST_REMEMBERED])
 
     @property
@@ -233,8 +233,8 @@ class UpAxes:
             return None
         return UpAxis.from_suffix(mesh.path.suffix) or (UpAxis.PLUS_Y if path is None else None)
 
-    def choose(self, mesh: Mesh, axis: UpAxis) -> None:
-        """Set the up axis of a mesh, and store it for its file."""
+    def set_up_axis(self, mesh: Mesh, axis: UpAxis) -> None:
+        """Set the up axis of a mesh, and remember it for the file of the mesh."""
         self._chosen[mesh] = axis
         path = user_file(mesh)
         if path is not None:

@@ -110,8 +110,8 @@ class Units:
             self._chosen[mesh] = self._default_unit(mesh, user_file(mesh))
         return self._chosen[mesh]
 
-    def choose(self, mesh: Mesh, unit: Unit) -> None:
-        """Set the unit of a mesh, and store it for its file."""
+    def set_unit(self, mesh: Mesh, unit: Unit) -> None:
+        """Set the unit of a mesh, and remember it for the file of the mesh."""
         self._chosen[mesh] = unit
         path = user_file(mesh)
         if path is not None and not unit.is_guess:

@@ -182,10 +182,10 @@ class Camera:
         tall = MARGIN / (half * along) * self.axes[1]
         return np.stack([wide, -wide, tall, -tall]) - self.axes[2]
 
-    def looking_along(self, axis: str) -> Camera:
+    def standard_view(self, name: str) -> Camera:
         """Camera in the 'front', 'side' or 'top' view; prefix '-' gives the opposite."""
-        stand, up = (np.array(v) for v in STANDPOINTS[axis.removeprefix("-")])
-        if axis.startswith("-"):
+        stand, up = (np.array(v) for v in STANDPOINTS[name.removeprefix("-")])
+        if name.startswith("-"):
             stand, up = -stand, up if up[1] else -up
         return self.seen_from(stand @ self.up_axis.frame, up @ self.up_axis.frame)
 

@@ -101,9 +101,9 @@ class CameraController:
             if self._framed is not None and np.array_equal(self._framed[3], eye.position):
                 self._framed = *self._framed[:3], self.camera.position
 
-    def look_along(self, axis: str) -> None:
+    def show_standard_view(self, name: str) -> None:
         """Look from 'front', 'side' or 'top'; prefix '-' gives the opposite."""
-        self.camera = self.camera.looking_along(axis)
+        self.camera = self.camera.standard_view(name)
 
     def close(self) -> None:
         """Release the linked viewports and the framed points."""

@@ -178,7 +178,7 @@ class VertexMarks(MouseTool):
         self._dotted = _NONE
 
     def mark_vertices(self, ids: np.ndarray | None, dotted: np.ndarray = _NONE) -> None:
-        """Mark the vertices ``ids``, with dots at ``dotted`` if useful."""
+        """Mark the vertices ``ids``, with dots at ``dotted`` if few or without faces."""
         self.ids = ids
         self._dotted = dotted[:: 1 + len(dotted) // _MOST_DOTS] if self._needs_dots(dotted) else _NONE
         self._viewport.tool_layer.update()

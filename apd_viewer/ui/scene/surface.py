@@ -191,7 +191,10 @@ class Surface:
 
     @property
     def shades(self) -> np.ndarray:
-        """Values (n,) uint8, 1 to 255 on the scale, 0 for none, edited in place."""
+        """Overlay values (n,) uint8: 1 to 255 on the colour scale, 0 for none.
+
+        They are a view of the opacities, to be edited in place.
+        """
         return self.arrays.rgba[:, 3]
 
     def update_shades(self) -> None:

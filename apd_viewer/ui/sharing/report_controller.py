@@ -98,8 +98,8 @@ class ReportController:
         QGuiApplication.clipboard().setText(diagnostics(self._canvas.viewport.opengl_info))
         self._notice.show_message(tr("Diagnostics copied; paste them into your bug report."))
 
-    def copy_python(self) -> None:
-        """Copy a Python script reproducing the deformation to the clipboard."""
+    def copy_python_script(self) -> None:
+        """Copy a Python script that reproduces the deformation to the clipboard."""
         if (state := self._session.store.state) is None:
             return
         try:
@@ -111,7 +111,7 @@ class ReportController:
         self._notice.show_message(tr("Copied the Python lines that repeat this deformation."))
 
     def open_volumes(self) -> None:
-        """Open the dialog of volumes beside published figures."""
+        """Open the dialog of volumes beside published values."""
         if self.volumes is None:
             self.volumes = VolumesDialog(self._window, self._volumes_table)
         self.volumes.refresh()

@@ -1,4 +1,4 @@
-"""Dialog with the volumes of a shape beside published figures."""
+"""Dialog with the volumes of a shape beside published values."""
 
 from collections.abc import Callable
 
@@ -20,7 +20,7 @@ small {{ color: {quiet}; font-weight: 400; }}
 
 
 class VolumesDialog(QDialog):
-    """Dialog with the volumes at rest and now, beside published figures.
+    """Dialog with the volumes at rest and now, beside published values.
 
     Parameters
     ----------

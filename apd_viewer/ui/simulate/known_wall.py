@@ -1,4 +1,4 @@
-"""Wall of the open mesh as typed: newtons, and the run of the method Wall."""
+"""Wall of the open mesh as typed: newtons, and the run of the Wall method."""
 
 import time
 from collections.abc import Callable
@@ -59,7 +59,7 @@ class KnownWall:
         return None if wall is None else self._conversion(state, wall)
 
     def newtons_as_pressed(self, state: State) -> NewtonConversion | None:
-        """Conversion for the wall thickness of a state solved by the method Wall."""
+        """Conversion for the wall thickness of a state solved by the Wall method."""
         wall, settings = self.value, state.document.settings
         if wall is not None and settings.wall_thickness is not None:
             wall = replace(wall, thickness=settings.wall_thickness, poisson=settings.poisson)
@@ -77,7 +77,7 @@ class KnownWall:
         return self._conversions[settings, wall]
 
     def wall_settings(self, state: State) -> dict[str, Any] | None:
-        """Changes of settings, by name, to solve a state by the method Wall.
+        """Changes of settings, by name, for solving a state by the Wall method.
 
         None if the wall is unknown or not thin, or the mesh too large.
         """
@@ -96,7 +96,7 @@ class KnownWall:
         return changes
 
     def title(self, settings: Settings) -> str:
-        """Title of a wall with its thickness, from the settings of the method Wall."""
+        """Title of a wall with its thickness, from the settings of the Wall method."""
         thickness, metres = settings.wall_thickness, self._session.store.unit.metres
         if thickness is None or metres is None:
             return settings.traits.short_title
@@ -104,7 +104,7 @@ class KnownWall:
 
 
 class WallRunController:
-    """Starts, stops and reports the run of the method Wall after a press.
+    """Starts, stops and reports a run of the Wall method after a press.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class WallRunController:
         self._pressed: State | None = None
 
     def begin_or_stop(self) -> None:
-        """Start solving the run of the displayed step by the method Wall, or stop it."""
+        """Start solving the run of the displayed step by the Wall method, or stop it."""
         run = self._session.wall_run
         if run.is_running:
             run.stop()
@@ -149,7 +149,7 @@ class WallRunController:
 
     @property
     def may_begin(self) -> bool:
-        """True if the method Wall can solve steps in the run of the displayed step."""
+        """True if the Wall method can solve steps in the run of the displayed step."""
         k, timeline = self._number, self._timeline()
         is_busy = self._session.player.is_playing or self._session.wall_run.is_running
         if k is None or is_busy or len(timeline.run_of(k)) == 1:
@@ -166,7 +166,7 @@ class WallRunController:
 
     @property
     def progress(self) -> str:
-        """Sentence on the progress of the run; empty if none is running."""
+        """Sentence about the progress of the run; empty if none is running."""
         run = self._session.wall_run
         if not run.is_running or self._pressed is None:
             return ""
@@ -187,7 +187,7 @@ class WallRunController:
         ]
 
     def force(self, state: State | None) -> float | None:
-        """Newtons between the plates in a state by the method Wall; None if unknown."""
+        """Newtons between the plates of a state, by the Wall method; None if unknown."""
         pair = None if state is None else plate_pair(state.document)
         if state is None or pair is None or not state.frame.settled:
             return None

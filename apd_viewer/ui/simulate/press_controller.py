@@ -218,7 +218,7 @@ class PressController(QObject):
             self._move_plates(tr("Open plates"), self._required_pair().first_distance(state.document))
 
     def _move_plates(self, title: str, distance: float) -> None:
-        self._session.player.choose_wall_results(False)  # the press is solved first, the method Wall after it
+        self._session.player.choose_wall_results(False)  # the press is solved first, the Wall method after it
         state, steps = self._session.store.required_state(), round(self.panel.steps.value())
         documents = self._required_pair().press_documents(state, distance, steps)
         self._session.player.play(title, documents)
@@ -318,7 +318,7 @@ class PressController(QObject):
         self.panel.show_readings(texts, said, is_calm)
 
     def _show_press_readings(self, state: State) -> None:
-        """Show the readings of a state, with the load by the method Wall if known."""
+        """Show the readings of a state, with the load by the Wall method if known."""
         k, store, method = self._shown_number, self._session.store, state.document.settings.traits
         wall_result = None if k is None else self._timeline.steps[k].wall_result
         is_of_wall = wall_result is not None and method.is_wall

@@ -23,7 +23,7 @@ _LEAST, _LEAST_OF_STEPS = 1.0, 0.02  # %: smallest range of the volume axis, and
 class PressCharts:
     """Charts of a timeline, with the displayed step.
 
-    One curve shows the states by the methods of the motions, another with dots those by the method Wall.
+    One curve shows the states by the methods of the motions, another with dots those by the Wall method.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class PressCharts:
         self._curves_of: tuple[Timeline | None, object] = None, None
 
     def load_chart(self) -> Chart:
-        """Chart of the load."""
+        """Chart of the load against the deflection."""
         points = [np.column_stack([part.deflection, part.load]) for part in self._read_curves()]
         loads = np.vstack(points)[:, 1]
         state = self._session.store.state
@@ -53,7 +53,7 @@ class PressCharts:
         return self._chart((tr("Load"), *self.names), points, "accent", y, suffix)
 
     def volume_chart(self) -> Chart:
-        """Chart of the volume."""
+        """Chart of the volume against the deflection, in percent of rest."""
         points = [np.column_stack([part.deflection, part.volume]) for part in self._read_curves()]
         known = np.vstack(points)
         known = known[np.isfinite(known).all(axis=1), 1]
@@ -66,7 +66,7 @@ class PressCharts:
         return self._chart(words, points, "warm", y, " %")
 
     def _read_curves(self) -> tuple[PlateCurves, ...]:
-        """Curves of the motions and of the method Wall, updated after changes."""
+        """Curves of the motions and of the Wall method, updated after changes."""
         given, steps = (self._wall.text(), self._session.store.unit), self.timeline.steps
         if self._curves_of[0] is not self.timeline or self._curves_of[1] != given:
             self._curves = (

@@ -46,9 +46,9 @@ class TimelinePanel(QWidget):
     play_requested : Signal()
         Replay all steps, or stop the replay.
     wall_requested : Signal()
-        Solve the steps by the method Wall as well, or stop that run.
+        Solve the steps by the Wall method as well, or stop that run.
     wall_chosen : Signal(bool)
-        True to display the states solved by the method Wall.
+        True to display the states solved by the Wall method.
     reading_rows : list of (QLabel, QLabel, QLabel)
         Title, value and note of each reading.
     """
@@ -220,7 +220,7 @@ class TimelinePanel(QWidget):
         self.direction.setCurrentIndex(axis)
 
     def show_run(self, is_playing: bool, is_paused: bool, said: str, may_open: bool) -> None:
-        """Show whether a press is running, and a text on its progress."""
+        """Show whether a press is running, and a text about its progress."""
         go_on = tr("Continue") if is_paused else tr("Pause")
         self.press.setText(go_on if is_playing else tr("Press"))
         self.press.setToolTip(
@@ -253,7 +253,7 @@ class TimelinePanel(QWidget):
             self.replay.setIcon(icon("pause" if is_replaying else "play", self._theme))
 
     def show_wall(self, is_running: bool, may_begin: bool, names: Sequence[str], shows_wall: bool) -> None:
-        """Show whether the method Wall is running or can run, and the choice of shapes."""
+        """Show whether the Wall method is running or can run, and the choice of shapes."""
         self.wall.setVisible(is_running or may_begin)
         self.wall.setText(tr("Stop") if is_running else tr("Solve as wall"))
         self.wall.setToolTip(

@@ -193,7 +193,7 @@ class PlanDialog(QDialog):
         self.message.setText(self._duration(total if grid else self.samples.value()))
 
     def _duration(self, cases: float) -> str:
-        """Sentence on the time of so many cases; empty if unknown."""
+        """Sentence about the time of so many cases; empty if unknown."""
         rate = self.engine.local_processes / self._step_seconds if self._step_seconds else 0.0
         if not cases or not rate:
             return ""

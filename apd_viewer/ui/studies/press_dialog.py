@@ -269,7 +269,7 @@ class PressDialog(RunDialog):
         )
         said = {
             "--unit": self._unit.symbol,
-            "--material": text.words[-1],
+            "--material": text.field_texts[-1],
             "--thickness": _number_text(apart),
             "--density": text.density and _number_text(wall.density),
             "--young": text.young.strip(),

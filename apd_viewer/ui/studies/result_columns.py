@@ -106,7 +106,7 @@ READING_TEXTS = {
 
 @dataclass(frozen=True, eq=False)
 class ResultColumn:
-    """A column of results.
+    """Column of the result table: title, values and displayed texts of all cases.
 
     Attributes
     ----------

@@ -86,7 +86,7 @@ class RunController(QObject):
         if state.document.mesh is not case.document.mesh:
             self._failed(tr("Another mesh has been opened; open the dialog again."))
             return
-        start, *documents = (case.document_along(fraction) for fraction in case.fractions)
+        start, *documents = (case.document_along_paths(fraction) for fraction in case.fractions)
         at_rest = state.updated(start, rest_frame(start.mesh, state.inspection))
         self._session.player.play(tr("Motion in steps"), documents, at_rest)
         self.motion_played.emit()

@@ -38,7 +38,7 @@ ANIMATION_FORMATS: Mapping[str, str] = {
 
 
 class SweepDialog(RunDialog):
-    """Dialog to sweep the motion of the document open at its creation.
+    """Dialog to sweep the motion of the document open when the dialog is created.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ from apd_viewer.ui.widgets.fields import CheckBox, TextField
 DEGREES, PERCENT, NO_UNIT = "deg", "%", ""
 SHARE_COLUMN = "to"
 _DIGITS = 10  # significant digits of a number in a plan
-_WIDTH = 104  # px: width of a field for an end
+_WIDTH = 104  # px: width of a field for the start or end of a range
 TITLE_COLUMN_WIDTH = 140  # px, of the column of titles with its gap
 
 

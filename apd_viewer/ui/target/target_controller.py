@@ -87,7 +87,7 @@ class TargetController(QObject):
             )
 
     def _receive_result(self, result: object) -> None:
-        """Show the thread's result; None if memory ran out."""
+        """Show the thread's result, which is None if memory ran out."""
         if isinstance(result, _TargetComparison):
             self._section.show_distance(result.distance)
 

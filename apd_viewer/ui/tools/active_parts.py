@@ -49,8 +49,8 @@ class ActiveParts(QObject):
         """Make obstacle ``k`` active; None returns to the active handle."""
         self._choose(self.handle, self.region, k)
 
-    def next_handle(self) -> None:
-        """Make the next handle active, in cyclic order."""
+    def activate_next_handle(self) -> None:
+        """Activate the next handle, in cyclic order."""
         state = self._session.store.state
         if state is not None:
             self.choose_handle((self.handle + 1) % len(state.document.handles))

@@ -138,11 +138,11 @@ class Canvas(QObject):
         self.selection_mode = mode
         self._apply_tool()
 
-    def set_selects_hidden(self, on: bool) -> None:
-        """Set whether outlines also select hidden vertices."""
+    def set_selects_hidden_vertices(self, on: bool) -> None:
+        """Set whether outlines also select vertices behind other surfaces."""
         for selector in self.selectors.values():
             if isinstance(selector, OutlineTool):
-                selector.selects_hidden = on
+                selector.selects_hidden_vertices = on
 
     def _apply_tool(self) -> None:
         self._prepare_strokes()
@@ -236,9 +236,9 @@ class Canvas(QObject):
         active = _movable_pivot(self._pivots, self._handle)
         self.view.frame_mesh(None if active is None else active.centre)
 
-    def look_along(self, axis: str) -> None:
+    def show_standard_view(self, name: str) -> None:
         """Frame the mesh from 'front', 'side' or 'top'; prefix '-' gives the opposite."""
-        self.viewport.camera_controller.look_along(axis)
+        self.viewport.camera_controller.show_standard_view(name)
         self.frame_mesh()
 
     @property
@@ -255,7 +255,7 @@ class Canvas(QObject):
     def set_up_axis(self, axis: UpAxis) -> None:
         """Set and store the up axis of the mesh, and frame it."""
         if self._document is not None:
-            self._up_axes.choose(self._document.mesh, axis)
+            self._up_axes.set_up_axis(self._document.mesh, axis)
         self.viewport.camera_controller.set_up_axis(axis)
         self.frame_mesh()
 

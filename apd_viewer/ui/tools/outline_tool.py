@@ -58,12 +58,12 @@ class OutlineTool(SelectionTool):
         self.preview_timer = QTimer(self, singleShot=True, interval=_PAUSE, timeout=self._preview)
 
     @property
-    def selects_hidden(self) -> bool:
-        """True if hidden vertices are selected too."""
+    def selects_hidden_vertices(self) -> bool:
+        """True if vertices behind other surfaces are selected, too."""
         return self._through
 
-    @selects_hidden.setter
-    def selects_hidden(self, on: bool) -> None:
+    @selects_hidden_vertices.setter
+    def selects_hidden_vertices(self, on: bool) -> None:
         self._through = on
         self._viewport.tool_layer.update()
 
@@ -177,7 +177,7 @@ class OutlineTool(SelectionTool):
         polygon = np.array([[p.x(), p.y()] for p in self._shape()])
         ahead = skin.representative_vertices[eye.depth(U[skin.representative_vertices]) > 0.0]
         found = ahead[skin.is_inside_polygon(eye.project(U[ahead]), polygon)]
-        return found if self.selects_hidden else found[self._visible(skin, found)]
+        return found if self.selects_hidden_vertices else found[self._visible(skin, found)]
 
     def _visible(self, skin: SurfaceIndex, vertices: np.ndarray) -> np.ndarray:
         """Visibility mask (k,) of ``vertices``, cached per view and shape."""

@@ -117,7 +117,7 @@ class SelectionTool(MouseTool, QObject):
 
 
 class SelectionStrokes(QObject):
-    """Converts strokes of the selection tools to paint with the current tool.
+    """Applies strokes of the selection tools as paint of the current part or region.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class SelectionStrokes(QObject):
         self._document: Document | None = None
 
     def connect_tool(self, tool: SelectionTool) -> None:
-        """Convert the strokes of a selection tool to paint."""
+        """Apply the strokes of a selection tool as paint."""
         tool.stroke_began.connect(self._begin)
         tool.vertices_painted.connect(self._paint)
         tool.stroke_ended.connect(self._end)
@@ -193,7 +193,7 @@ class SelectionStrokes(QObject):
         (self.region_painted if self.part.is_region else self.painted).emit(ids, code)
 
     def _erase(self, ids: np.ndarray) -> None:
-        """Erase base and handles; with the eraser, also regions on free vertices."""
+        """Erase base and handles at ``ids``; the eraser tool also erases regions there."""
         if self._document is None:
             return
         held = self._document.labels[ids] != FREE

@@ -65,7 +65,7 @@ class Tool(Enum):
         return traits
 
     def hint(self, mode: SelectionMode, camera: str, holds_obstacle: bool = False) -> str:
-        """Status hint of the tool, with modifier keys, or the drags of the ``camera``."""
+        """Status hint of the tool with its modifier keys; for Orbit, with camera drags."""
         if self is Tool.MOVE and holds_obstacle:
             return tr("Move obstacle: drag an arrow; Ctrl snaps, Esc cancels, a click selects another")
         if not self.traits.is_brush and self is not Tool.ORBIT:

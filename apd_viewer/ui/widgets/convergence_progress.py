@@ -59,7 +59,7 @@ class ConvergenceProgress(QWidget):
             self._forecast, self._iteration = TimeLeftEstimate(now), 0
             self._timer.start()
         elif frame is not self._frame:
-            self._forecast.add_gap(now, frame.gap, frame.seconds_left)
+            self._forecast.add_sample(now, frame.gap, frame.seconds_left)
             self._iteration = frame.iteration
         self._frame = frame
         self._show()

@@ -14,7 +14,7 @@ class ElidedLabel(QLabel):
     """Label elided to its width, with the full text in its tooltip."""
 
     def show_text(self, text: str) -> None:
-        """Show a text."""
+        """Show ``text`` elided to the width, with the whole of it as tooltip."""
         self.setText(text)
         self.setToolTip(text)
 

@@ -45,7 +45,7 @@ def opened(folder, name, content):
     return open_mesh(folder / name)
 
 
-def test_imported_vertices_of_a_ply_keep_their_order_though_some_coincide(tmp_path):
+def test_blender_vertex_order_of_a_ply_is_its_own_though_some_vertices_coincide(tmp_path):
     twice = np.vstack([V[::-1], V])  # each place twice, half of them in no face
     mesh = opened(tmp_path, "a.ply", ply(twice, F + len(V)))
     animation, shapes = animated(mesh, tmp_path / "shapes")
@@ -53,7 +53,7 @@ def test_imported_vertices_of_a_ply_keep_their_order_though_some_coincide(tmp_pa
         assert np.array_equal(read, np.array(shapes, dtype=np.float32))
 
 
-def test_imported_vertices_of_an_obj_leave_out_those_without_a_face(tmp_path):
+def test_blender_vertex_order_of_an_obj_leaves_out_vertices_without_a_face(tmp_path):
     """As Blender does; the others keep their order."""
     loose = np.vstack([[9.0, 9.0, 9.0], V[:5], [8.0, 8.0, 8.0], V[5:]])
     kept = np.setdiff1d(np.arange(len(loose)), [0, 6])
@@ -63,7 +63,7 @@ def test_imported_vertices_of_an_obj_leave_out_those_without_a_face(tmp_path):
         assert np.array_equal(read, np.array(shapes, dtype=np.float32)[:, kept])
 
 
-def test_imported_vertices_of_an_stl_are_its_corners_joined_in_the_order_of_their_coming(tmp_path):
+def test_blender_vertex_order_of_an_stl_has_its_corners_joined_in_the_order_of_their_coming(tmp_path):
     V, F = box(2, 2, 2)
     mesh = opened(tmp_path, "a.stl", binary_stl(V, F))
     animation, shapes = animated(mesh, tmp_path / "shapes")
@@ -75,7 +75,7 @@ def test_imported_vertices_of_an_stl_are_its_corners_joined_in_the_order_of_thei
         assert np.array_equal(read, np.array(shapes, dtype=np.float32)[:, list(seen.values())])
 
 
-def test_imported_vertices_of_a_baked_shape_are_those_of_its_file(tmp_path):
+def test_blender_vertex_order_of_a_baked_shape_is_that_of_its_file(tmp_path):
     V, F = box(2, 2, 2)
     mesh = opened(tmp_path, "a.stl", binary_stl(V, F))
     flat = mesh.V * [1.0, 1.0, 0.0]  # where corners coincide that do not in the file
@@ -95,9 +95,9 @@ def test_write_animation_leaves_what_was_there_when_it_cannot_write(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.glb", "a.mdd", "a.pc2", "shapes"]
 
 
-def test_imported_vertices_of_a_mesh_without_a_file_are_all_its_vertices(tmp_path):
+def test_blender_vertex_order_of_a_mesh_without_a_file_has_all_its_vertices(tmp_path):
     loose = np.vstack([V, [[3.0, 0.0, 0.0]]])
     mesh = read_mesh(tmp_path / "a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     for each in (Mesh(loose, F), mesh):
         animation, _ = animated(each, tmp_path / "shapes")
-        assert np.array_equal(animation.imported_vertices, np.arange(len(each.V)))
+        assert np.array_equal(animation.blender_vertex_order, np.arange(len(each.V)))

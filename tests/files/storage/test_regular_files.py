@@ -12,7 +12,12 @@ import apd_viewer
 from apd_viewer.errors import InputError
 from apd_viewer.files.known_file import fingerprint
 from apd_viewer.files.storage.lock import acquire_lock
-from apd_viewer.files.storage.regular_files import NotRegularError, open_regular, read_bytes, read_content
+from apd_viewer.files.storage.regular_files import (
+    NotRegularFileError,
+    open_regular_file,
+    read_bytes,
+    read_content,
+)
 
 
 @pytest.fixture
@@ -37,8 +42,8 @@ def test_regular_files_of_a_pipe_is_seen_by_the_pipe(pipe):
 
 def test_regular_files_does_not_open_what_is_no_regular_file(pipe, others):
     for path in others:
-        for read in (open_regular, read_bytes):
-            with pytest.raises(NotRegularError, match="not a regular file"):
+        for read in (open_regular_file, read_bytes):
+            with pytest.raises(NotRegularFileError, match="not a regular file"):
                 read(path)
         with pytest.raises(InputError, match=r"name a file instead\.$"):
             read_content(path)
@@ -61,8 +66,8 @@ def test_open_regular_does_not_wait_for_a_pipe_that_takes_the_place_of_a_file(tm
     monkeypatch.setattr(os, "open", swapped)
     guard = threading.Timer(5.0, lambda: real(path, os.O_RDWR))  # lets go of who waits
     guard.start()
-    with pytest.raises(NotRegularError):
-        open_regular(path)
+    with pytest.raises(NotRegularFileError):
+        open_regular_file(path)
     assert guard.is_alive()
     guard.cancel()
 

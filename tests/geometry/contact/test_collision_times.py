@@ -32,7 +32,7 @@ def at(U, W, share):
 
 def shares(U, W, reach=1e-3):
     """Least share of the way of two loose triangles that is said to be free."""
-    found = NearPairs(U, TWO, ALONE, reach).find_free_fractions(U, W)
+    found = NearPairs(U, TWO, ALONE, reach).find_collision_free_fractions(U, W)
     return 1.0 if found is None else found.min()
 
 
@@ -53,7 +53,7 @@ def ways(count, seed=5):
         yield U, at(U, W, min(1.0, 0.7 * edge / longest))
 
 
-def test_find_free_fractions_finds_a_free_share_within_which_a_way_never_closes_a_gap():
+def test_find_collision_free_fractions_finds_a_free_share_within_which_a_way_never_closes_a_gap():
     blocked = 0
     for U, W in ways(100):
         share = shares(U, W)
@@ -63,7 +63,7 @@ def test_find_free_fractions_finds_a_free_share_within_which_a_way_never_closes_
     assert blocked >= 5
 
 
-def test_find_free_fractions_ends_a_share_only_where_a_gap_is_about_to_close():
+def test_find_collision_free_fractions_ends_a_share_only_where_a_gap_is_about_to_close():
     blocked = free = open_ways = 0
     for U, W in ways(100):
         share, d = shares(U, W), least(U)
@@ -82,7 +82,7 @@ def test_find_free_fractions_ends_a_share_only_where_a_gap_is_about_to_close():
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_find_free_fractions_lets_nearly_the_whole_gap_be_gone_straight_on(seed):
+def test_find_collision_free_fractions_lets_nearly_the_whole_gap_be_gone_straight_on(seed):
     """The bound is reached there, so that rounding decides what is left."""
     rng = np.random.default_rng(seed)
     d, normal = rng.uniform(0.05, 0.3), np.array([0.0, 0.0, 1.0])
@@ -102,7 +102,7 @@ def first_contact(U, W):
     return time
 
 
-def test_find_free_fractions_lets_no_share_reach_the_first_contact_that_another_library_finds():
+def test_find_collision_free_fractions_lets_no_share_reach_the_first_contact_that_another_library_finds():
     blocked = 0
     for U, W in ways(60, seed=6):
         time, share = first_contact(U, W), shares(U, W)
@@ -115,7 +115,7 @@ def test_find_free_fractions_lets_no_share_reach_the_first_contact_that_another_
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-6, 1e-4, 9e-4, 1e-2])
 @pytest.mark.parametrize("height", [1e-4, 1e-2])
-def test_find_free_fractions_lets_no_edges_at_a_small_angle_pass_through_each_other(angle, height):
+def test_find_collision_free_fractions_lets_no_edges_at_a_small_angle_pass_through_each_other(angle, height):
     """Ridges of two roofs, one above the other, nearly along each other."""
     turned = np.array([np.cos(angle), np.sin(angle), 0.0])
     U = np.array(
@@ -134,12 +134,12 @@ def test_find_free_fractions_lets_no_edges_at_a_small_angle_pass_through_each_ot
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
-def test_find_free_fractions_gives_shares_that_do_not_depend_on_the_unit(scale):
+def test_find_collision_free_fractions_gives_shares_that_do_not_depend_on_the_unit(scale):
     for U, W in ways(20, seed=7):
         assert shares(scale * U, scale * W, scale * 1e-3) == pytest.approx(shares(U, W), rel=1e-6)
 
 
-def test_find_free_fractions_gives_safe_shares_far_from_the_origin():
+def test_find_collision_free_fractions_gives_safe_shares_far_from_the_origin():
     away = np.array([1e4, -2e4, 3e4])
     for U, W in ways(20, seed=8):
         share = shares(U + away, W + away)
@@ -147,7 +147,7 @@ def test_find_free_fractions_gives_safe_shares_far_from_the_origin():
         assert least(at(U, W, share)) > 0.0
 
 
-def test_find_free_fractions_lets_what_is_as_near_as_it_may_be_go_away_again():
+def test_find_collision_free_fractions_lets_what_is_as_near_as_it_may_be_go_away_again():
     """A way that opens a gap is free, however small the gap is."""
     U = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.3, 0.3, 1e-7], [0.3, 0.3, 1], [0.4, 0.2, 1.0]])
     W = U + (np.arange(6) >= 3)[:, None] * [0.0, 0.0, 0.1]
@@ -166,7 +166,7 @@ def near_triangles(rng, height):
 
 
 @pytest.mark.parametrize("height", [1e-3, 1e-5, 1e-7])
-def test_find_free_fractions_gives_neighbors_that_turn_and_stretch_as_one_a_free_way(height):
+def test_find_collision_free_fractions_gives_neighbors_that_turn_and_stretch_as_one_a_free_way(height):
     """As those in slivers of a surface that bends: they move by many times their gap."""
     rng = np.random.default_rng(11)
     for _ in range(20):
@@ -181,7 +181,7 @@ def test_find_free_fractions_gives_neighbors_that_turn_and_stretch_as_one_a_free
         assert min(least(at(U, W, share * s)) for s in np.linspace(0, 1, 200)) > 0.0
 
 
-def test_find_free_fractions_lets_a_pair_below_its_floor_that_stays_be_in_nobodys_way():
+def test_find_collision_free_fractions_lets_a_pair_below_its_floor_that_stays_be_in_nobodys_way():
     X = np.array([[0.0, 0.0, 1e-3], [-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]])
     pair, none = np.array([[0, 1, 2, 3]], dtype=np.int32), np.zeros(1, np.int32)
     low, after, share = np.full(1, 1e-3), np.empty(1), np.empty(1)

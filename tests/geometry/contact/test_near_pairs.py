@@ -44,7 +44,7 @@ def walk(V, F, reach, seed, steps, size):
         )
         W = U + velocity
         for _ in range(20):
-            shares = near.find_free_fractions(U, W)
+            shares = near.find_collision_free_fractions(U, W)
             if shares is None:
                 break
             refused += 1
@@ -114,7 +114,7 @@ def test_near_pairs_leave_out_pairs_of_one_group():
 def test_near_pairs_shorten_a_way_for_all_that_is_too_long_at_once():
     V, F = grid(7, 7)
     near = NearPairs(V, F, np.zeros((1, len(V)), np.int64), 0.05)
-    shares = near.find_free_fractions(V, V + np.random.default_rng(0).normal(size=V.shape) * 50.0)
+    shares = near.find_collision_free_fractions(V, V + np.random.default_rng(0).normal(size=V.shape) * 50.0)
     assert shares.min() == shares.max() < 0.1
 
 

@@ -10,7 +10,7 @@ from apd_viewer.geometry.goals.calm_parts import (
     calm_level_weights,
     calmness,
     calmness_from_flux,
-    gesture_flux,
+    log_handle_flux,
 )
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -156,7 +156,7 @@ def held():
 
 def test_calm_level_weights_share_the_calm_vertices_among_them():
     ids, handle_of = held()
-    x = gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)
+    x = log_handle_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)
     levels = calm_level_weights(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)
     assert levels.min() >= 0.0
     inside = np.setdiff1d(ids, REST.solve_mesh.F[~np.isin(REST.solve_mesh.F, ids).all(axis=1)])
@@ -180,41 +180,41 @@ def test_calm_level_weights_keep_the_area_of_their_largest_part_apart_from_the_o
     assert not last[1][legs].any()
 
 
-def test_gesture_flux_of_a_bar_is_the_same_everywhere():
+def test_log_handle_flux_of_a_bar_is_the_same_everywhere():
     W, G = tube(24, 40)
     z = W[:, 2]
     ids = np.flatnonzero((z == z.min()) | (z == z.max()))
-    x = gesture_flux(RestMesh(W, G).solve_mesh, ids, (z[ids] > z.mean()).astype(int), NO_SOFT_CONSTRAINTS)
+    x = log_handle_flux(RestMesh(W, G).solve_mesh, ids, (z[ids] > z.mean()).astype(int), NO_SOFT_CONSTRAINTS)
     np.testing.assert_allclose(x, 0.0, atol=1e-9)
 
 
-def test_gesture_flux_lets_each_handle_reach_its_own_part():
+def test_log_handle_flux_lets_each_handle_reach_its_own_part():
     """An arm that is a handle too is as little calm as the neck."""
     ids = np.unique(np.append(REST.weld.inverse[FIXED], np.flatnonzero(REST.solve_mesh.V[:, 0] > 2.5)))
     base = REST.weld.inverse[BASE]
     number = np.where(np.isin(ids, base), 0, np.where(REST.solve_mesh.V[ids, 0] > 2.5, 2, 1))
-    x, (alone, handle_of) = gesture_flux(REST.solve_mesh, ids, number, NO_SOFT_CONSTRAINTS), held()
+    x, (alone, handle_of) = log_handle_flux(REST.solve_mesh, ids, number, NO_SOFT_CONSTRAINTS), held()
     arm = (REST.solve_mesh.V[:, 0] > 1.3) & (REST.solve_mesh.V[:, 0] < 2.3)
     assert x[arm].min() > -2.0
-    assert gesture_flux(REST.solve_mesh, alone, handle_of, NO_SOFT_CONSTRAINTS)[arm].max() < -2.0
+    assert log_handle_flux(REST.solve_mesh, alone, handle_of, NO_SOFT_CONSTRAINTS)[arm].max() < -2.0
 
 
-def test_gesture_flux_tells_that_what_a_handle_draws_softly_is_not_calm():
+def test_log_handle_flux_tells_that_what_a_handle_draws_softly_is_not_calm():
     ids, handle_of = held()
     x = REST.solve_mesh.V[:, 0]
     arm, before = np.flatnonzero((x > 1.5) & (x < 2.5)), np.flatnonzero((x > 1.2) & (x < 1.4))
     soft = SoftConstraints(
         arm, np.ones(len(arm)), np.full(len(arm), 100.0), np.zeros(len(arm), dtype=np.int64)
     )
-    assert gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)[before].max() < -1.5
-    assert gesture_flux(REST.solve_mesh, ids, handle_of, soft)[before].min() > -0.5
+    assert log_handle_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS)[before].max() < -1.5
+    assert log_handle_flux(REST.solve_mesh, ids, handle_of, soft)[before].min() > -0.5
 
 
-def test_gesture_flux_of_a_thinned_mesh_tells_about_the_same(monkeypatch):
+def test_log_handle_flux_of_a_thinned_mesh_tells_about_the_same(monkeypatch):
     ids, handle_of = held()
-    fine = calmness_from_flux(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
+    fine = calmness_from_flux(log_handle_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
     monkeypatch.setattr(calm_parts, "LARGE", 100)
-    thin = calmness_from_flux(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
+    thin = calmness_from_flux(log_handle_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))
     free = np.setdiff1d(np.arange(len(fine)), ids)
     assert np.abs(thin - fine)[free].mean() <= 0.02
 
@@ -230,7 +230,7 @@ def test_calmness_is_shown_for_the_vertices_of_the_file():
     labels = np.full(len(V), FREE)
     labels[BASE], labels[HEAD] = 0, 2
     ids, handle_of = held()
-    expected = calmness_from_flux(gesture_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))[
+    expected = calmness_from_flux(log_handle_flux(REST.solve_mesh, ids, handle_of, NO_SOFT_CONSTRAINTS))[
         REST.weld.inverse
     ]
     shown = calmness(Mesh(V, F), labels, NO_SOFT_CONSTRAINTS)

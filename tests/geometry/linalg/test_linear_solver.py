@@ -172,12 +172,12 @@ class TestTheWayBack:
                 raise RuntimeError("unknown processor")
             return np.zeros_like(B)
 
-        linear_solver.supernodal_works.cache_clear()
+        linear_solver.supernodal_solver_works.cache_clear()
         monkeypatch.setattr(SupernodalFactor, "solve", solve)
         try:
             self.check(LinearSolver(*system), system[0])
         finally:
-            linear_solver.supernodal_works.cache_clear()
+            linear_solver.supernodal_solver_works.cache_clear()
         assert "self-check" in caplog.text
 
 

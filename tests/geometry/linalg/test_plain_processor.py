@@ -12,9 +12,9 @@ PLAIN = {"NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": ""}
 CHECK = """
 from numba.core.registry import cpu_target
 
-from apd_viewer.geometry.linalg.linear_solver import supernodal_works
+from apd_viewer.geometry.linalg.linear_solver import supernodal_solver_works
 
-assert supernodal_works()
+assert supernodal_solver_works()
 print(cpu_target.target_context.codegen().magic_tuple())
 """
 

@@ -116,11 +116,11 @@ CALLS = """
     import inspect, sys, threading
     import numba
     import numpy as np
-    from apd_viewer.geometry.linalg.parallel_ops import with_added_combination
+    from apd_viewer.geometry.linalg.parallel_ops import plus_linear_combination
 
-    kernel = with_added_combination
+    kernel = plus_linear_combination
     if "bare" in sys.argv:
-        kernel = inspect.getclosurevars(with_added_combination).nonlocals["kernel"]
+        kernel = inspect.getclosurevars(plus_linear_combination).nonlocals["kernel"]
     numba.set_num_threads(min(2, numba.config.NUMBA_NUM_THREADS))
     X, c, A = np.ones((20_000, 3)), np.ones(1), np.ones((1, 20_000, 3))
     kernel(X, c, A)

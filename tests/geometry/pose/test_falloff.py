@@ -11,7 +11,7 @@ from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
-from apd_viewer.geometry.pose.falloff import distances, edge_graph, soft_constraints, strengths
+from apd_viewer.geometry.pose.falloff import distances, edge_graph, falloff_strengths, soft_constraints
 from apd_viewer.geometry.solver.deformation import Deformation
 
 
@@ -28,7 +28,7 @@ def around(
 ) -> SoftConstraints:
     free = np.ones(len(V), dtype=bool)
     free[fixed] = False
-    strength = strengths(distances(edge_graph(V, F), handle, falloff), falloff)
+    strength = falloff_strengths(distances(edge_graph(V, F), handle, falloff), falloff)
     return soft_constraints(free, strength[None], np.array([falloff]))
 
 

@@ -12,7 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTIONS
-from apd_viewer.session.posing.motion_path import MotionStep, document_along, motion_paths
+from apd_viewer.session.posing.motion_path import MotionStep, document_along_paths, motion_paths
 from apd_viewer.session.posing.motion_text import motion_steps, parse_motion
 from apd_viewer.session.quantities.units import Unit
 
@@ -92,14 +92,14 @@ def test_motion_paths_twist_as_the_window_and_the_sweep_do(degrees, state):
     np.testing.assert_allclose(path.pose_at(1.0), pose, atol=1e-12)
     swept = case_of(document, 3, motion=[step]).paths[0]
     assert all(np.array_equal(path.pose_at(part), swept.pose_at(part)) for part in (0.3, 1.0))
-    posed = document_along(document, paths(state, f"twist {degrees}"))
+    posed = document_along_paths(document, paths(state, f"twist {degrees}"))
     assert np.degrees(posed.handles[0].rotation) == pytest.approx([0, 0, degrees], abs=1e-6)
 
 
-def test_document_along_makes_no_way_shorter_for_turns_of_opposite_signs(state):
+def test_document_along_paths_makes_no_way_shorter_for_turns_of_opposite_signs(state):
     """The sum of their angles is none, and the way leads through none of the poses between."""
     motion = "turn 200deg about x; turn -200deg about y"
-    posed = document_along(state.document, paths(state, motion)).handles[0]
+    posed = document_along_paths(state.document, paths(state, motion)).handles[0]
     assert posed.waypoints
     np.testing.assert_allclose(posed.pose, paths(state, motion)[0].pose_at(1.0), atol=1e-12)
 

@@ -122,9 +122,9 @@ def test_select_actions_switch_through_and_size_the_brush_by_keys(scene, keyboar
     for on in (True, False):
         keyboard(Qt.Key.Key_T)
         assert through.isChecked() is on
-        assert scene.canvas.selectors[SelectionMode.BOX].selects_hidden is on
-        assert scene.canvas.selectors[SelectionMode.LASSO].selects_hidden is on
-        assert scene.canvas.selectors[SelectionMode.POLYGON].selects_hidden is on
+        assert scene.canvas.selectors[SelectionMode.BOX].selects_hidden_vertices is on
+        assert scene.canvas.selectors[SelectionMode.LASSO].selects_hidden_vertices is on
+        assert scene.canvas.selectors[SelectionMode.POLYGON].selects_hidden_vertices is on
     radius = scene.canvas.brush.size.radius
     keyboard(Qt.Key.Key_BracketRight)
     assert scene.canvas.brush.size.radius > radius

@@ -37,7 +37,7 @@ def globe(qtbot, window):
     """A window on a sphere of radius one, seen from the front, that has the keys."""
     window.files.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
-    window.canvas.viewport.camera_controller.look_along("front")
+    window.canvas.viewport.camera_controller.show_standard_view("front")
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     window.canvas.viewport.setFocus()
@@ -159,7 +159,7 @@ def test_blend_card_is_ended_by_keys_and_by_another_mesh(qtbot, globe):
 # Sections
 
 
-def test_cutting_plane_lets_nothing_be_touched_that_is_cut_away(qtbot, globe):
+def test_cutting_plane_card_lets_nothing_be_touched_that_is_cut_away(qtbot, globe):
     view, surface = globe.canvas.viewport, globe.canvas.surface
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01)
     qtbot.keyClick(view, Qt.Key.Key_S)
@@ -169,7 +169,7 @@ def test_cutting_plane_lets_nothing_be_touched_that_is_cut_away(qtbot, globe):
     assert surface.hit(centre(view)).point[2] == pytest.approx(-1.0, abs=0.01), "the inside of its back"
     cut.flip.click()
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01), "its front"
-    view.camera_controller.look_along("-front")
+    view.camera_controller.show_standard_view("-front")
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01), "the inside of its front"
     qtbot.mouseClick(cut.axes[0], LEFT)
     at = view.camera_controller.camera.project(np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]))
@@ -180,7 +180,7 @@ def test_cutting_plane_lets_nothing_be_touched_that_is_cut_away(qtbot, globe):
     assert surface.hit(QPointF(*at[1])) is not None
 
 
-def test_cutting_plane_cuts_the_picture_where_the_mesh_is_cut(qtbot, globe):
+def test_cutting_plane_card_cuts_the_picture_where_the_mesh_is_cut(qtbot, globe):
     view = globe.canvas.viewport
     switch(globe, "cut").trigger()
     plain, cut = picture(globe), globe.display_options.cutting_plane
@@ -198,7 +198,7 @@ def test_cutting_plane_cuts_the_picture_where_the_mesh_is_cut(qtbot, globe):
     np.testing.assert_allclose(shown[top[1], top[0]], shown[top[1], 5], atol=6)
 
 
-def test_cutting_plane_tells_its_place_in_the_unit(qtbot, globe):
+def test_cutting_plane_card_tells_its_place_in_the_unit(qtbot, globe):
     switch(globe, "cut").trigger()
     globe.choose_unit(Unit.CENTIMETRE)
     cut = globe.display_options.cutting_plane
@@ -208,7 +208,7 @@ def test_cutting_plane_tells_its_place_in_the_unit(qtbot, globe):
     assert float(value) == pytest.approx(cut.plane[0][2], rel=0.01)
 
 
-def test_cutting_plane_tells_every_place_from_the_next_far_from_the_origin(qtbot, window):
+def test_cutting_plane_card_tells_every_place_from_the_next_far_from_the_origin(qtbot, window):
     V, F = sphere(2)
     window.files.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
     idle(qtbot, window)
@@ -247,7 +247,7 @@ def test_ground_lies_below_the_mesh_in_nice_steps(qtbot, globe):
         for axis in (0, 2)
     )
     assert lines.GetNumberOfLines() == across
-    globe.canvas.viewport.camera_controller.look_along("top")
+    globe.canvas.viewport.camera_controller.show_standard_view("top")
     settle(qtbot, globe.canvas.viewport)
 
 
@@ -256,7 +256,7 @@ def test_ground_gives_every_line_a_figure_of_its_own_far_from_the_origin(qtbot, 
     window.files.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
     idle(qtbot, window)
     switch(window, "ground").trigger()
-    window.canvas.viewport.camera_controller.look_along("front")
+    window.canvas.viewport.camera_controller.show_standard_view("front")
     settle(qtbot, window.canvas.viewport)
     ground = window.display_options.ground
     told = [value for value, _ in figures(window) if value > 900.0]  # along x

@@ -132,7 +132,7 @@ def test_open_path_tells_a_file_without_a_mesh_for_what_it_is(qtbot, kept_window
 
 def test_findings_controller_marks_a_finding_and_brings_the_camera_round_to_it(qtbot, ill):
     V = document(ill).mesh.V
-    ill.canvas.viewport.camera_controller.look_along("front")
+    ill.canvas.viewport.camera_controller.show_standard_view("front")
     open_list(qtbot, ill)
     before = ill.canvas.viewport.camera_controller.camera.key
     front = choose(qtbot, ill, "doubled faces")
@@ -147,7 +147,7 @@ def test_findings_controller_marks_a_finding_and_brings_the_camera_round_to_it(q
 
 def test_findings_controller_brings_into_the_picture_what_is_far_out_of_it(qtbot, ill):
     view = ill.canvas.viewport
-    view.camera_controller.look_along("front")
+    view.camera_controller.show_standard_view("front")
     view.camera_controller.zoom_at(QPointF(5, view.height() / 2), 8.0)
     open_list(qtbot, ill)
     stray = choose(qtbot, ill, "unreferenced vertices")
@@ -184,7 +184,7 @@ def test_vertex_marks_go_with_the_list(qtbot, ill, way):
         ill.findings.list.close_button.click()
     elif way == "stroke":
         ill.tools.choose_tool(Tool.BASE)
-        view.camera_controller.look_along("side")
+        view.camera_controller.show_standard_view("side")
         view.camera_controller.frame(document(ill).mesh.V)
         mouse.drag(
             view.camera_controller.camera.project(np.zeros((1, 3)))[0],

@@ -93,7 +93,7 @@ def test_deviation_overlay_measures_a_frame_when_it_is_drawn_and_once(qtbot, are
     answer(qtbot, area, 1.02 * V)
     assert len(asked) == 1
     np.testing.assert_array_equal(shades(area), 128 + round(127 * np.log(1.02**2) / np.log(1.1)))
-    area.canvas.viewport.camera_controller.look_along("top")
+    area.canvas.viewport.camera_controller.show_standard_view("top")
     settle(qtbot, area.canvas.viewport)
     assert len(asked) == 1, "the camera has moved, and not the shape"
 

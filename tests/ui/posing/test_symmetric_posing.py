@@ -29,7 +29,7 @@ def winged(qtbot, kept_window):
     stroke(kept_window.session, V[:, 1] < -0.7, BASE)
     stroke(kept_window.session, V[:, 0] > 1.4, HANDLE)
     kept_window.tools.choose_tool(Tool.MOVE)
-    kept_window.canvas.viewport.camera_controller.look_along("front")
+    kept_window.canvas.viewport.camera_controller.show_standard_view("front")
     kept_window.canvas.frame_mesh()
     kept_window.shell.activateWindow()
     qtbot.waitUntil(kept_window.shell.isActiveWindow)

@@ -166,23 +166,23 @@ def test_units_of_guesses_for_the_next_file_the_same_unit_twice_running(settings
     V, F = meshes.sphere(1)
     a, b, c = (Mesh(V, F, path=path) for path in files)
     units = Units(Preferences(settings))
-    units.choose(a, MM)
+    units.set_unit(a, MM)
     assert units.unit_of(b) is NONE
-    units.choose(b, MM)
+    units.set_unit(b, MM)
     assert units.unit_of(c) is MM.as_guess
     assert set(Preferences(settings).units) == {files[0].resolve(), files[1].resolve()}
-    units.choose(c, MM)
+    units.set_unit(c, MM)
     assert Units(Preferences(settings)).unit_of(Mesh(V, F, path=files[2])) is MM, (
         "a confirmed one is remembered"
     )
 
 
-def test_units_choose_lets_a_guess_never_confirm_itself(settings, files, tmp_path):
+def test_units_set_unit_lets_a_guess_never_confirm_itself(settings, files, tmp_path):
     V, F = meshes.sphere(1)
     units = Units(Preferences(settings))
-    units.choose(Mesh(V, F, path=files[0]), MM)
-    units.choose(Mesh(V, F, path=files[1]), CM)
-    units.choose(Mesh(V, F, path=files[2]), MM.as_guess)  # as a session has it
+    units.set_unit(Mesh(V, F, path=files[0]), MM)
+    units.set_unit(Mesh(V, F, path=files[1]), CM)
+    units.set_unit(Mesh(V, F, path=files[2]), MM.as_guess)  # as a session has it
     assert units.unit_of(Mesh(V, F, path=tmp_path / "d.obj")) is NONE
 
 
@@ -190,11 +190,11 @@ def test_units_of_puts_what_a_file_states_before_a_guess_and_after_a_choice(sett
     V, F = meshes.sphere(1)
     units = Units(Preferences(settings), lambda: CM)
     for path in files[:2]:
-        units.choose(Mesh(V, F, path=path), MM)
+        units.set_unit(Mesh(V, F, path=path), MM)
     stated = Mesh(V, F, path=files[2], unit="m")
     assert units.unit_of(stated) is M
     assert units.unit_of(stated.baked(stated.V)) is units.unit_of(stated.without_path()) is M
-    units.choose(stated, MM)
+    units.set_unit(stated, MM)
     assert units.unit_of(Mesh(V, F, path=files[2], unit="m")) is MM
     assert units.unit_of(Mesh(V, F, path=tmp_path / "d.obj")) is CM, "that of new files, as set"
 
@@ -250,7 +250,7 @@ def test_units_of_a_mesh_without_a_file_is_none_at_first(qtbot, bottle, settings
     units = Units(Preferences(settings))
     V, F = meshes.sphere(1)
     for path in files[:2]:
-        units.choose(Mesh(V, F, path=path), MM)
+        units.set_unit(Mesh(V, F, path=path), MM)
     assert units.unit_of(Mesh(V, F)) is NONE
     bottle.files.open_sample("duck")
     idle(qtbot, bottle)

@@ -100,8 +100,8 @@ def test_framed_takes_a_single_point(camera):
         ("-top", (0, 1, 0), (0, 0, 1)),
     ],
 )
-def test_looking_along_looks_along_the_axis_upright_from_the_same_distance(camera, axis, forward, up):
-    placed = camera.looking_along(axis)
+def test_standard_view_looks_along_the_axis_upright_from_the_same_distance(camera, axis, forward, up):
+    placed = camera.standard_view(axis)
     np.testing.assert_allclose(placed.axes[2], forward, atol=1e-12)
     np.testing.assert_allclose(placed.axes[1], up, atol=1e-12)
     np.testing.assert_allclose(placed.axes[0], np.cross(forward, up), atol=1e-12)
@@ -145,9 +145,9 @@ def test_up_axis_has_the_views_of_the_first_whichever_it_is(camera, up_axis):
         up_axis=up_axis,
     )
     for move in (
-        lambda eye: eye.looking_along("front"),
-        lambda eye: eye.looking_along("-side"),
-        lambda eye: eye.looking_along("-top"),
+        lambda eye: eye.standard_view("front"),
+        lambda eye: eye.standard_view("-side"),
+        lambda eye: eye.standard_view("-top"),
         lambda eye: eye.orbited(40, 13).orbited(-200, 90),
     ):
         expected, found = move(camera).project(points()), move(turned).project(points() @ frame)

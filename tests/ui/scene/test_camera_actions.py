@@ -90,7 +90,7 @@ def test_up_axes_assume_the_axis_of_a_format(settings, tmp_path, name, up_axis):
     axes = UpAxes(Preferences(settings))
     mesh = Mesh(V, F, tmp_path / name)
     assert axes.up_axis_of(mesh) is UpAxis(up_axis)
-    axes.choose(mesh, UpAxis.MINUS_X)
+    axes.set_up_axis(mesh, UpAxis.MINUS_X)
     assert UpAxes(Preferences(settings)).up_axis_of(Mesh(V, F, tmp_path / name)) is UpAxis.MINUS_X
 
 

@@ -21,7 +21,7 @@ def sheet(path, tilt):
 def brightness(qtbot, window):
     """Of the middle of the view, from the front."""
     view = window.canvas.viewport
-    view.camera_controller.look_along("front")
+    view.camera_controller.show_standard_view("front")
     window.canvas.frame_mesh()
     settle(qtbot, view)
     picture = view.screenshot(return_img=True)

@@ -24,7 +24,7 @@ def window(qtbot, kept_window):
     gestures.begin()
     painting.paint(np.flatnonzero(BALL.V[:, 1] > 0.1), BASE)
     painting.end_stroke("Paint")
-    kept_window.canvas.viewport.camera_controller.look_along("front")
+    kept_window.canvas.viewport.camera_controller.show_standard_view("front")
     kept_window.canvas.frame_mesh()
     return kept_window
 

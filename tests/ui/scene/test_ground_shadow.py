@@ -37,7 +37,7 @@ def test_ground_shadow_darkens_the_ground_around_the_foot_alone(bottle, shown):
 
 
 def test_ground_shadow_is_not_seen_from_below(bottle, shown):
-    bottle.canvas.viewport.camera_controller.look_along("-top")
+    bottle.canvas.viewport.camera_controller.show_standard_view("-top")
     assert shown().max() <= 1.0
 
 

@@ -23,7 +23,7 @@ def drawn(qtbot, view):
     def draw(rgba, before=lambda _: None):
         surface.set_mesh(SurfaceIndex.from_triangles(TRIANGLE, 3), CORNERS, rgba)
         before(surface)
-        view.camera_controller.look_along("front")
+        view.camera_controller.show_standard_view("front")
         view.camera_controller.frame(CORNERS)
         settle(qtbot, view)
         picture = view.screenshot(return_img=True)[:, :, :3].astype(float)

@@ -326,7 +326,7 @@ def around(degrees, radius=60.0):
 
 def test_pointing_turns_the_mesh_as_two_fingers_turn_seen_from_above(view, surface, fingers):
     look = view.camera_controller
-    look.look_along("top")
+    look.show_standard_view("top")
     before, point = look.camera, np.array([0.5, 0.0, 0.0])
     start = before.project(np.array([point]))[0] - [320, 240]
     fingers.press(**around(0))

@@ -37,7 +37,7 @@ def expected():
 def opened(qtbot, window, path):
     window.files.open_path(path)
     idle(qtbot, window)
-    window.canvas.viewport.camera_controller.look_along("front")
+    window.canvas.viewport.camera_controller.show_standard_view("front")
     window.canvas.frame_mesh()
     return window.actions_.display.switches["textures"]
 

@@ -195,7 +195,7 @@ def test_set_mesh_replaces_the_first_mesh_by_another(view, surface):
 
 
 def test_camera_controller_frames_the_points_in_an_axis_view(view, surface):
-    view.camera_controller.look_along("top")
+    view.camera_controller.show_standard_view("top")
     view.camera_controller.frame(surface.U)
     np.testing.assert_allclose(view.camera_controller.camera.axes[2], [0, -1, 0], atol=1e-12)
     xy = view.camera_controller.camera.project(surface.U)

@@ -326,7 +326,7 @@ def test_report_controller_has_nothing_to_hand_out_before_there_is_a_mesh(window
     window.reports.ask_for_picture()
 
 
-def test_copy_python_copies_the_lines_and_tells_so(qtbot, bottle):
+def test_copy_python_script_copies_the_lines_and_tells_so(qtbot, bottle):
     bottle.actions_.file.copy_python.trigger()
     lines = QGuiApplication.clipboard().text()
     compile(lines, "copied", "exec")

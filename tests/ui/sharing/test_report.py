@@ -24,7 +24,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.number_format import format_significant
-from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES, VolumeName
+from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES, VolumeName
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTIONS
@@ -162,7 +162,7 @@ def test_report_controller_writes_what_the_panel_says_and_what_others_measure(qt
     assert named["Objects in a bag of 45 l"][1].split("\n")[0] == "50"
     assert number(named["Material volume"][1].split("\n")[1]) == pytest.approx(grams / 1.38, rel=1e-3)
     text = "\n".join(said for _, said in named.values())
-    for figures in PUBLISHED_FIGURES.values():
+    for figures in PUBLISHED_VOLUMES.values():
         for figure in figures:
             assert text.count(f"{figure.words}\n{figure.source}") == 1
     assert len(named) == len(VolumeName) + 1  # and the heading

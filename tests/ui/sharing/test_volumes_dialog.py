@@ -7,7 +7,7 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 
 from apd_viewer.geometry.analysis.hull_readings import PACKING
-from apd_viewer.presentation.volume_text import PUBLISHED_FIGURES
+from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
@@ -40,7 +40,7 @@ def text(window):
 
 def test_volumes_dialog_names_published_figures_with_their_sources_and_copies_them(sample):
     dialog = sample.reports.volumes
-    for figure in (figure for figures in PUBLISHED_FIGURES.values() for figure in figures):
+    for figure in (figure for figures in PUBLISHED_VOLUMES.values() for figure in figures):
         assert figure.words in text(sample)
         assert figure.source in text(sample)
     hull = sample.session.shape_checks.shape_check.hull

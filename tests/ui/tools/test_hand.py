@@ -75,7 +75,7 @@ def test_motion_field_twist_is_the_same_as_the_ring_dragged_and_the_matrix(qtbot
 @pytest.mark.parametrize("axis", ["front", "side", "top", "-front", "-side", "-top"])
 def test_gizmo_arrows_and_rings_move_the_way_the_cursor_goes(bottle, mouse, axis):
     view = bottle.canvas.viewport
-    view.camera_controller.look_along(axis)
+    view.camera_controller.show_standard_view(axis)
     bottle.canvas.frame_mesh()
     # Not straight along an axis, or one arrow could not be seen.
     view.camera_controller.camera = view.camera_controller.camera.orbited(60.0, 23.0)

@@ -333,7 +333,7 @@ def on_the_wall(scene):
 
 @pytest.mark.parametrize("way", OUTLINES)
 def test_outline_tool_from_above_does_not_see_the_outside_of_a_cup(qtbot, cup, way):
-    cup.view.camera_controller.look_along("top")
+    cup.view.camera_controller.show_standard_view("top")
     cup.take(Tool.BASE, way)
     low, high = np.array([3, 3]), np.array([cup.view.width(), cup.view.height()]) - 3
     corners = [low, (high[0], low[1]), high, (low[0], high[1])]
