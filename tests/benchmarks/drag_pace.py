@@ -1,9 +1,10 @@
-"""Pictures a second while the samples of fabric are dragged in the window, with its real worker.
+"""Pictures a second while samples are dragged in the window, with its real worker.
 
     python tests/benchmarks/drag_pace.py [seconds]
 
 Needs a display. The handle goes as by a hand: the cloth is folded by 40° a second, the cushion pressed by
-1 cm a second, in steps of 20 ms. A picture counts where the shape in it is a new one.
+1 cm a second, in steps of 20 ms. The bottle, a thin wall, is dented by a finger at 1 cm a second. A picture
+counts where the shape in it is a new one.
 """
 
 import sys
@@ -15,6 +16,7 @@ from PySide6.QtCore import QSettings
 
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.session.file_jobs import sample_state
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.tool_modes import Tool
@@ -24,17 +26,27 @@ EVERY = 0.02  # s
 TURN, SPEED = 40.0, 1.0  # degrees and cm a second
 
 
-def fold(seconds: float) -> np.ndarray:
-    """Pose of the cloth's handle, about the axis of its fold."""
-    return rotation_about([0.0, 0.4, 0.0], [1.0, 0.0, 0.0], np.radians(TURN * seconds))
+def fold(session, seconds: float) -> None:
+    """Turn the cloth's handle about the axis of its fold."""
+    session.handles.drag(rotation_about([0.0, 0.4, 0.0], [1.0, 0.0, 0.0], np.radians(TURN * seconds)), 0)
 
 
-def press(seconds: float) -> np.ndarray:
-    """Pose of the cushion's handle."""
-    return translation(np.array([0.0, -SPEED * seconds, 0.0]))
+def press(session, seconds: float) -> None:
+    """Lower the cushion's handle."""
+    session.handles.drag(translation(np.array([0.0, -SPEED * seconds, 0.0])), 0)
 
 
-def measure(application, name: str, pose, seconds: float) -> None:
+def dent(session, seconds: float) -> None:
+    """Push a finger into the middle of the bottle, a wall of 0.3 mm."""
+    if not session.store.state.document.obstacles:
+        session.settings.change(method="wall", wall_thickness=0.03, poisson=0.38)
+        finger = NamedObstacle("Finger", ObstacleKind.SPHERE, np.array([4.1, 11.0, 0.0]), radius=0.8)
+        session.obstacles.add(finger)
+        session.gestures.begin()
+    session.obstacles.drag(0, np.array([-SPEED * seconds, 0.0, 0.0]))
+
+
+def measure(application, name: str, drag, seconds: float) -> None:
     """Drag a sample for so long, and print a row."""
     store = QSettings(tempfile.mkdtemp() + "/none.ini", QSettings.Format.IniFormat)
     window = Workbench(Shell(store))
@@ -54,21 +66,21 @@ def measure(application, name: str, pose, seconds: float) -> None:
     window.tools.choose_tool(Tool.MOVE)
     session.gestures.begin()
     # The first pose makes what is kept for all others.
-    session.handles.drag(pose(EVERY), 0)
+    drag(session, EVERY)
     first = session.store.state.frame
     until(lambda: session.store.state.frame is not first)
     began, asked, shown, pictures, drawn = time.perf_counter(), 0.0, None, 0, view.draw_count
     while (now := time.perf_counter() - began) < seconds:
         if now - asked >= EVERY:
             asked = now
-            session.handles.drag(pose(now), 0)
+            drag(session, now)
         application.processEvents()
         if view.draw_count != drawn:
             drawn = view.draw_count
             pictures += session.store.state.frame.U is not shown
             shown = session.store.state.frame.U
         time.sleep(0.001)
-    session.gestures.end("Move handle")
+    session.gestures.end("Drag")
     print(f"| {name} | {seconds:.1f} s | {pictures / seconds:.1f} |", flush=True)
     window.files.may_discard_work = lambda *_, **__: True
     window.shell.close()
@@ -80,8 +92,8 @@ def main() -> None:
     application = make_application([])
     print("| sample | dragged | pictures a second |\n|---|---|---|")
     for _ in range(3):
-        for name, pose in (("cloth", fold), ("cushion", press)):
-            measure(application, name, pose, seconds)
+        for name, drag in (("cloth", fold), ("cushion", press), ("bottle", dent)):
+            measure(application, name, drag, seconds)
 
 
 if __name__ == "__main__":

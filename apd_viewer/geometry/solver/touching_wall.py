@@ -128,7 +128,8 @@ class TouchingWall(TouchingSurface):
                 factor = BlockFactor(pattern, blocks, np.float64)
             except ValueError:
                 continue
-            self._is_definite = (share, firmer) == _ATTEMPTS[0]
+            # The curvature of the gaps is not in the matrix, so that in contact it only proves minima.
+            self._is_definite = (share, firmer) == _ATTEMPTS[0] or (None if len(self._springs.ids) else False)
             return factor
         raise ArithmeticError("The Hessian of the wall is not finite.")
 
