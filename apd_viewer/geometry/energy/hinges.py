@@ -12,6 +12,9 @@ rest of the angle, so that slopes agree across edges, and every quadratic passes
 triangulation. Along a free edge the slope is the one of least energy. A triangle whose corners are all held
 clamps: it does not bend, so that the whole angle of its edges is that of their other triangles.
 
+A hinge cannot pass its other side: over the last tenth of half a turn it has the barrier ``-(1 - s)^2 ln s``
+in units of its own stiffness, s the fraction of that tenth that is left.
+
 The angle of a hinge has the gradient ``-m/h`` at a corner with the height h above the edge, m the unit normal
 [Tamstorf & Grinspun 2013, Discrete bending forces and their Jacobians].
 """
@@ -31,6 +34,8 @@ from apd_viewer.geometry.mesh.operators import cotangents, face_areas, is_well_s
 _OWN, _LARGEST = 9.0, 3.0
 # Least number of hinges to determine a quadratic, and relative regularization of the three equations.
 _FEWEST, _REGULAR = 4, 1e-6
+# Angle from which a hinge is nearly shut, and the least fraction of the rest that the barrier knows.
+_NEARLY_SHUT, _LEAST_OPEN = 0.9 * np.pi, 1e-6
 # Entries of Q below this fraction of the bending rigidity are rounding errors.
 _ROUNDING = 1e-12
 
@@ -101,6 +106,7 @@ class Hinges:
             (np.ones(len(at)), (self.corners.ravel(), at)), shape=(self._n, len(at))
         )
         self.rest = angles_and_gradients(V, self.corners)[0]
+        self._rests_shut, self._diagonal = np.abs(self.rest) > _NEARLY_SHUT, Q.diagonal()
 
     @cached_property
     def at_vertices(self) -> tuple[np.ndarray, np.ndarray]:
@@ -115,23 +121,52 @@ class Hinges:
         return np.searchsorted(vertices[order], np.arange(self._n + 1)), entries
 
     def moments(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
-        """Energy, and its derivatives (h,) with respect to the ``angles`` (h,).
+        """Energy, and its derivatives (h,) with respect to the ``angles`` (h,)."""
+        energy, moments = self._bending(angles)
+        hinges, value, slope, _ = self._closing(angles)
+        if len(hinges):
+            energy += float(value.sum())
+            moments[hinges] += slope
+        return energy, moments
 
-        Rotations from rest are taken modulo full turns, at most half a turn.
-        """
+    def stiffness_at(self, angles: np.ndarray) -> sp.csr_array:
+        """Matrix (h, h) for steps from the ``angles`` (h,), with the nonzeros of Q."""
+        hinges, _, _, curvature = self._closing(angles)
+        if not len(hinges):
+            return self._secant(angles)
+        more = np.zeros(len(angles))
+        more[hinges] = curvature
+        return (self._secant(angles) + sp.diags_array(more)).tocsr()
+
+    def _bending(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
+        """Energy and moments (h,) of bending alone."""
         turned = self.turned(angles)
         moments = self.Q @ turned
         return 0.5 * parallel_ops.inner_product(turned, moments), moments
 
-    def stiffness_at(self, _: np.ndarray) -> sp.csr_array:
-        """Matrix (h, h) for steps from the angles (h,), with the nonzeros of Q."""
+    def _secant(self, _: np.ndarray) -> sp.csr_array:
+        """Matrix (h, h) of bending alone, for steps from the angles (h,)."""
         return self.Q
 
+    def _closing(self, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Hinges (k,) that are nearly shut, and their barrier: value and two derivatives."""
+        size = np.abs(angles)
+        hinges = np.flatnonzero((size > _NEARLY_SHUT) & ~self._rests_shut)
+        width, firm = np.pi - _NEARLY_SHUT, self._diagonal[hinges]
+        t, sign = np.maximum((np.pi - size[hinges]) / width, _LEAST_OPEN), np.sign(angles[hinges])
+        log, left = np.log(t), 1.0 - t
+        slope = firm * (left * left / t - 2.0 * left * log) * sign / width
+        curvature = firm * (-2.0 * log + 4.0 * left / t + (left / t) ** 2) / width**2
+        return hinges, -firm * left * left * log, slope, curvature
+
     def turned(self, angles: np.ndarray) -> np.ndarray:
-        """Rotations (h,) from rest to the ``angles`` (h,), at most half a turn."""
+        """Rotations (h,) from rest to the ``angles`` (h,).
+
+        A hinge that rests shut may open on either side: its rotation is at most half a turn.
+        """
         turned = angles - self.rest
-        if np.abs(turned).max(initial=0.0) > np.pi:
-            turned -= 2.0 * np.pi * np.round(turned / (2.0 * np.pi))
+        turns = np.round(turned[self._rests_shut] / (2.0 * np.pi))
+        turned[self._rests_shut] -= 2.0 * np.pi * turns
         return turned
 
     def nearest_to_rest(self, angles: np.ndarray) -> np.ndarray:

@@ -55,7 +55,7 @@ class PlasticHinges(Hinges):
         """Remove all creases."""
         self.committed_flow, self.dissipated_energy = np.zeros(self.slopes.shape[0]), 0.0
 
-    def moments(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
+    def _bending(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
         """Stored and dissipated energy, and its derivatives (h,) by ``angles`` (h,)."""
         forces, sizes = self._stresses(self._elastic_slopes(angles))
         stored = np.minimum(sizes, self._yield)
@@ -63,7 +63,7 @@ class PlasticHinges(Hinges):
         forces *= np.repeat(self._elastic_fractions(sizes), 3)
         return energy + self.dissipated_energy, self._to_hinges @ forces
 
-    def stiffness_at(self, angles: np.ndarray) -> sp.csr_array:
+    def _secant(self, angles: np.ndarray) -> sp.csr_array:
         """Secant matrix (h, h), with nonzeros of Q, for steps from ``angles`` (h,)."""
         sizes = self._stresses(self._elastic_slopes(angles))[1]
         if sizes.max(initial=0.0) <= self._yield:

@@ -94,6 +94,8 @@ class WallSurface(HeldSurface):
         if material.yield_curvature < np.inf:
             self.hinges = self.creases = PlasticHinges(*shape, material.yield_curvature)
         self.stretching = Stretching(rest.V, rest.all_triangles, self.hinges, material)
+        # A triangle that vanishes takes the tensile stiffness times its area, of the mean triangle.
+        self._collapse_weight = 0.5 * material.tensile_stiffness / max(len(rest.F), 1)
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]])
         self.rows = np.where(self.place < len(self.free), np.maximum(self.place, -1), -1)
         size = float(np.linalg.norm(np.ptp(rest.V, axis=0)))
@@ -156,6 +158,8 @@ class WallSurface(HeldSurface):
         angles, J = angles_and_gradients(U, self.hinges.corners)
         angles = self.hinges.nearest_to_rest(angles)
         stretched, g, stretching_moments = self.stretching.energy_and_gradient(U, angles)
+        stretched += self._collapse_weight * self.rest.area_penalty.energy(U)
+        g += self._collapse_weight * self.rest.area_penalty.gradient(U)
         bent, moments = self.hinges.moments(angles)
         square = self._thickness**2
         g += self.hinges.gradient(square * moments + stretching_moments, J)

@@ -138,3 +138,41 @@ def test_hinges_name_the_edges_of_more_than_two_triangles():
     hinges = Hinges(V, np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4]]), 1.0, 0.0)
     assert len(hinges.corners) == 0
     assert hinges.others.tolist() == [[0, 1]]
+
+
+def folded(angle):
+    """Two triangles with a hinge at that angle."""
+    return np.array([[0, 0, 0], [1, 0, 0], [0.5, -1, 0], [0.5, np.cos(angle), np.sin(angle)]])
+
+
+PAIR = np.array([[1, 0, 2], [0, 1, 3]])
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("rest", [0.0, 0.5])
+def test_hinges_cannot_shut(rest, side):
+    """To the last the moment opens them, and it grows beyond all bounds."""
+    hinges = Hinges(folded(rest), PAIR, RIGIDITY, POISSON)
+    sign = np.sign(hinges.rest[0]) if rest else 1.0
+    angles = side * np.pi * (1.0 - np.array([0.2, 0.11, 0.09, 0.03, 0.01, 1e-3, 1e-5]))
+    energies, moments = zip(*(hinges.moments(np.array([angle])) for angle in angles), strict=True)
+    moments = side * np.ravel(moments)
+    assert (np.diff(energies) > 0.0).all()
+    assert (np.diff(moments) > 0.0).all()
+    assert moments[0] == pytest.approx(hinges.Q[0, 0] * (0.8 * np.pi - side * sign * rest), rel=1e-9)
+    assert moments[-1] > 1e3 * moments[0]
+    step = 1e-7
+    for angle in angles[:-2]:
+        there, back = (hinges.moments(np.array([angle + k * step])) for k in (1, -1))
+        moment = hinges.moments(np.array([angle]))[1]
+        assert moment[0] == pytest.approx((there[0] - back[0]) / (2 * step), rel=1e-5)
+        change = (there[1][0] - back[1][0]) / (2 * step)
+        assert hinges.stiffness_at(np.array([angle]))[0, 0] == pytest.approx(change, rel=1e-5)
+
+
+def test_hinges_that_rest_shut_may_open_on_either_side():
+    hinges = Hinges(folded(np.pi - 0.01), PAIR, RIGIDITY, POISSON)
+    other = angles_and_gradients(folded(np.pi + 0.02), hinges.corners)[0]
+    assert hinges.rest[0] * other[0] < 0.0
+    assert np.abs(hinges.turned(other)) == pytest.approx(0.03, rel=1e-9)
+    assert hinges.moments(other)[0] == pytest.approx(0.5 * hinges.Q[0, 0] * 0.03**2, rel=1e-9)

@@ -55,7 +55,7 @@ def test_plastic_hinges_matrix_bounds_the_energy_from_above():
     E, moments = hinges.moments(angles)
     matrix = hinges.stiffness_at(angles)
     assert (np.abs(matrix - hinges.Q) > 0.0).nnz > 0
-    for size in (1e-3, 0.1, 1.0):
+    for size in (1e-3, 0.1, 0.3):
         way = size * rng.normal(size=len(angles))
         above = E + moments @ way + 0.5 * way @ (matrix @ way)
         assert hinges.moments(angles + way)[0] <= above + 1e-9 * E

@@ -110,3 +110,18 @@ def test_wall_surface_has_a_definite_matrix_without_what_may_be_indefinite():
     whole = np.linalg.eigvalsh(hessian(surface, np.zeros(len(F)), 0.0).toarray())
     safe = np.linalg.eigvalsh(hessian(surface, np.zeros(len(F)), 0.0, share=0.0).toarray())
     assert whole[0] < 0.0 < safe[0]
+
+
+def test_wall_surface_resists_the_collapse_of_a_triangle():
+    """Without it a membrane in plane compression gives way from a compression of 42 % on."""
+    V, F = grid(1, 1)
+    surface = wall(V, F)
+    energies = [surface.energy_after_local_step(V * [share, share, 1.0]) for share in (0.6, 0.4, 0.2, 0.05)]
+    assert (np.diff(energies) > 0.0).all()
+    share, step = 0.4, 1e-6
+    surface.restart(V * [share, share, 1.0])
+    slope = 4.0 * (surface.residual(V[:0]) * V[surface.free]).sum()
+    there, back = (
+        surface.energy_after_local_step(V * [share + k * step, share + k * step, 1.0]) for k in (1, -1)
+    )
+    assert slope == pytest.approx((there - back) / (2 * step), rel=1e-5)
