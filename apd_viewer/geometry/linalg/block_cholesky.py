@@ -17,13 +17,13 @@ Groups of unknowns, ``first``, and what they are coupled with, ``begin, later``,
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from apd_viewer.geometry.linalg.dense_elimination import condense, condense_by_blocks
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.nested_dissection import elimination_order
 from apd_viewer.geometry.linalg.parallel_ops import gathered_rows
-from apd_viewer.geometry.linalg.supernodes import children_of, couplings
-from apd_viewer.geometry.linalg.threads import one_blas_thread
+from apd_viewer.geometry.linalg.supernodes import Supernodes
+from apd_viewer.geometry.linalg.threads import one_blas_thread, parallel
 
 
 class BlockPattern:
@@ -40,31 +40,17 @@ class BlockPattern:
     ----------
     diagonal : (n,) int array
         The blocks of the diagonal.
-    order, place : (n,) int arrays
-        Unknowns in the order of elimination, and the place of each in it.
-    first : (g + 1,) int array
-        The first place of each group.
-    child, sibling : (g,) int arrays
-        The tree of the groups: one child of each, and the next child of its parent; -1 for none.
-    begin, later : (g + 1,), (l,) int arrays
-        Group s is coupled with the later unknowns at the places ``later[begin[s]:begin[s + 1]]``.
+    nodes : Supernodes
     panel : (g + 1,) int array
-        Where ``[S | W]`` of each group begins.
+        Where ``[S | W]`` of each supernode begins.
     """
 
     def __init__(self, V: np.ndarray, start: np.ndarray, column: np.ndarray) -> None:
         self.start, self.column = start, column
         self.diagonal = np.flatnonzero(column == np.repeat(np.arange(len(start) - 1), np.diff(start)))
-        self.order, self.first, parent = elimination_order(V, start, column)
-        self.place = np.empty_like(self.order)
-        self.place[self.order] = np.arange(len(self.order))
-        self.child, self.sibling = children_of(parent)
-        tree = self.first, self.child, self.sibling
-        self.begin, self.later = couplings(*tree, self.order, self.place, start, column)
-        k, b = 3 * np.diff(self.first), 3 * np.diff(self.begin)
-        self.panel = np.append(0, np.cumsum(k * (k + b)))
-        self.widest = int((k + b).max())
-        self.stack = int(_stack_length(b, parent))
+        self.nodes = Supernodes(V, start, column)
+        self.panel = np.append(0, np.cumsum(9 * self.nodes.own_width * self.nodes.width))
+        self.widest = 3 * int(self.nodes.width.max())
 
     def factor(self, blocks: np.ndarray, dtype: type = np.float32) -> BlockFactor:
         """Factor of the positive definite matrix with ``blocks`` (e, 3, 3)."""
@@ -88,66 +74,87 @@ class BlockFactor:
     """
 
     def __init__(self, pattern: BlockPattern, blocks: np.ndarray, dtype: type = np.float32) -> None:
-        self._pattern = p = pattern
-        self._panels = np.empty(p.panel[-1], dtype)
-        groups = p.first, p.begin, p.later, p.child, p.sibling
-        matrix = p.order, p.place, p.start, p.column, blocks
+        self._pattern = pattern
+        self._panels = np.empty(pattern.panel[-1], dtype)
+        nodes = pattern.nodes
+        tree = nodes.first, nodes.begin, nodes.later, pattern.panel, nodes.child, nodes.sibling
+        matrix = nodes.order, nodes.place, pattern.start, pattern.column, blocks
         with one_blas_thread():
-            is_definite = eliminate(*groups, *matrix, p.panel, np.empty(p.stack), p.widest, self._panels)
+            tasks = nodes.task, *nodes.tasks_by_core(), 9 * nodes.stack
+            is_definite = factorize(tree, matrix, tasks, self._panels)
         if not is_definite:
             raise ValueError("the matrix is not positive definite")
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """Solution ``A^-1 B`` for ``B`` (n, 3); about six digits in single precision."""
-        p = self._pattern
-        x = gathered_rows(B, p.order).astype(self._panels.dtype).ravel()
-        solve(p.first, p.begin, p.later, p.panel, p.widest, self._panels, x)
+        nodes, panel = self._pattern.nodes, self._pattern.panel
+        x = gathered_rows(B, nodes.order).astype(self._panels.dtype).ravel()
+        solve(nodes.first, nodes.begin, nodes.later, panel, self._pattern.widest, self._panels, x)
         X = np.empty_like(B)
-        X[p.order] = x.reshape(-1, 3)
+        X[nodes.order] = x.reshape(-1, 3)
         return X
-
-
-@njit(cache=True, nogil=True)
-def _stack_length(b: np.ndarray, parent: np.ndarray) -> int:
-    """Largest total size of the pending contributions, ``b`` x ``b`` each."""
-    waiting = np.zeros(len(b), np.int64)
-    top = most = 0
-    for s in range(len(b)):
-        top += b[s] * b[s] - waiting[s]
-        most = max(most, top)
-        if parent[s] >= 0:
-            waiting[parent[s]] += b[s] * b[s]
-    return most
 
 
 # Smallest number of unknowns in a group for which BLAS calls pay off.
 _WIDE = 36
 
 
-@njit(cache=True, nogil=True)
-def eliminate(
-    first: np.ndarray,
-    begin: np.ndarray,
-    later: np.ndarray,
-    child: np.ndarray,
-    sibling: np.ndarray,
-    order: np.ndarray,
-    place: np.ndarray,
-    start: np.ndarray,
-    column: np.ndarray,
-    blocks: np.ndarray,
-    panel: np.ndarray,
-    stack: np.ndarray,
-    widest: int,
+@parallel()
+def factorize(
+    tree: tuple[np.ndarray, ...],
+    matrix: tuple[np.ndarray, ...],
+    tasks: tuple[np.ndarray, ...],
     panels: np.ndarray,
 ) -> bool:
-    """Factor all groups, writing the rows ``[S | W]`` of each into ``panels``.
+    """Write ``[S | W]`` of all supernodes; False if the matrix is not definite.
 
-    False, and the rest is not written, if the matrix is not positive definite.
+    Parameters
+    ----------
+    tree
+        ``first, begin, later, panel, child, sibling`` of the supernodes.
+    matrix
+        ``order, place`` of the elimination, and ``start, column, blocks`` of the rows.
+    tasks : task, turn, share, stack
+        Core i has the tasks ``turn[share[i]:share[i + 1]]``.
+    panels : (p,) float array
+        To be written.
     """
-    at, where, top = np.empty(len(order), np.int64), np.empty(len(first) - 1, np.int64), 0
+    task, turn, share, base = tasks
+    where, stack = np.empty(len(tree[4]), np.int64), np.empty(base[-1])
+    definite = np.ones(len(task), np.bool_)
+    for core in prange(len(share) - 1):
+        for e in range(share[core], share[core + 1]):
+            t = turn[e]
+            definite[t] = _eliminate(task[t], task[t + 1], base[t], tree, matrix, where, stack, panels)
+    top = len(task) - 1
+    if definite.all():
+        definite[top] = _eliminate(task[top], len(where), base[top], tree, matrix, where, stack, panels)
+    return bool(definite.all())
+
+
+@njit(cache=True, nogil=True)
+def _eliminate(
+    begin_at: int,
+    end_at: int,
+    base: int,
+    tree: tuple[np.ndarray, ...],
+    matrix: tuple[np.ndarray, ...],
+    where: np.ndarray,
+    stack: np.ndarray,
+    panels: np.ndarray,
+) -> bool:
+    """Eliminate the supernodes from ``begin_at`` to ``end_at``.
+
+    Their contributions to later ones go to the stack; False if the matrix is not definite.
+    """
+    first, begin, later, panel, child, sibling = tree
+    order, place, start, column, blocks = matrix
+    widest = 0
+    for s in range(begin_at, end_at):
+        widest = max(widest, 3 * (first[s + 1] - first[s] + begin[s + 1] - begin[s]))
     fronts, inverses = np.empty(widest * widest), np.empty(widest * widest)
-    for s in range(len(first) - 1):
+    at, top = np.empty(len(order), np.int64), base
+    for s in range(begin_at, end_at):
         k, b = 3 * (first[s + 1] - first[s]), 3 * (begin[s + 1] - begin[s])
         front = fronts[: (k + b) * (k + b)].reshape(k + b, k + b)
         front[:] = 0.0
@@ -167,7 +174,8 @@ def eliminate(
             width = 3 * (begin[c + 1] - begin[c])
             given = stack[where[c] : where[c] + width * width].reshape(width, width)
             _add_contribution(front, given, at, later[begin[c] : begin[c + 1]])
-            top = min(top, where[c])
+            if c >= begin_at:
+                top = min(top, where[c])
             c = sibling[c]
         inverse = inverses[: k * k].reshape(k, k)
         is_definite = condense(front, inverse) if k < _WIDE else condense_by_blocks(front, inverse)

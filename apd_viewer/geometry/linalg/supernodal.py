@@ -53,12 +53,11 @@ class SupernodalFactor:
         self._A = A
         start, column = A.indptr, A.indices
         panel = np.append(0, np.cumsum(nodes.own_width * row_length(nodes.width)))
-        self._work = np.add.reduceat(np.diff(panel), nodes.task[:-1])[: len(nodes.task) - 1]
-        self._shares: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self._nodes = nodes
         self._panels = np.empty(panel[-1], dtype=np.float32)
         tree = nodes.first, nodes.begin, nodes.later, panel
         kin, matrix = (nodes.child, nodes.sibling), (nodes.order, nodes.place, start, column, A.data)
-        tasks = nodes.task, *self._tasks_by_core(), nodes.stack
+        tasks = nodes.task, *nodes.tasks_by_core(), nodes.stack
         if not factorize(tree, kin, matrix, tasks, self._panels):
             raise ValueError("the matrix is not positive definite")
         self._order = nodes.order.astype(np.uint32)
@@ -71,19 +70,11 @@ class SupernodalFactor:
         n, top = len(A.indptr) - 1, len(self._order) - int(nodes.first[nodes.task[-1]])
         widest = int(row_length(nodes.width).max(initial=0))
         columns = np.empty((numba.config.NUMBA_NUM_THREADS, 3, widest), np.float32)
-        self._scratch = np.empty((n, 3), np.float32), np.empty((len(self._work), top, 3), np.float32), columns
-
-    def _tasks_by_core(self) -> tuple[np.ndarray, np.ndarray]:
-        """Tasks ordered by core, and the first position of each core's tasks."""
-        cores = numba.get_num_threads()
-        if cores not in self._shares:
-            core_of, load = np.empty(len(self._work), dtype=np.int64), np.zeros(cores)
-            for task in np.argsort(-self._work, kind="stable"):
-                core_of[task] = np.argmin(load)
-                load[core_of[task]] += self._work[task]
-            turn = np.argsort(core_of, kind="stable")
-            self._shares[cores] = turn, np.searchsorted(core_of[turn], np.arange(cores + 1))
-        return self._shares[cores]
+        self._scratch = (
+            np.empty((n, 3), np.float32),
+            np.empty((len(nodes.task) - 1, top, 3), np.float32),
+            columns,
+        )
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """Solution ``A^-1 B`` for ``B`` (n, k), float64, to about six digits."""
@@ -94,7 +85,7 @@ class SupernodalFactor:
         return _solve_by_threes(B, self._refine_three)
 
     def _solve_three(self, B: np.ndarray) -> np.ndarray:
-        X, (turn, share) = np.empty(B.shape), self._tasks_by_core()
+        X, (turn, share) = np.empty(B.shape), self._nodes.tasks_by_core()
         solve(self._tree, self._task, turn, share, self._order, self._panels, self._scratch, B, X)
         return X
 

@@ -6,6 +6,7 @@ supernodes are independent, so they are tasks that can run in parallel; the rest
 them. The tasks depend on the matrix alone, so sums are the same on any number of cores.
 """
 
+import numba
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
@@ -51,6 +52,21 @@ class Supernodes:
         tree = self.first, self.child, self.sibling
         self.begin, self.later = couplings(*tree, self.order, self.place, start, column)
         self.stack = _stack(np.diff(self.begin), parent, self.task)
+        kept = self.own_width * self.width
+        self._work = np.add.reduceat(kept, self.task[:-1])[: len(self.task) - 1]
+        self._shares: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+
+    def tasks_by_core(self) -> tuple[np.ndarray, np.ndarray]:
+        """Tasks ordered by core, and the first position of each core's tasks."""
+        cores = numba.get_num_threads()
+        if cores not in self._shares:
+            core_of, load = np.empty(len(self._work), dtype=np.int64), np.zeros(cores)
+            for task in np.argsort(-self._work, kind="stable"):
+                core_of[task] = np.argmin(load)
+                load[core_of[task]] += self._work[task]
+            turn = np.argsort(core_of, kind="stable")
+            self._shares[cores] = turn, np.searchsorted(core_of[turn], np.arange(cores + 1))
+        return self._shares[cores]
 
     @property
     def own_width(self) -> np.ndarray:

@@ -112,16 +112,16 @@ def test_block_pattern_cuts_positions_that_coincide_all_the_same():
 
 def test_block_factor_takes_one_thread_of_blas_and_gives_the_others_back(monkeypatch):
     """Threads of BLAS that wait for each other take thirty times as long on a busy machine."""
-    seen, eliminate = [], block_cholesky.eliminate
+    seen, factorize = [], block_cholesky.factorize
 
     def threads():
         return {found["num_threads"] for found in threadpool_info() if found["user_api"] == "blas"}
 
     def watched(*arguments):
         seen.append(threads())
-        return eliminate(*arguments)
+        return factorize(*arguments)
 
-    monkeypatch.setattr(block_cholesky, "eliminate", watched)
+    monkeypatch.setattr(block_cholesky, "factorize", watched)
     V, F = tube(12, 20)
     start, column = graph(F, len(V))
     blocks = np.eye(3) * (np.repeat(np.arange(len(V)), np.diff(start)) == column)[:, None, None]
