@@ -186,7 +186,7 @@ class ContactDescent:
         softened = gas or self.surface.creases
         self._always_touches = not (self._inner and len(self.surface.fixed)) or bool(softened)
         self._goals, self._handle_of = goals, handle_of
-        self._tolerance = ENERGY_TOLERANCE
+        self._tolerance, self._refused = ENERGY_TOLERANCE, 0
         self._touching: TouchingDescent | None = None
         self._U = V = self.surface.rest.V
         self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
@@ -318,7 +318,7 @@ class ContactDescent:
             raise InputError(tr("An obstacle intersects the initial shape; move it away, or remove it."))
         U, self.shifts = found or (rest, places)
         self.contact.start_at(U, self.shifts)
-        self._U, self._is_inside = U, True
+        self._U, self._is_inside, self._refused = U, True, 0
         self.held_positions = np.concatenate([U[self.surface.fixed], U[self.surface.soft.ids]])
         self._end_contact()
         self._set_path()
@@ -326,7 +326,7 @@ class ContactDescent:
     def set_targets(self, targets: np.ndarray) -> None:
         """Set the targets (k + s, 3) of held and soft vertices, with a path to them."""
         self._targets, self.start_shifts = targets, None
-        if self._touching and not self.contact.may_touch:
+        if self._touching and not (self.contact.may_touch or self.is_on_its_way):
             self._end_contact()
         self._set_path()
 
@@ -338,7 +338,7 @@ class ContactDescent:
         self.path_fraction = 0.0 if self.path.length else 1.0
         self._part = _PART * self._size / max(self.path.length, _PART * self._size)
         self._ahead = max(self.path_fraction, self._part)
-        self._steps = self._refused = 0
+        self._steps = 0
         if self._touching:
             self._touching.follow_path(self.path, self.path_fraction)
         elif self._inner:

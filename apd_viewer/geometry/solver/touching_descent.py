@@ -73,6 +73,7 @@ class TouchingDescent:
         longest = surface.longest_step * self._size
         self._quasi_newton = QuasiNewtonDescent(surface, self._projection, surface.growth, longest)
         self.path_fraction, self._steps, self._last = 1.0, 0, _FIRST
+        self._was_blocked = False
         self._begin_to_converge()
 
     @property
@@ -158,18 +159,25 @@ class TouchingDescent:
 
     def follow_path(self, path: HeldPath, fraction: float) -> None:
         """Follow ``path`` from ``fraction``, the part that held vertices have completed."""
+        # Targets may come faster than steps, as in a drag: the shape goes on following the last ones.
+        lags = self.is_on_its_way
+        if self._surface.follows_at_once:
+            lags = self._was_blocked and not self._has_followed
         self._path, self.path_fraction = path, fraction
-        if fraction < 1.0:
-            self._surface.make_thick()
+        if fraction < 1.0 and self._surface.make_thick():
+            lags = False
         least = self._surface.least_part
         part = self._size / max(path.length, least * self._size)
         self._longest, self._no_part = _LONGEST * part, least * part
-        self._goes_at_once = self._surface.follows_at_once
-        self._part = part * (max(self._last, _LEAST_FIRST) if self._goes_at_once else _FIRST)
+        self._goes_at_once = self._surface.follows_at_once and not lags
+        keeps_pace = lags or self._surface.follows_at_once
+        self._part = part * (max(self._last, _LEAST_FIRST) if keeps_pace else _FIRST)
         self._per_part = 1.0 / part
-        self._steps, self._waited, self._mark = 0, 0, fraction
-        self._begin_to_converge()
-        self._quasi_newton.resume()
+        self._waited, self._mark = 0, fraction
+        if not lags:
+            self._steps = 0
+            self._begin_to_converge()
+            self._quasi_newton.resume()
 
     def _begin_to_converge(self) -> None:
         self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
@@ -208,7 +216,8 @@ class TouchingDescent:
     def _advance_on_path(self) -> None:
         """Move the held vertices along the next collision-free part of the path."""
         self._steps = 0
-        for _ in range(_TRIES):
+        for attempt in range(_TRIES):
+            self._was_blocked = attempt > 0
             fraction = min(1.0, self.path_fraction + self._part)
             if self._move_held_vertices(fraction):
                 self.path_fraction = fraction

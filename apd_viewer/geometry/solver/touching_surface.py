@@ -147,8 +147,9 @@ class TouchingSurface(ABC):
         """Request a new metric for the next step; False if it would not change."""
         return False
 
-    def make_thick(self) -> None:  # noqa: B027 (optional)
-        """Restart with a material that easily follows handles and obstacles."""
+    def make_thick(self) -> bool:
+        """Restart with a material that easily follows; False if it is the same."""
+        return False
 
     def make_thinner(self) -> bool:
         """Continue with a material closer to the requested one; False if already reached."""

@@ -28,6 +28,8 @@ _MOST_RISE, _LEAST_RISE = 4.0, 0.01
 _THIN, _EASY, _THINNER = 1e-3, 8e-3, 0.3
 # Longest displacement of free vertices, relative to that of held vertices and obstacles.
 _FLUNG = 3.0
+# Energy due to rounding, relative to the squared mesh size: a wall that nothing touches yet.
+_NO_ENERGY = 1e-16
 # Trial displacement of held vertices, in mesh sizes.
 _MOVED = 1e-6
 
@@ -66,12 +68,14 @@ class TouchingWall(TouchingSurface):
             self._factored = self._factor()
         return self._factored.solve(b_f)
 
-    def make_thick(self) -> None:
-        """Restart with a wall thick enough to follow handles and obstacles."""
+    def make_thick(self) -> bool:
+        """Restart with a wall thick enough to follow; False if it is the same."""
         last, thin = self.elastic_surface.material.thickness, _THIN * self._size
         thickness = _EASY * self._size if last < thin else last
-        if thickness != self.elastic_surface.thickness:
-            self.elastic_surface.thickness, self._age = thickness, _RENEWED
+        if thickness == self.elastic_surface.thickness:
+            return False
+        self.elastic_surface.thickness, self._age = thickness, _RENEWED
+        return True
 
     def make_thinner(self) -> bool:
         """Continue with a thinner wall; False if already at the requested thickness."""
@@ -97,10 +101,12 @@ class TouchingWall(TouchingSurface):
         return self.contact.energy_at(W) <= allowed
 
     def request_new_metric(self) -> bool:
-        """Request a new Hessian for the next step; False if it is already new."""
-        was_new = self._age == 0
+        """Request a new Hessian for the next step; False if none could reduce the energy."""
+        was_new = self._age == 0 or self.energy <= _NO_ENERGY * self._size**2
+        if was_new:
+            return False
         self._age = _RENEWED
-        return not was_new
+        return True
 
     def renew_metric(self, goals: tuple[Goal, ...], multipliers: np.ndarray) -> bool:
         """Factor the Hessian if due; False if nothing changed."""

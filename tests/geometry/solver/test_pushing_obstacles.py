@@ -56,6 +56,21 @@ def settle(solver, obstacles, most=2500):
     return frame
 
 
+@pytest.mark.parametrize("method", ["exact", "wall"])
+def test_deformation_follows_an_obstacle_that_does_not_wait(method):
+    """Aimed anew at each step, as a finger that is dragged, it dents the tube all the same."""
+    V, F, fixed, handle = held_tube()
+    finger = [beside("sphere")]
+    thin = {"wall_thickness": 0.02} if method == "wall" else {}
+    solver = Deformation(V, F, fixed, handle=handle, method=method, contact=True, obstacles=finger, **thin)
+    check = CrossingCheck(solver.rest.solve_mesh.V, solver.rest.solve_mesh.F)
+    for k in range(1, 251):
+        solver.aim(V[fixed], shifts=-min(0.01 * k, 1.0) * X[None])
+        frame = solver.step()
+    assert not check.crosses(frame.U)
+    assert frame.shifts[0, 0] < -0.6
+
+
 @pytest.mark.night
 @pytest.mark.parametrize("kind", ["sphere", "cylinder"])
 def test_deformation_moves_handles_and_obstacles_together_and_enters_nothing(kind):
