@@ -1,8 +1,8 @@
 """Print the loads of pushed walls by CalculiX and by the method Wall as the manual has them.
 
-    python tests/benchmarks/calculix_table.py [plate] [tube] [dome]
+    python tests/benchmarks/calculix_table.py [plate] [tube] [dome] [bottle]
 
-Some 2 minutes of a core.
+Some 3 minutes of a core.
 """
 
 import os

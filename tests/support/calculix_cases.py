@@ -1,11 +1,11 @@
-"""Plate, tube and dome that a finger pushes in, by the method Wall and by CalculiX from the deck of them."""
+"""Walls that a finger pushes in, by the method Wall and by CalculiX from the deck of them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from decks import ReadDeck, computed, reactions
-from meshes import grid
+from meshes import grid, sample_bottle
 
 from apd_viewer import Convergence, Deformation
 from apd_viewer.files.fe_deck import write_deck
@@ -17,7 +17,6 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 
-THICKNESS, YOUNG, POISSON = 1.0, 3000.0, 0.3  # mm, N/mm²
 # Young's modulus times thickness by the method Wall.
 _OWN_FIRMNESS = 4.0
 _NEAR = 1e-9
@@ -37,37 +36,48 @@ class HeldMesh:
 
 @dataclass(frozen=True)
 class PushedWall:
-    """Wall that is pushed in by three equal steps, meshes of it for either program, from coarse to fine."""
+    """Wall that is pushed in by three equal steps, meshes of it for either program, from coarse to fine.
+
+    A ``linear`` one is pushed in a little by one step, which CalculiX computes without large displacements.
+    Finer meshes of either program may change its loads by the fraction ``finer``.
+    """
 
     title: str
     mesh: Callable[[int], HeldMesh]
     way: tuple[float, float, float]  # mm
     ours: tuple[int, int]
     theirs: tuple[int, int]
+    thickness: float = 1.0  # mm
+    young: float = 3000.0  # N/mm²
+    poisson: float = 0.3
+    linear: bool = False
+    finer: float = 0.02
 
     @property
     def deflections(self) -> np.ndarray:
         """Way of the handle after each step, mm."""
-        return np.linalg.norm(self.way) * np.arange(1, 4) / 3
+        steps = 1 if self.linear else 3
+        return np.linalg.norm(self.way) * np.arange(1, steps + 1) / steps
 
     def loads_by_wall(self, n: int) -> np.ndarray:
-        """Loads (3,) on the handle, N: differences of the energy between two deflections."""
+        """Loads (s,) on the handle, N: differences of the energy between two deflections."""
         held = self.mesh(n)
         solver = Deformation(
             *(held.V, held.F, np.concatenate([held.base, held.handle])),
             handle=held.handle,
             method="wall",
-            wall_thickness=THICKNESS,
-            poisson=POISSON,
+            wall_thickness=self.thickness,
+            poisson=self.poisson,
             convergence=Convergence(energy_tolerance=1e-9),
         )
-        apart = _APART * THICKNESS
+        apart = _APART * self.thickness
         energies = [
             self._energy(solver, held, deflection + side * apart / 2)
             for deflection in self.deflections
             for side in (-1, 1)
         ]
-        return np.diff(np.reshape(energies, (3, 2)))[:, 0] / apart * (YOUNG * THICKNESS / _OWN_FIRMNESS)
+        newtons = self.young * self.thickness / _OWN_FIRMNESS
+        return np.diff(np.reshape(energies, (-1, 2)))[:, 0] / apart * newtons
 
     def _energy(self, solver: Deformation, held: HeldMesh, deflection: float) -> float:
         ahead = held.V[held.handle] + deflection * np.array(self.way) / np.linalg.norm(self.way)
@@ -80,7 +90,7 @@ class PushedWall:
         return frame.energy
 
     def loads_by_calculix(self, n: int, folder) -> np.ndarray:
-        """Loads (3,) on the handle, N: the forces at its nodes."""
+        """Loads (s,) on the handle, N: the forces at its nodes."""
         held = self.mesh(n)
         labels = np.ones(len(held.V), dtype=np.uint8)
         labels[held.base], labels[held.handle] = 0, 2
@@ -88,15 +98,18 @@ class PushedWall:
         document = with_selection(state.document, Selection.with_default_names(labels))
         pose = np.eye(4)
         pose[:3, 3] = self.way
-        text = WallText(f"{THICKNESS} mm", "", f"{YOUNG} MPa", str(POISSON))
+        text = WallText(f"{self.thickness} mm", "", f"{self.young} MPa", str(self.poisson))
         path = folder / "wall.inp"
-        write_deck(path, deck_of(document.with_pose(0, pose), deck_wall(text, Unit.MILLIMETRE, 1.0), 3))
+        wall, steps = deck_wall(text, Unit.MILLIMETRE, 1.0), len(self.deflections)
+        write_deck(path, deck_of(document.with_pose(0, pose), wall, steps))
+        if self.linear:
+            path.write_text(path.read_text().replace("*STEP, NLGEOM", "*STEP"))
         computed(path)
         forces = reactions(path, ReadDeck(path.read_text()).sets["HANDLE"])
         return forces @ np.array(self.way) / np.linalg.norm(self.way)
 
     def loads(self, folder) -> np.ndarray:
-        """Loads (3, 4), N: CalculiX on the coarse and the fine mesh, the same of Wall."""
+        """Loads (s, 4), N: CalculiX on the coarse and the fine mesh, the same of Wall."""
         theirs = [self.loads_by_calculix(n, folder) for n in self.theirs]
         return np.column_stack([*theirs, *(self.loads_by_wall(n) for n in self.ours)])
 
@@ -157,11 +170,29 @@ def _dome(n: int, radius: float = 100.0, half: float = 30.0, finger: float = 5.0
     return HeldMesh(radius * V, np.array(F), base, handle)
 
 
+def _bottle(n: int, height: float = 103.5) -> HeldMesh:
+    """Sample bottle in mm with ``n`` edges around its body, held by hexagons of a fifteenth of them."""
+    V, F, _ = sample_bottle(90 / n)
+    V = 10.0 * V
+    patches = []
+    for side in (-1.0, 1.0):
+        patch = np.linalg.norm(V - [side * V[:, 0].max(), height, 0.0], axis=1).argmin()
+        for _ in range(n // 30):
+            patch = np.unique(F[np.isin(F, patch).any(axis=1)])
+        patches.append(patch)
+    return HeldMesh(V, F, *patches)
+
+
 CASES = {
     case.title: case
     for case in (
         PushedWall("plate", _clamped_plate, (0.0, 0.0, 3.0), (40, 60), (20, 30)),
         PushedWall("tube", _tube, (-24.0, 0.0, 0.0), (48, 72), (48, 72)),
         PushedWall("dome", _dome, (0.0, 0.0, -12.0), (24, 36), (12, 18)),
+        PushedWall(
+            *("bottle", _bottle, (-0.03, 0.0, 0.0), (60, 90), (60, 90), 0.3, 3400.0, 0.38),
+            linear=True,
+            finer=0.08,  # ribs and beads of the coarse one are a few edges wide
+        ),
     )
 }
