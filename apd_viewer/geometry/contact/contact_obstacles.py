@@ -38,6 +38,13 @@ class Obstacle:
     points: np.ndarray
     radius: float
 
+    @property
+    def plate_normal(self) -> np.ndarray | None:
+        """Unit normal (3,) of a plate; None for others."""
+        if len(self.points) != _PLATE:
+            return None
+        return _normal(self.points)
+
     def distances_and_directions(self, points: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (k,) and unit directions (k, 3) from the obstacle to points.
 
@@ -49,8 +56,7 @@ class Obstacle:
             Behind a plate distances are negative.
         """
         if len(points) == _PLATE:
-            normal = np.cross(points[1] - points[0], points[2] - points[0])
-            normal /= np.linalg.norm(normal)
+            normal = _normal(points)
             return (X - points[0]) @ normal, np.broadcast_to(normal, X.shape)
         away = X - points[0]
         if len(points) == _CAPSULE:
@@ -135,6 +141,11 @@ def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
 def shifted_obstacles(obstacles: Sequence[Obstacle], shift: np.ndarray) -> Sequence[Obstacle]:
     """Obstacles moved by ``shift`` (3,)."""
     return [replace(each, points=each.points + shift) for each in obstacles] if shift.any() else obstacles
+
+
+def _normal(points: np.ndarray) -> np.ndarray:
+    normal = np.cross(points[1] - points[0], points[2] - points[0])
+    return np.asarray(normal / np.linalg.norm(normal))
 
 
 def _rows(of_surface: np.ndarray, of_obstacle: range | list[int], after: bool = False) -> np.ndarray:

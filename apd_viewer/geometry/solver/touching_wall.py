@@ -30,6 +30,8 @@ _THIN, _EASY, _THINNER = 1e-3, 8e-3, 0.3
 _FLUNG = 3.0
 # Energy due to rounding, relative to the squared mesh size: a wall that nothing touches yet.
 _NO_ENERGY = 1e-16
+# Sine of the angle below which plates are parallel.
+_PARALLEL = 1e-6
 # Trial displacement of held vertices, in mesh sizes.
 _MOVED = 1e-6
 
@@ -66,7 +68,21 @@ class TouchingWall(TouchingSurface):
         """Response to forces ``b_f``, both (f, 3), without a constraint on rotation."""
         if self._factored is None:
             self._factored = self._factor()
-        return self._factored.solve(b_f)
+        return self._without_sliding(self._factored.solve(b_f))
+
+    def _without_sliding(self, X: np.ndarray) -> np.ndarray:
+        """``X`` (f, 3) without the mean displacement that costs no energy between plates.
+
+        Nothing holds a wall along all its plates, so that rounding errors alone would carry it away.
+        """
+        plates = [each.obstacle.plate_normal for each in self.contact.obstacles]
+        held = len(self.elastic_surface.fixed) + len(self.elastic_surface.soft.ids)
+        normals = np.array([normal for normal in plates if normal is not None])
+        if held or not len(normals) or len(normals) < len(plates):
+            return X
+        _, sizes, directions = np.linalg.svd(normals)
+        along = directions[np.count_nonzero(sizes > _PARALLEL) :]
+        return X - (X.mean(axis=0) @ along.T) @ along
 
     def make_thick(self) -> bool:
         """Restart with a wall thick enough to follow; False if it is the same."""

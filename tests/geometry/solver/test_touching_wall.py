@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from crossing_check import CrossingCheck
-from meshes import ends, grid, moved, rotation, sphere, tube
+from meshes import ends, grid, moved, rotation, sample_bottle, sphere, tube
 from scipy.spatial import ConvexHull, Delaunay
 
 import apd_viewer
@@ -283,3 +283,14 @@ def test_deformation_by_wall_follows_a_hand_that_does_not_wait():
             frame = solver.step()
     assert frame.share_reached > 0.8
     assert frame.energy < 10 * list(settle(solver))[-1].energy
+
+
+def test_touching_wall_does_not_slide_along_the_plates():
+    """Nothing holds it there, and no force moves it: its mean stays where it was."""
+    X, triangles, _ = sample_bottle(edge=3.0)
+    width = np.ptp(X[:, 0])
+    found = apd_viewer.press(
+        X, triangles, (1, 0, 0), 0.75 * width, 4, method="wall", wall_thickness=0.03, poisson=0.38
+    )
+    assert all(step.settled for step in found.steps)
+    assert np.abs((found.U - X).mean(axis=0)[1:]).max() < 1e-6 * width
