@@ -19,6 +19,14 @@ BOTTLES = (
         "apd-viewer deform bottle.obj --selection bottle.sel --twist 180deg --contact -o twisted.obj",
     ),
     Entry(
+        "bottle_twisted_wall",
+        "Twisted by 120°, thin wall",
+        "An elastic wall of 0.3 mm buckles into sharp helical ridges; where it touches itself, contact keeps it apart.",
+        "apd-viewer deform bottle.obj --selection bottle.sel --transform bottle-twist-120.def "
+        "--method wall --wall-thickness 0.03 --poisson 0.38 --contact -o twisted.obj",
+        files.turned_bottle,
+    ),
+    Entry(
         "bottle_pushed",
         "Pushed from above",
         "The cap is pushed down by 30 % of its distance from the base; the shoulder sinks in around it.",
@@ -33,11 +41,12 @@ BOTTLES = (
     Entry(
         "bottle_pressed",
         "Pressed between plates",
-        "Two plates close on the bottle, which nothing else holds. With `--figure` the command also draws load and volume.",
-        "apd-viewer press bottle.obj --axis x --to 55% --steps 8 --stiffness 0.001 -o pressed.obj",
+        "PET of 0.3 mm, which bends, stretches and creases, with loads in newtons. With `--figure` the command also draws them.",
+        "apd-viewer press bottle.obj --axis x --to 40% --steps 20 --unit cm --material pet-bottle "
+        "--thickness 0.3mm -o pressed.obj",
         state=states.pressed_bottle,
-        look=(0.35, 0.3, 1.0),
-        steps=(("--to 55% --steps 8", "--to 85% --steps 2"),),
+        look=(0.9, 0.25, 0.6),
+        steps=(("--to 40% --steps 20", "--to 97% --steps 1"),),
     ),
     Entry(
         "bottle_label",

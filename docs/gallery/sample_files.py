@@ -44,10 +44,15 @@ def bottle(folder: Path, count: int) -> None:
         _sample(folder, count, "bottle")
 
 
-def labelled_bottle(folder: Path, count: int) -> None:
-    """The bottle, and which of its vertices are under the label."""
+def turned_bottle(folder: Path, count: int) -> None:
+    """The bottle, and a third of a turn of its neck."""
     bottle(folder, count)
     shutil.copy(resource_path("bottle-twist-120.def"), folder)
+
+
+def labelled_bottle(folder: Path, count: int) -> None:
+    """The bottle, and which of its vertices are under the label."""
+    turned_bottle(folder, count)
     heights = _heights(folder / "bottle.obj")
     marked = (np.abs(heights - 11.0) < 2.6).astype(int)
     (folder / "label.sel").write_text("\n".join(map(str, marked.tolist())) + "\n", encoding="utf-8")
