@@ -68,21 +68,10 @@ class TouchingWall(TouchingSurface):
         """Response to forces ``b_f``, both (f, 3), without a constraint on rotation."""
         if self._factored is None:
             self._factored = self._factor()
-        return self._without_sliding(self._factored.solve(b_f))
-
-    def _without_sliding(self, X: np.ndarray) -> np.ndarray:
-        """``X`` (f, 3) without the mean displacement that costs no energy between plates.
-
-        Nothing holds a wall along all its plates, so that rounding errors alone would carry it away.
-        """
-        plates = [each.obstacle.plate_normal for each in self.contact.obstacles]
-        held = len(self.elastic_surface.fixed) + len(self.elastic_surface.soft.ids)
-        normals = np.array([normal for normal in plates if normal is not None])
-        if held or not len(normals) or len(normals) < len(plates):
+        X, held = self._factored.solve(b_f), len(self.elastic_surface.fixed)
+        if held or len(self.elastic_surface.soft.ids):
             return X
-        _, sizes, directions = np.linalg.svd(normals)
-        along = directions[np.count_nonzero(sizes > _PARALLEL) :]
-        return X - (X.mean(axis=0) @ along.T) @ along
+        return _without_sliding(X, [each.obstacle.plate_normal for each in self.contact.obstacles])
 
     def make_thick(self) -> bool:
         """Restart with a wall thick enough to follow; False if it is the same."""
@@ -214,6 +203,25 @@ class TouchingWall(TouchingSurface):
                 own = springs.ids[:, i] < n
                 np.add.at(pull, springs.ids[own, i], -springs.weights[own, i, None] * forces[own])
         return pull[self.free]
+
+
+def _without_sliding(X: np.ndarray, plates: list[np.ndarray | None]) -> np.ndarray:
+    """``X`` (f, 3) without the mean displacement that costs no energy between ``plates``.
+
+    Nothing holds a wall along all of its plates, so that rounding errors alone would carry it away.
+
+    Parameters
+    ----------
+    X : (f, 3) float array
+    plates : list of (3,) float array or None
+        Normals of the obstacles; None for one that is no plate.
+    """
+    normals = np.array([normal for normal in plates if normal is not None])
+    if not len(normals) or len(normals) < len(plates):
+        return X
+    _, sizes, directions = np.linalg.svd(normals)
+    along = directions[np.count_nonzero(sizes > _PARALLEL) :]
+    return np.asarray(X - (X.mean(axis=0) @ along.T) @ along)
 
 
 def _add_springs(
