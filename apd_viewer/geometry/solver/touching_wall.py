@@ -206,7 +206,7 @@ class TouchingWall(TouchingSurface):
 
 
 def _without_sliding(X: np.ndarray, plates: list[np.ndarray | None]) -> np.ndarray:
-    """``X`` (f, 3) without the mean displacement that costs no energy between ``plates``.
+    """``X`` (f, 3) without its mean along all ``plates``, which costs no energy.
 
     Nothing holds a wall along all of its plates, so that rounding errors alone would carry it away.
 
