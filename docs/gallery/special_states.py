@@ -33,10 +33,8 @@ def _pressed(folder: Path, mesh: str, written: str) -> State:
 
 
 def pressed_bottle(folder: Path, _: Names) -> State:
-    """The bottle with the shape of the last step, put back from where it slid."""
-    state = _pressed(folder, "bottle.obj", "pressed.obj")
-    shift = (state.document.mesh.V - state.frame.U).mean(axis=0)
-    return shaped(state, state.frame.U + shift)
+    """The bottle with the shape of the last step."""
+    return _pressed(folder, "bottle.obj", "pressed.obj")
 
 
 def creased_can(folder: Path, _: Names) -> State:
