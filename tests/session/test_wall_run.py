@@ -64,12 +64,12 @@ def readings(states):
 
 def test_wall_run_presses_as_the_command_does_by_the_method_wall(empty):
     ball = sphere(2)
-    press_in_view(empty, ball, 1.8, 2)
+    press_in_view(empty, ball, 1.88, 2)
     shown, undo = empty.store.state, empty.gestures.history.undo_names
     first = [step.state for step in steps(empty)]
     wall = WALL | {"wall_thickness": 0.03, "convergence": Convergence(energy_tolerance=1e-10)}
     solve(empty, wall=wall)
-    told = press(*ball, X, 1.8, 2, **wall).steps
+    told = press(*ball, X, 1.88, 2, **wall).steps
     found = readings(answers(empty))
     assert [one.distance for one in found] == pytest.approx([step.distance for step in told])
     assert [one.load for one in found] == pytest.approx([step.load_low for step in told], 1e-4, 1e-9)

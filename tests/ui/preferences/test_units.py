@@ -1,13 +1,13 @@
 """The unit of length: chosen where sizes are read, used wherever one is written, remembered by file."""
 
 import re
-from functools import partial
 
 import meshes
 import numpy as np
 import pytest
 from driving import document, idle, work_off
 from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtWidgets import QApplication
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import SAMPLES, resource_path
@@ -210,8 +210,16 @@ def test_unit_button_marks_a_guess_until_it_is_confirmed(qtbot, window, files, s
     assert panel.area.area.text().endswith("cm²?")
     assert window.status.extent.toolTip().split(" at rest")[0].endswith("cm?")
     menu = button.menu()
-    press = partial(qtbot.keyClick, menu, Qt.Key.Key_Return)
-    menu.aboutToShow.connect(lambda: QTimer.singleShot(100, press))  # once it is on the screen
+
+    def press():
+        """Press Return once the menu is on the screen, and has the keys."""
+        window_of_menu = menu.windowHandle()
+        if QApplication.activePopupWidget() is menu and window_of_menu and window_of_menu.isExposed():
+            qtbot.keyClick(menu, Qt.Key.Key_Return)
+        if menu.isVisible():
+            QTimer.singleShot(20, press)
+
+    menu.aboutToShow.connect(lambda: QTimer.singleShot(100, press))
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert (button.text(), panel.unit) == ("cm", CM)
     assert "guess" not in button.toolTip()
