@@ -12,8 +12,8 @@ rest of the angle, so that slopes agree across edges, and every quadratic passes
 triangulation. Along a free edge the slope is the one of least energy. A triangle whose corners are all held
 clamps: it does not bend, so that the whole angle of its edges is that of their other triangles.
 
-A hinge cannot pass its other side: over the last tenth of half a turn it has the barrier ``-(1 - s)^2 ln s``
-in units of its own stiffness, s the fraction of that tenth that is left.
+A hinge cannot pass its other side: over the last 27 degrees it has the barrier ``-(1 - s)^2 ln s`` in units
+of its own stiffness, s the fraction of those degrees that is left.
 
 The angle of a hinge has the gradient ``-m/h`` at a corner with the height h above the edge, m the unit normal
 [Tamstorf & Grinspun 2013, Discrete bending forces and their Jacobians].
@@ -35,7 +35,7 @@ _OWN, _LARGEST = 9.0, 3.0
 # Least number of hinges to determine a quadratic, and relative regularization of the three equations.
 _FEWEST, _REGULAR = 4, 1e-6
 # Angle from which a hinge is nearly shut, and the least fraction of the rest that the barrier knows.
-_NEARLY_SHUT, _LEAST_OPEN = 0.9 * np.pi, 1e-6
+_NEARLY_SHUT, _LEAST_OPEN = 0.85 * np.pi, 1e-6
 # Entries of Q below this fraction of the bending rigidity are rounding errors.
 _ROUNDING = 1e-12
 
