@@ -60,7 +60,7 @@ class GoalProjection:
         self.goals = goals
         self._measures = GoalMeasures(goals)
         self._support = row_nonzeros(self._measures.support.reshape(len(surface.U), len(goals)))
-        self._target = np.array([goal.target for goal in goals])
+        self._target = self._final = np.array([goal.target for goal in goals])
         self._unit = np.array([abs(goal.rest) for goal in goals])
         self.g = np.zeros((len(goals), *surface.U.shape))
         self._y = np.zeros_like(self.g)
@@ -78,6 +78,18 @@ class GoalProjection:
     def largest_violation(self) -> float:
         """Largest goal violation at the last positions, relative to rest."""
         return _largest_violation(self.values, self._target, self._unit)
+
+    @property
+    def is_at_targets(self) -> bool:
+        """True if all goals are met, and none of them at an intermediate target."""
+        return self._target is self._final and self.largest_violation <= GOAL_TOLERANCE
+
+    def approach_targets(self, U: np.ndarray, most: float) -> None:
+        """Set intermediate targets at most so far from ``U`` (n, 3), relative to rest."""
+        self.evaluate(U)
+        violation = _largest_violation(self.values, self._final, self._unit)
+        between = self.values + most / max(violation, GOAL_TOLERANCE) * (self._final - self.values)
+        self._target = self._final if violation <= most else between
 
     @property
     def has_outdated_directions(self) -> bool:

@@ -8,7 +8,6 @@ from collections import deque
 
 import numpy as np
 
-from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.pose.held_path import HeldPath
@@ -24,6 +23,9 @@ _TRIES, _LESS, _MORE = 6, 0.4, 1.4
 # Steps between two path increments: fewest, most, and the relative energy gain below which they end. A shape
 # lagging behind the held vertices would wind up.
 _LEAST_STEPS, _MOST_STEPS, _FOLLOWS = 4, 40, 1e-3
+# Change of a goal, relative to its value at rest, per increment towards a target that is not met: the largest
+# and the least one, and factors of the increment after a failed and after a successful attempt.
+_GOAL_STEP, _LEAST_GOAL_STEP, _SMALLER, _LARGER = 0.01, 1e-5, 0.25, 2.0
 # Number of path increments without progress after which the path ends.
 _PATIENCE = 12
 # Number of steps over which convergence is judged.
@@ -73,6 +75,7 @@ class TouchingDescent:
         longest = surface.longest_step * self._size
         self._quasi_newton = QuasiNewtonDescent(surface, self._projection, surface.growth, longest)
         self.path_fraction, self._steps, self._last = 1.0, 0, _FIRST
+        self._goal_step, self._failures = _GOAL_STEP, 0
         self._was_blocked = False
         self._begin_to_converge()
 
@@ -93,7 +96,7 @@ class TouchingDescent:
             self._projection.values,
             self.has_met_goals,
             is_iterate_hidden=self._steps == 0,
-            stuck=self._at_minimum and not self.has_met_goals and not self.is_on_its_way,
+            stuck=self._failures >= _PATIENCE and not self.has_met_goals and not self.is_on_its_way,
             converged=self.converged,
             convergence_ratio=self.convergence_ratio,
         )
@@ -110,7 +113,7 @@ class TouchingDescent:
     @property
     def has_met_goals(self) -> bool:
         """True if all goals are met at ``U``."""
-        return self._projection.largest_violation <= GOAL_TOLERANCE
+        return self._projection.is_at_targets
 
     @property
     def is_stopped(self) -> bool:
@@ -185,8 +188,11 @@ class TouchingDescent:
 
     def step(self) -> None:
         """Advance the held vertices if due, or reduce the energy."""
-        if self.is_on_its_way and (self._goes_at_once or self._has_followed):
-            self._goes_at_once = False
+        is_due = self._goes_at_once or self._has_followed
+        self._goes_at_once = False
+        if is_due and not self.has_met_goals and self._approach_goals():
+            return
+        if self.is_on_its_way and is_due:
             self._advance_on_path()
             return
         self._steps += 1
@@ -212,6 +218,22 @@ class TouchingDescent:
         E = self._energies
         slow = len(E) > 1 and E[-2] - E[-1] <= _FOLLOWS * E[-1]
         return self._steps >= _MOST_STEPS or (self._steps >= _LEAST_STEPS and slow)
+
+    def _approach_goals(self) -> bool:
+        """Bring the shape nearer to goals it does not meet; False if none could be."""
+        while self._goal_step >= _LEAST_GOAL_STEP:
+            self._projection.approach_targets(self._surface.U, self._goal_step)
+            self._projection.refresh_directions(self._surface.U)
+            if self._move_to(self._surface.U):
+                self._goal_step = min(_GOAL_STEP, _LARGER * self._goal_step)
+                self._steps = self._failures = 0
+                self._begin_to_converge()
+                self._quasi_newton.resume()
+                return True
+            self._goal_step *= _SMALLER
+        self._projection.approach_targets(self._surface.U, 0.0)
+        self._goal_step, self._failures = _GOAL_STEP, self._failures + 1
+        return False
 
     def _advance_on_path(self) -> None:
         """Move the held vertices along the next collision-free part of the path."""

@@ -5,9 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 from crossing_check import CrossingCheck
-from meshes import rotation, sphere, tube
+from meshes import rotation, sample_bottle, sphere, tube
 
-from apd_viewer import press
+from apd_viewer import Convergence, press
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_obstacles import capsule, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -16,6 +16,8 @@ from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.plate_press import PlatePress
 
 X, Y, Z = np.eye(3)
+# 0.1 MPa in half a litre, relative to the stretching stiffness of 0.3 mm of PET and the area of the bottle.
+AIR = 0.005
 STIFF = {"stiffness": 0.001}
 IN_CONTACT = {"contact": True, "calm": False, **STIFF}
 
@@ -75,6 +77,49 @@ def test_plate_press_loads_of_both_plates_are_the_slope_of_the_energy():
             energies.append(plates.solver.contact.energy_in_contact)
         slope = (energies[1] - energies[0]) / (2 * h * way)
         assert 0.5 * (high - low) == pytest.approx(slope, rel=0.01)
+
+
+def bottle_press(edge, to, steps, **given):
+    """Plates at the sample bottle, a wall of PET of 0.3 mm."""
+    V, F, _ = sample_bottle(edge=edge)
+    given = {"method": "wall", "wall_thickness": 0.03, "poisson": 0.38} | given
+    return PlatePress(RestMesh(V, F), X, to * np.ptp(V[:, 0]), steps, **given)
+
+
+@pytest.mark.parametrize(("gas", "area"), [(None, None), (AIR, None), (None, "100%"), (AIR, "100%")])
+def test_plate_press_by_wall_has_loads_that_are_the_slope_of_the_energy_at_a_point(gas, area):
+    plates = bottle_press(2.5, 0.95, 1, gas=gas, area=area, convergence=Convergence(energy_tolerance=1e-11))
+    share, h = 0.8, 5e-3
+    low, high = pressed_to(plates, share).loads @ X
+    assert high == pytest.approx(-low, rel=0.005)
+    energies = []
+    for side in (-h, h):
+        pressed_to(plates, share + side)
+        energies.append(plates.solver.contact.energy_in_contact)
+    slope = (energies[1] - energies[0]) / (2.0 * h * plates.travel.length)
+    assert 0.5 * (high - low) == pytest.approx(slope, rel=0.01)
+
+
+def test_plate_press_with_gas_carries_what_a_held_volume_does():
+    """The gas law at the volume that is left gives the pressure; a volume that is held needs the same."""
+    *_, empty = bottle_press(2.5, 0.95, 2).steps()
+    plates = bottle_press(2.5, 0.95, 2, gas=AIR)
+    *_, filled = plates.steps()
+    ratio = filled.volume / plates.solver.rest.volume
+    *_, held = bottle_press(2.5, 0.95, 2, volume=f"{100.0 * ratio:.12g}%").steps()
+    assert held.volume == pytest.approx(filled.volume, rel=1e-9)
+    gains = [step.load_low - empty.load_low for step in (filled, held)]
+    assert gains[0] > 0.0
+    assert gains[1] == pytest.approx(gains[0], rel=0.02)
+
+
+@pytest.mark.parametrize("method", ["exact", "wall"])
+def test_press_reaches_another_volume_before_the_plates_move(method):
+    V, F, _ = sample_bottle(edge=2.5)
+    stiff = {"stiffness": 0.001} if method == "exact" else {"wall_thickness": 0.03}
+    found = press(V, F, X, 0.95 * np.ptp(V[:, 0]), 1, method=method, volume="95%", **stiff)
+    assert found.steps[-1].settled
+    assert found.steps[-1].volume == pytest.approx(0.95 * found.steps[0].volume, rel=1e-9)
 
 
 def test_press_does_not_depend_on_the_direction():

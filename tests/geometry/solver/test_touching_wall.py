@@ -186,6 +186,24 @@ def test_deformation_by_wall_keeps_goals_and_handles_in_every_frame():
 
 
 @pytest.mark.parametrize("contact", [False, True])
+@pytest.mark.parametrize("goals", [{"volume": "95%"}, {"volume": "101%"}, {"area": "97%"}, {"area": "104%"}])
+def test_deformation_by_wall_meets_targets_where_nothing_moves(goals, contact):
+    """At rest there is no energy, and every shape that meets the target has more."""
+    ball, triangles = sphere(2)
+    held = np.flatnonzero(ball[:, 2] < -0.8)
+    solver = Deformation(ball, triangles, held, method="wall", wall_thickness=0.03, contact=contact, **goals)
+    frame = list(settle(solver))[-1]
+    assert frame.converged
+    for name in goals:
+        assert getattr(frame, name) == pytest.approx(solver.target(f"the {name}"), rel=1e-9)
+    solver.keep()
+    frame = list(settle(solver))[-1]
+    assert np.abs(frame.U - ball).max() < 1e-2
+    solver.keep(**goals)
+    assert list(settle(solver))[-1].converged
+
+
+@pytest.mark.parametrize("contact", [False, True])
 def test_deformation_by_wall_moves_rigidly_with_what_holds_it(contact):
     solver = wall(contact=contact)
     W = moved(V, rotation([1, 2, 3], 0.9), (0.3, -0.2, 0.5))
