@@ -15,7 +15,7 @@ from apd_viewer.presentation.readings import NO_VALUE, change_percent
 from apd_viewer.session.model.status_text import caps_phrase
 from apd_viewer.session.quantities.units import Unit
 
-DEFAULT_BAG = 45.0  # litres, as in the published counts
+DEFAULT_BAG = 45.0  # litres, bag size of the published counts of objects per bag
 _DIGITS = 4
 _PACKINGS = PACKING, DENSEST, LOOSEST
 RestAndCurrent: TypeAlias = tuple[float | None, float | None]

@@ -38,7 +38,7 @@ class SettingsEditor(DocumentEditor):
         """
         state, thickness = self._store.required_state(), thickness if on else None
         try:
-            # Without contact obstacles and the shape pass through each other.
+            # Without contact, obstacles and the shape may overlap.
             obstacles = obstacles_outside_shape(state, thickness) if on else state.document.obstacles
         except InputError as error:
             self._listener.failed(str(error))

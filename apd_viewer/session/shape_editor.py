@@ -26,7 +26,7 @@ class ShapeEditor(DocumentEditor):
         self._jobs = jobs
 
     def restore(self) -> None:
-        """Reset handles, obstacles, shape and percentages; the paint is kept."""
+        """Reset handles, obstacles, shape and targets; the paint is kept."""
         state = self._gestures.state_without_gesture()
         if not state.is_at_rest:
             self._gestures.record(tr("Reset all handles"), state)

@@ -297,7 +297,7 @@ class Workbench(QObject):
             self.obstacles.refresh()
             self.press.refresh()
             self.panel.show_in_unit(unit, state, self.parts.handle, self.parts.region)
-            self.volume.update_wall_distance()
+            self.volume.update_contact_distance()
             self.status.show_session(self.session)
 
     def _escape(self) -> None:

@@ -212,7 +212,7 @@ def _decoded_name(name: bytes) -> str:
 _FACE = re.compile(rb"\nf[ \t]([^\n]*)")
 _FACE_BEGINS = re.compile(rb"\n[ \t]*f[ \t]")
 _CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
-_BEYOND = 1 << 62  # upper clamp of indices, beyond any normal in a file
+_BEYOND = 1 << 62  # upper clamp of texture and normal indices, above any valid one
 
 
 def parse_faces(text: bytes) -> ObjFaces:

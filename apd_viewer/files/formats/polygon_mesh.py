@@ -18,7 +18,7 @@ _LONGEST = 1e30  # longest accepted normal; the square of a longer one overflows
 
 
 class ParsedMesh(NamedTuple):
-    """Positions (n, 3), triangles (m, 3) and origin of a mesh file, with remarks.
+    """Positions and triangles of a mesh file, its origin for rewriting, and remarks.
 
     The ``remarks`` list peculiarities of the file, and contents that were not read. The ``unit`` is the
     symbol of the unit of length stated in the file; empty without one.

@@ -208,15 +208,15 @@ def data_uri_content(uri: str) -> bytes:
         raise ValueError(tr("its embedded coordinates are damaged")) from None
 
 
-def data_uri(before: str, buffer: bytearray) -> str:
-    """Data URI of a buffer; raises InputError unless ``before`` is a data URI."""
-    if not before.startswith("data:"):
+def data_uri(old_uri: str, buffer: bytearray) -> str:
+    """Data URI of a buffer, with the media type of ``old_uri``; InputError for a file."""
+    if not old_uri.startswith("data:"):
         raise InputError(
             tr("The coordinates are in a separate file, {uri}; pack both into a GLB first.").format(
-                uri=before
+                uri=old_uri
             )
         )
-    return before.partition(",")[0] + "," + base64.b64encode(buffer).decode()
+    return old_uri.partition(",")[0] + "," + base64.b64encode(buffer).decode()
 
 
 def rewritten_glb(content: bytes, text: str | None, buffer: bytearray | None) -> bytes:

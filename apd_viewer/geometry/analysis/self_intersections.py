@@ -44,7 +44,7 @@ class _Edges(NamedTuple):
 def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     """Triangles piercing or overlapping another one.
 
-    Vertices or edges lying on another triangle do not count, as at T-joints; neither do two triangles with a
+    Vertices or edges lying on another triangle do not count, as at T-junctions; nor do two triangles with a
     common edge, however sharp the fold.
 
     Parameters

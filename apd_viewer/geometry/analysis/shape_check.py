@@ -63,12 +63,12 @@ SEAMS = "open seams"
 
 
 def seam_findings(mesh: Mesh) -> Iterator[Finding]:
-    """Findings about weldable seams and about T-joints."""
+    """Findings about weldable seams and about T-junctions."""
     found = Seams.from_mesh(mesh.V, mesh.F, mesh.weld)
     if found.weldable_sentence:
         yield Finding.at_vertices(SEAMS, found.weldable_sentence, found.edges)
     if found.unweldable_sentence:
-        yield Finding.at_vertices("T-joints", found.unweldable_sentence, found.joints)
+        yield Finding.at_vertices("T-junctions", found.unweldable_sentence, found.joints)
 
 
 def double_wall_findings(wall: DoubleWall | None) -> Iterator[Finding]:

@@ -49,7 +49,7 @@ def _relative_motion(U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool
 
 @njit(cache=True, nogil=True)
 def _strain_and_remainder(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, float]:
-    """Bound on a pair's closing rate: strain rate per gap, plus a remainder.
+    """Coefficients of the bound ``strain * gap + remainder`` on a pair's closing rate.
 
     An affine motion ``x + t A x`` shortens no distance faster than by the norm of the symmetric part of
     ``A``. Only what it leaves of the displacements ``D`` (4, 3) brings the two parts of the pair together as

@@ -326,7 +326,7 @@ _RINGS = 3
 
 
 def is_near_crossing(F: np.ndarray, crossing: np.ndarray, n: int) -> np.ndarray:
-    """Mask (n,) of the vertices within a few rings of the ``crossing`` triangles (k,)."""
+    """Mask (n,) of the vertices within a few rings of intersecting triangles (k,)."""
     near = np.zeros(n, bool)
     near[F[crossing]] = True
     for _ in range(_RINGS):

@@ -10,7 +10,7 @@ from apd_viewer.geometry.pose.frame import FrameContact
 
 
 def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dict[str, Any]:
-    """Contact fields of a frame at ``U`` (n, 3).
+    """Contact readings and obstacle loads at ``U`` (n, 3), as arguments of a frame.
 
     Parameters
     ----------

@@ -167,7 +167,7 @@ class NearPairs:
             self._paid_at, self._clearance = U, 0.0
 
     def _list_within_reach(self, U: np.ndarray, W: np.ndarray, step: float) -> float | None:
-        """List all pairs within reach of a step; return a fraction if it is too long."""
+        """List all pairs within reach of a step; return the possible fraction if too long."""
         self._reduce_bounds(U)
         if step > _LONGEST * self._edge:
             return 0.9 * _LONGEST * self._edge / step

@@ -276,7 +276,7 @@ def add_flow(
     creased: np.ndarray,
     kept: np.ndarray,
 ) -> None:
-    """Add ``flowing_i R_i^T B_it`` to the committed flow ``kept`` of every corner."""
+    """Add the new plastic flow of every corner to the committed one ``kept``, at rest."""
     back = q * np.array([1.0, -1.0, -1.0, -1.0])
     for i in prange(len(mean)):
         if flowing[i] > 0.0:
@@ -339,7 +339,7 @@ class CreasedCells:
         return float(_energy(self._start, self._neighbour, self._w, self._v, self._d, self._creased, U, q))
 
     def add_moments(self, S: np.ndarray, U: np.ndarray, scale: float) -> None:
-        """Add the covariances ``scale sum_j w_ij (u_i - u_j) d_ij^T`` to ``S`` (n, 3, 3)."""
+        """Add the creases' part of the local step's covariances to ``S`` (n, 3, 3)."""
         _add_moments(self._start, self._neighbour, self._w, self._d, self._creased, U, scale, S)
 
     def add_right_hand_side(self, b: np.ndarray, q: np.ndarray, scale: float) -> None:

@@ -87,7 +87,7 @@ class PlasticHinges(Hinges):
         return self.slopes @ self.turned(angles) - self.committed_flow
 
     def _stresses(self, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Elastic derivatives (3 m,) by ``slopes`` (3 m,); changes of curvature (m,)."""
+        """Energy derivatives (3 m,) by ``slopes`` (3 m,), and curvature changes (m,)."""
         forces = self.stiffness @ slopes
         double = (slopes * forces).reshape(-1, 3).sum(axis=1)
         return forces, np.sqrt(np.maximum(double, 0.0) / np.maximum(self._rigid, np.finfo(float).tiny))

@@ -142,7 +142,7 @@ class GoalMeasures:
         return values
 
     def force_stiffness(self, c: np.ndarray, edge: float) -> float:
-        """Stiffness of the forces ``sum_k c_k g_k`` relative to the Laplacian.
+        """Geometric stiffness of the goals' forces, relative to the Laplacian.
 
         Goals of areas pull at the same triangles, and may cancel there. The volume counts for its multiplier
         times the length ``edge``.

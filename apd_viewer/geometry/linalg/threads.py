@@ -83,7 +83,7 @@ def sums_of_portions(parts: np.ndarray) -> np.ndarray:
 
 @contextmanager
 def cores_for(n: int) -> Iterator[None]:
-    """Context with parallel kernels on one core if ``n`` is small; signals deferred."""
+    """Context with parallel kernels on one core if ``n`` is small; SIGINT deferred."""
     with DEFERRED_SIGNALS, _ONE_AT_A_TIME:
         before = numba.get_num_threads()
         numba.set_num_threads(before if n >= _WORTH_WAKING else 1)

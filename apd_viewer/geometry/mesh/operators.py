@@ -256,7 +256,7 @@ def laplacian(W: sp.csr_array) -> sp.csr_array:
 
 
 def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
-    """Laplacian (n, n) assembled from corner values ``cot`` (m, 3) of ``F``."""
+    """Cotangent Laplacian (n, n) from the corners' cotangents ``cot`` (m, 3) of ``F``."""
     w = 0.5 * cot.ravel()
     i, j = _opposite_edges(F)
     W = sp.coo_array((np.concatenate([w, w]), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))

@@ -27,7 +27,7 @@ class Seams(NamedTuple):
     gap : float
         Largest distance that it joins across, mesh units.
     joints : (j,) int array
-        Vertices inside boundary edges (T-joints): there is no vertex to weld them to.
+        Vertices inside boundary edges (T-junctions): there is no vertex to weld them to.
     """
 
     edges: np.ndarray
@@ -68,13 +68,13 @@ class Seams(NamedTuple):
 
     @property
     def unweldable_sentence(self) -> str | None:
-        """Sentence about the T-joints; None if there are none."""
+        """Sentence about the T-junctions; None if there are none."""
         if not len(self.joints):
             return None
         said = trn(
-            "{n:,} boundary vertex lies inside another boundary edge (T-joint): the surface tears there, and "
+            "{n:,} boundary vertex lies inside another boundary edge (T-junction): the surface tears there, "
             "there is no vertex to weld it to; export it with a vertex there.",
-            "{n:,} boundary vertices lie inside other boundary edges (T-joints): the surface tears there, "
+            "{n:,} boundary vertices lie inside other boundary edges (T-junctions): the surface tears there, "
             "and there is no vertex to weld them to; export it with vertices there.",
             len(self.joints),
         )
@@ -82,7 +82,7 @@ class Seams(NamedTuple):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Sentences about weldable edges and T-joints, if there are any."""
+        """Sentences about weldable edges and T-junctions, if there are any."""
         return tuple(filter(None, (self.weldable_sentence, self.unweldable_sentence)))
 
 
@@ -100,7 +100,7 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     inside = (away <= room[point]) & (at > room[point]) & (at < length - room[point])
     point, edge = point[inside], edge[inside]
     triples = np.sort(np.column_stack([border[point], edges[edge]]), axis=1)
-    # A vertex and an edge may belong to one sliver triangle of the mesh, which is no T-joint.
+    # A vertex and an edge may belong to one sliver triangle of the mesh, which is no T-junction.
     own = set(map(tuple, np.sort(corners[np.isin(corners, border[point]).any(axis=1)], axis=1).tolist()))
     free = [tuple(three) not in own for three in triples.tolist()]
     return np.unique(border[point[np.array(free, dtype=bool)]])

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 # Radians: smaller requested turns are not measured, and smaller differences do not count.
 LEAST_TURN = math.radians(5.0)
-# Radians: tolerance on whole turns for a handle at its target; "paper" lets handles drift.
+# Radians: largest difference to whole turns that counts as lost turns, since "paper" lets handles drift.
 _WHOLE = math.radians(30.0)
 # Fraction of the rest volume treated as rounding.
 _LITTLE = 1e-6
@@ -46,7 +46,7 @@ class HeldTurn(NamedTuple):
 
     @property
     def degrees(self) -> tuple[float, float | None]:
-        """Requested and held angles in degrees, free of rounding from radians."""
+        """Requested and achieved angles in degrees, free of rounding from radians."""
         asked, held = (None if angle is None else round(math.degrees(angle), 9) + 0.0 for angle in self)
         return asked or 0.0, held
 

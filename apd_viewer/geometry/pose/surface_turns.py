@@ -281,7 +281,7 @@ def _dihedral_angle(
 
 
 def shortest_turns(p: np.ndarray, q: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shortest turns about an axis from ``p`` (k, 4) to ``q``, and sign jumps."""
+    """Shortest turns (k,) about an axis from quaternions ``p`` to ``q``; sign changes."""
     jump = _dots(p, q) < 0.0
     q = np.where(jump[:, None], -q, q)
     before, after = (np.arctan2(each[:, 1:] @ axis, each[:, 0]) for each in (p, q))

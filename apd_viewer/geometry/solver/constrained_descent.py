@@ -90,7 +90,7 @@ class ConstrainedDescent:
 
     @property
     def progress(self) -> SolverProgress:
-        """Current shape and readings; plain iterations converge by step lengths only."""
+        """Current shape and readings; ``converged`` is None in plain iterations."""
         projection = self._projection
         return SolverProgress(
             self.surface.U,

@@ -152,7 +152,7 @@ class TouchingSurface(ABC):
         return False
 
     def make_thinner(self) -> bool:
-        """Continue with a material closer to the requested one; False if already reached."""
+        """Continue closer to the requested thickness of a wall; False if reached already."""
         return False
 
     def attach_springs(self, targets: np.ndarray) -> None:  # noqa: B027 (optional)

@@ -28,7 +28,7 @@ _MOST_RISE, _LEAST_RISE = 4.0, 0.01
 _THIN, _EASY, _THINNER = 1e-3, 8e-3, 0.3
 # Longest displacement of free vertices, relative to that of held vertices and obstacles.
 _FLUNG = 3.0
-# Energy due to rounding, relative to the squared mesh size: a wall that nothing touches yet.
+# Energy due to rounding, relative to the squared mesh size; up to it, nothing has touched the wall yet.
 _NO_ENERGY = 1e-16
 # Sine of the angle below which plates are parallel.
 _PARALLEL = 1e-6

@@ -162,7 +162,7 @@ class TourCard(QFrame):
         self.tip.raise_()
 
     def set_theme(self, theme: Theme) -> None:
-        """Apply the theme to the pointer, not covered by the style sheet."""
+        """Apply the theme to the card's arrow, which the style sheet does not reach."""
         self.tip.theme = theme
         self.tip.update()
 

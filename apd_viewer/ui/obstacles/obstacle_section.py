@@ -138,10 +138,10 @@ class ObstacleFields(QWidget):
         super().__init__()
         self._shown: NamedObstacle | None = None
         self._values: TypedValues | None = None
-        self.place = TypedField(tr("Place of the obstacle"), _PLACE)
-        self.axis = TypedField(tr("Direction of the obstacle"), "")
-        self.radius = TypedField(tr("Radius of the obstacle"), tr("A length such as 12, 0.1L or 5mm"))
-        self.length = TypedField(
+        self.place = EnteredField(tr("Place of the obstacle"), _PLACE)
+        self.axis = EnteredField(tr("Direction of the obstacle"), "")
+        self.radius = EnteredField(tr("Radius of the obstacle"), tr("A length such as 12, 0.1L or 5mm"))
+        self.length = EnteredField(
             tr("Length of the cylinder"), tr("Between the centres of its round ends, such as 12, 0.1L or 5mm")
         )
         self._fields = self.place, self.axis, self.radius, self.length
@@ -221,7 +221,7 @@ class ObstacleFields(QWidget):
 
     def _type(self) -> None:
         field = self.sender()
-        assert isinstance(field, TypedField)
+        assert isinstance(field, EnteredField)
         try:
             obstacle = self._edited_obstacle()
         except InputError as error:
@@ -256,7 +256,7 @@ def _positive_length(length: float) -> float:
     return length
 
 
-class TypedField(TextField):
+class EnteredField(TextField):
     """Line edit for a value; emits an edited one on Enter or loss of focus."""
 
     value_entered = Signal()

@@ -382,7 +382,7 @@ class DocumentMeasures(NamedTuple):
 
     @classmethod
     def from_document(cls, document: Document, keeps_apart: bool) -> DocumentMeasures:
-        """Calmness and contact pressure of a document; pressure is NaN without contact."""
+        """Distance from handles' influence, and contact pressure (NaN without contact)."""
         falloffs = (handle.falloff for handle in document.handles)
         given = *falloffs, keeps_apart, document.settings.thickness
         return cls(given, lambda: _calmness(document), _pressure(document, keeps_apart))

@@ -75,7 +75,7 @@ class PartsSection(Section):
             self.add.menu().addActions(list(actions))
 
     def show_settings(self, document: Document) -> None:
-        """Show the base."""
+        """Show the vertex count and the flags of the base."""
         held = document.label_counts[BASE]
         self._base_count.setText(vertex_count_text(held))
         self.base.show_flags(document.base, bool(held))

@@ -132,8 +132,8 @@ class VolumeController(QObject):
         if path is not None:
             self._memory.remember_wall(path, wall)
 
-    def update_wall_distance(self) -> None:
-        """Update the contact distance to the wall thickness, if contact is on."""
+    def update_contact_distance(self) -> None:
+        """Set the contact distance to the wall thickness, if contact is on."""
         state = self._session.store.state
         thickness = self._panel.measures.wall_fields.value.contact_distance(self._session.store.unit)
         if (
@@ -147,7 +147,7 @@ class VolumeController(QObject):
         """Update the settings that are derived from the wall and the unit."""
         if (state := self._session.store.state) is None:
             return
-        self.update_wall_distance()
+        self.update_contact_distance()
         settings = state.document.settings
         names = ["yield_radius"] if settings.yield_radius is not None else []
         names += ["wall_thickness", "poisson"] if settings.traits.is_wall else []

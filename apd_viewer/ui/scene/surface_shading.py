@@ -278,7 +278,7 @@ class InsideActor:
         self._actor.ForceTranslucentOn()
 
     def set_finish(self, finish: Finish) -> None:
-        """Draw the inside in a clear finish, and nothing in others."""
+        """Draw the inside if the finish is translucent; nothing otherwise."""
         clear, look = finish is Finish.PET, self._outside.GetProperty()
         self._outside.SetForceOpaque(not clear)
         self._outside.SetForceTranslucent(clear)

@@ -21,7 +21,7 @@ _LEAST, _LEAST_OF_STEPS = 1.0, 0.02  # %: smallest range of the volume axis, and
 
 
 class PressCharts:
-    """Charts of a timeline, with the displayed step.
+    """Load and volume over the deflection of a press, with the displayed step.
 
     One curve shows the states by the methods of the motions, another with dots those by the Wall method.
 
@@ -134,7 +134,7 @@ class PressCharts:
 
 
 class StepCharts:
-    """Charts of a timeline, with the displayed step.
+    """Measurements over the steps of a timeline, with the displayed step.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ _LONGEST = 0.1  # s: longest time step, so that the camera does not jump after a
 
 
 class Turntable(MouseTool, QObject):
-    """Tool to orbit the camera until another tool is used."""
+    """Animation that orbits the camera until a tool is used."""
 
     stopped = Signal()
 

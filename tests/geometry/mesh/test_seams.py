@@ -106,8 +106,8 @@ def test_seams_tell_of_vertices_inside_other_boundary_edges():
     found = seams(V, F)
     # Of 11 and 7 heights within each seam, 3 are common.
     assert len(found.joints) == 2 * (8 + 4)
-    assert "T-joints" in kinds(Mesh(V, F))
-    assert "T-joints" not in kinds(Mesh(*halves(0.0)))
+    assert "T-junctions" in kinds(Mesh(V, F))
+    assert "T-junctions" not in kinds(Mesh(*halves(0.0)))
 
 
 def test_seams_of_which_a_part_lies_on_another_are_found_there():

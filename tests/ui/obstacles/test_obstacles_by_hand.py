@@ -292,7 +292,7 @@ def test_obstacle_fields_place_an_obstacle_anew_by_typed_numbers(qtbot, floored)
     assert len(steps(window)) == done
 
 
-def test_typed_field_tells_when_it_is_left_too_and_takes_a_wrong_text_back(qtbot, held):
+def test_entered_field_tells_when_it_is_left_too_and_takes_a_wrong_text_back(qtbot, held):
     window, fields = held, held.panel.obstacles.fields
     window.actions_.simulate.obstacles.kinds[CYLINDER].trigger()
     click(window, middle(window))
