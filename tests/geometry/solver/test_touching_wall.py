@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull, Delaunay
 import apd_viewer
 from apd_viewer import Convergence, Deformation
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.contact.contact_obstacles import plate
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
@@ -312,3 +313,34 @@ def test_touching_wall_does_not_slide_along_the_plates():
     )
     assert all(step.settled for step in found.steps)
     assert np.abs((found.U - X).mean(axis=0)[1:]).max() < 1e-6 * width
+
+
+@pytest.mark.night
+@pytest.mark.parametrize("contact", [False, True])
+def test_deformation_by_wall_comes_to_rest_behind_the_snap_of_a_cylinder(contact):
+    """Pressed along its axis: with less energy than a cylinder that stays round, at a minimum."""
+    slenderness, height = 100.0, 0.52
+    X, triangles = tube(110, round(height / (np.sqrt(3.0) * np.pi / 110)), height=height)
+    base, top = ends(X)
+    material = Material(thickness=1.0 / slenderness, poisson=0.3)
+    solver = Deformation(
+        *(X, triangles, np.concatenate([base, top])),
+        handle=top,
+        method="wall",
+        wall_thickness=1.0 / slenderness,
+        poisson=0.3,
+        contact=contact,
+        convergence=Convergence(energy_tolerance=1e-9),
+    )
+    classical = 1.0 / (slenderness * np.sqrt(3.0 * (1.0 - 0.3**2)))
+    for share in np.arange(0.8, 1.21, 0.05):
+        solver.aim(X[solver.fixed] * [1.0, 1.0, 1.0 - share * classical])
+        frame = list(settle(solver))[-1]
+        round_energy = 0.5 * material.tensile_stiffness * (share * classical) ** 2 * 2.0 * np.pi * height
+        if share < 0.92:
+            assert frame.energy == pytest.approx(round_energy, rel=0.03)
+        elif share > 1.12:
+            assert frame.energy < 0.85 * round_energy
+        assert frame.settled
+        assert frame.stable
+        assert not len(crossings(frame.U, solver.rest.F))
