@@ -22,7 +22,9 @@ _FIRST, _LONGEST, _LEAST_FIRST = 2e-3, 8e-3, 2e-5
 _TRIES, _LESS, _MORE = 6, 0.4, 1.4
 # Steps between two path increments: fewest, most, and the relative energy gain below which they end. A shape
 # lagging behind the held vertices would wind up.
-_LEAST_STEPS, _MOST_STEPS, _FOLLOWS = 4, 40, 1e-3
+_FOLLOWING = 4, 40, 1e-3
+# The same for a wall while new targets come before the last ones are reached, as in a drag.
+_DRAGGED = 2, 6, 0.1
 # Change of a goal, relative to its value at rest, per increment towards a target that is not met: the largest
 # and the least one, and factors of the increment after a failed and after a successful attempt.
 _GOAL_STEP, _LEAST_GOAL_STEP, _SMALLER, _LARGER = 0.01, 1e-5, 0.25, 2.0
@@ -76,7 +78,7 @@ class TouchingDescent:
         self._quasi_newton = QuasiNewtonDescent(surface, self._projection, surface.growth, longest)
         self.path_fraction, self._steps, self._last = 1.0, 0, _FIRST
         self._goal_step, self._failures = _GOAL_STEP, 0
-        self._was_blocked = False
+        self._was_blocked, self._has_stepped, self._following = False, False, _FOLLOWING
         self._begin_to_converge()
 
     @property
@@ -163,10 +165,12 @@ class TouchingDescent:
     def follow_path(self, path: HeldPath, fraction: float) -> None:
         """Follow ``path`` from ``fraction``, the part that held vertices have completed."""
         # Targets may come faster than steps, as in a drag: the shape goes on following the last ones.
-        lags = self.is_on_its_way
+        lags, self._following = self.is_on_its_way, _FOLLOWING
         if self._surface.follows_at_once:
-            lags = self._was_blocked and not self._has_followed
-        self._path, self.path_fraction = path, fraction
+            is_dragged = lags and self._has_stepped
+            self._following = _DRAGGED if is_dragged else _FOLLOWING
+            lags = (is_dragged or self._was_blocked) and not self._has_followed
+        self._path, self.path_fraction, self._has_stepped = path, fraction, False
         if fraction < 1.0 and self._surface.make_thick():
             lags = False
         least = self._surface.least_part
@@ -188,7 +192,7 @@ class TouchingDescent:
 
     def step(self) -> None:
         """Advance the held vertices if due, or reduce the energy."""
-        is_due = self._goes_at_once or self._has_followed
+        is_due, self._has_stepped = self._goes_at_once or self._has_followed, True
         self._goes_at_once = False
         if is_due and not self.has_met_goals and self._approach_goals():
             return
@@ -215,9 +219,9 @@ class TouchingDescent:
     @property
     def _has_followed(self) -> bool:
         """True if the shape has roughly adapted to the held vertices."""
-        E = self._energies
-        slow = len(E) > 1 and E[-2] - E[-1] <= _FOLLOWS * E[-1]
-        return self._steps >= _MOST_STEPS or (self._steps >= _LEAST_STEPS and slow)
+        E, (least, most, follows) = self._energies, self._following
+        slow = len(E) > 1 and E[-2] - E[-1] <= follows * E[-1]
+        return self._steps >= most or (self._steps >= least and slow)
 
     def _approach_goals(self) -> bool:
         """Bring the shape nearer to goals it does not meet; False if none could be."""

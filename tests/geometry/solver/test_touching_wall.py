@@ -10,7 +10,7 @@ import apd_viewer
 from apd_viewer import Convergence, Deformation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.contact.contact_obstacles import plate
+from apd_viewer.geometry.contact.contact_obstacles import plate, sphere as ball_obstacle
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.pose.constraints import NO_SOFT_CONSTRAINTS, SoftConstraints
 from apd_viewer.geometry.solver.methods import check_wall_size
@@ -302,6 +302,24 @@ def test_deformation_by_wall_follows_a_hand_that_does_not_wait():
             frame = solver.step()
     assert frame.share_reached > 0.8
     assert frame.energy < 10 * list(settle(solver))[-1].energy
+
+
+def test_deformation_by_wall_follows_a_finger_that_does_not_wait():
+    X, triangles, _ = sample_bottle(edge=3.0)
+    base = np.flatnonzero(X[:, 1] < X[:, 1].min() + 0.5)
+    finger = ball_obstacle([4.1, 11.0, 0.0], 0.8)
+    given = {"wall_thickness": 0.03, "poisson": 0.38, "area": "100%", "contact": True}
+    solver = Deformation(X, triangles, base, method="wall", obstacles=[finger], **given)
+    energies = []
+    for step in range(310):
+        solver.aim(X[base], shifts=[[-min(0.05 * step, 2.5), 0.0, 0.0]])
+        solver.iterate()
+        energies.append(solver.contact.energy_in_contact)
+        assert abs(solver.frame().area_error) < 1e-9
+    assert solver.share_reached == 1.0
+    *_, frame = settle(solver)
+    assert frame.converged
+    assert max(energies) < 30.0 * frame.energy
 
 
 def test_touching_wall_does_not_slide_along_the_plates():
