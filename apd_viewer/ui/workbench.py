@@ -256,6 +256,12 @@ class Workbench(QObject):
     def _connect_canvas(self) -> None:
         canvas = self.canvas
         session_signals.connect_canvas(
+
+        def set_frame_pause() -> None:
+            self.session.store.frame_pause = canvas.viewport.antialiasing.frame_pause
+
+        canvas.viewport.opengl_found.connect(set_frame_pause)
+        set_frame_pause()  # the first draw may have come before
             canvas, self.session, self.parts, self.notice.show_message, self.status.showMessage
         )
         canvas.strokes.began.connect(lambda: self.invitation.show_text(""))
@@ -321,7 +327,6 @@ class Workbench(QObject):
     def _receive(self) -> None:
         # A queued signal may arrive after the window has been closed.
         if not self.shell.is_closed:
-            self.session.store.frame_pause = self.canvas.viewport.antialiasing.frame_pause
             self.session.receive_results()
 
     def _show(self, old: State | None, new: State) -> None:

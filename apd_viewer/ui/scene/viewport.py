@@ -50,6 +50,8 @@ class Viewport(QtInteractor):
         Vendor, renderer and version, the driver's among them; empty before the first draw.
     clicked : Signal(QPointF)
         A press that no tool wanted and that moved nothing, at its position in the widget.
+    opengl_found : Signal()
+        ``opengl_info`` and the settings to suit it are known.
     is_stale : bool
         Whether the scene has changed since the last VTK draw.
     """
@@ -57,6 +59,7 @@ class Viewport(QtInteractor):
     resized = Signal()
     clicked = Signal(QPointF)
 
+    opengl_found = Signal()
     _in_paint: bool  # base-class flag; while set, a draw is not copied to the screen
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -155,6 +158,7 @@ class Viewport(QtInteractor):
 
     def resizeGL(self, width: int, height: int) -> None:
         """Resize the render window to the device pixels."""
+        self.opengl_found.emit()
         super().resizeGL(width, height)
         # Qt rounds halves up, Python to even: at a scale of 1.5 a line of pixels would stay black.
         ratio = self.devicePixelRatioF()
