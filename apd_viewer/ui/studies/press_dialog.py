@@ -14,7 +14,7 @@ from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS, plate_travel
 from apd_viewer.geometry.solver.settings import Settings
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trc
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document_parts import goal_percentages
@@ -74,7 +74,7 @@ class PressDialog(RunDialog):
             (tr("Wall"), self._make_wall()),
             (tr("Stiffness"), self._make_stiffness()),
             (tr("Begin with"), self._make_start()),
-            (tr("In the end"), self._make_release()),
+            (tr("At the end"), self._make_release()),
             (tr("Inside"), self._make_air()),
         )
         self.show_wall(view.wall)
@@ -124,7 +124,8 @@ class PressDialog(RunDialog):
     def _make_wall(self) -> QHBoxLayout:
         self.wall = QLabel(accessibleName=tr("Wall"))
         tip = tr("Shows the wall in the panel, under “Size and mass”")
-        self.change = QPushButton(tr("Change"), toolTip=tip, clicked=lambda: self.wall_requested.emit())
+        self.change = QPushButton(trc("wall", "Change"), toolTip=tip)
+        self.change.clicked.connect(self.wall_requested)
         return row_layout(self.wall, self.change, STRETCH)
 
     def show_wall(self, wall: WallText) -> None:
@@ -174,7 +175,7 @@ class PressDialog(RunDialog):
         return row_layout(self.release, STRETCH, spacing=16)
 
     def _make_air(self) -> QHBoxLayout:
-        self.air = CheckBox(tr("air that cannot leave, an atmosphere of it"))
+        self.air = CheckBox(tr("air that cannot leave, at one atmosphere"))
         self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
         return row_layout(self.air, STRETCH, spacing=16)
 
