@@ -1,18 +1,36 @@
 """Comparison of methods: one document solved by each in turn.
 
-All methods start from the rest shape, as :func:`apd_viewer.deform` does, independent of earlier shapes.
-They share one process, which ends after the last method: memory may not suffice for two large ones.
+All methods start from the rest shape, as :func:`apd_viewer.deform` does, independent of earlier shapes. Only
+a shape that solves the document already is taken as it is. They share one process, which ends after the last
+method: memory may not suffice for two large ones.
 
 All methods of the class are called on one thread.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from enum import Enum
 
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.processes.request_and_reply import Cost, Reply, Request
 from apd_viewer.session.processes.solver_worker import SolverWorker
+
+
+class OutcomeOrigin(Enum):
+    """Origin of an outcome: a comparison, or the displayed shape.
+
+    Of the latter, its path is either from the rest shape, as in a comparison, or another one.
+    """
+
+    COMPARISON = "comparison"
+    DISPLAYED = "displayed"
+    OTHER_PATH = "other path"
+
+    @property
+    def has_same_path(self) -> bool:
+        """True if the path starts at rest, as in a comparison."""
+        return self is not OutcomeOrigin.OTHER_PATH
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +47,14 @@ class MethodOutcome:
         Cost of the result, known at the end.
     failure : str or None
         Sentence on the reason for a missing or unfinished shape.
+    origin : OutcomeOrigin
     """
 
     frame: Frame | None = None
     is_finished: bool = False
     cost: Cost | None = None
     failure: str | None = None
+    origin: OutcomeOrigin = OutcomeOrigin.COMPARISON
 
 
 class Comparison:
@@ -46,6 +66,8 @@ class Comparison:
         Document to solve; its own method is ignored.
     wake : callable
         Called on another thread when there is something to :meth:`receive`; must only pass it on.
+    known : MethodOutcome or None
+        Outcome of the document's own method, where it is known already.
 
     Attributes
     ----------
@@ -57,9 +79,11 @@ class Comparison:
         Sentence on an event of the solver; mostly empty.
     """
 
-    def __init__(self, document: Document, wake: Callable[[], object]) -> None:
+    def __init__(
+        self, document: Document, wake: Callable[[], object], known: MethodOutcome | None = None
+    ) -> None:
         self.document = document
-        self.outcomes: dict[str, MethodOutcome] = {}
+        self.outcomes = {} if known is None else {document.settings.method: known}
         self.current_method: str | None = None
         self.news = ""
         self._wake = wake
@@ -80,6 +104,12 @@ class Comparison:
     def queued_methods(self) -> tuple[str, ...]:
         """Names of the methods not yet started."""
         return tuple(method for method in self._wanted if method not in self.outcomes)
+
+    def method_before(self, method: str) -> str | None:
+        """Method that a queued one waits for; None if it does not wait."""
+        order = [each for each in (self.current_method, *self.queued_methods) if each is not None]
+        k = order.index(method) if method in order else 0
+        return order[k - 1] if k else None
 
     def receive_reply(self) -> bool:
         """Process the next solver reply; return True if there was one."""
@@ -112,7 +142,7 @@ class Comparison:
         if self._worker is None:
             self._worker = SolverWorker(self._wake)
         self._worker.put_request(
-            Request(self._asked, self._generation, self.document.mesh.V, True, with_cost=True)
+            Request(self._asked, self._generation, self.document.mesh.V, True, is_timed=True)
         )
 
     def stop(self) -> None:

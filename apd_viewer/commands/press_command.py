@@ -33,7 +33,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
-from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall
+from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall, press_method
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, parse_pressure, wall_material
 from apd_viewer.session.storage.session_file import open_session
 
@@ -207,7 +207,7 @@ def _method(options: argparse.Namespace, wall: Wall) -> str:
     """Chosen method; by default 'wall' if the wall's rigidity is known."""
     if options.method is not None:
         return str(options.method)
-    return "wall" if wall.rigidity is not None and not options.stiffness else DEFAULT_METHOD
+    return press_method(wall, options.stiffness, DEFAULT_METHOD)
 
 
 def _parsed_gas_amount(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> float | None:

@@ -125,7 +125,7 @@ def press_summary(
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(
             output=output, distance=last.distance, share=100 * last.distance / extent
         ),
-        *_load_lines(last, pressed, newtons),
+        *_load_lines(last, pressed, newtons, wall),
         *_volume_line(first.volume is None, last, rest, tr("volume"), ""),
     ]
     if pressed.released:
@@ -144,7 +144,7 @@ def press_summary(
     return "\n".join(lines)
 
 
-def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | None) -> list[str]:
+def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | None, wall: Wall) -> list[str]:
     low, high = step.load_low, step.load_high
     lines = [
         tr("load    {low:.5g} below, {high:.5g} above (for a material of stiffness 1); {excess}").format(
@@ -156,16 +156,19 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
             tr("        {low:.3g} N below, {high:.3g} N above, {conditions}").format(
                 low=newtons.newtons_per_load * low,
                 high=newtons.newtons_per_load * high,
-                conditions=_conditions(step, newtons),
+                conditions=_conditions(step, newtons, wall),
             )
         )
     return lines
 
 
-def _conditions(step: PressStep, newtons: NewtonConversion) -> str:
+_CREASING = tr("for this thin wall that keeps creases")
+
+
+def _conditions(step: PressStep, newtons: NewtonConversion, wall: Wall) -> str:
     """Phrase stating the conditions for the newtons of a step."""
     if newtons.matches_wall:
-        return tr("for this thin elastic wall")
+        return tr("for this thin elastic wall") if wall.yield_radius is None else _CREASING
     off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(step.stretching))
     return off or tr("if walls bend and hardly stretch")
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from apd_viewer.cases.comparison import MethodOutcome
+from apd_viewer.cases.comparison import MethodOutcome, OutcomeOrigin
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format
@@ -23,11 +23,13 @@ def method_readings(state: State, outcome: MethodOutcome) -> ReadingsByName:
     """Measurements of one method; NaN if unknown.
 
     ``area_error`` is relative to rest, as in reports, and ``area_miss`` to the target, for every method. The
-    volume of an open surface includes its capped openings.
+    volume of an open surface includes its capped openings. The iterations and seconds of a whole path are
+    unknown, where only its last part has been counted.
     """
     rest, frame, cost = state.inspection, outcome.frame, outcome.cost
     if frame is None:
         return {}
+    is_counted = outcome.origin.has_same_path
     volume, volume_rest = volumes(frame, rest)
     return {
         "area": frame.area,
@@ -41,9 +43,10 @@ def method_readings(state: State, outcome: MethodOutcome) -> ReadingsByName:
         "local_change": frame.local_change,
         "largest_edge_strain": frame.largest_edge_strain,
         "mean_edge_strain": frame.mean_edge_strain,
-        "iterations": float(frame.iteration),
+        "iterations": float(frame.iteration) if is_counted else math.nan,
         "converged": float(frame.converged),
-        "seconds": math.nan if cost is None else cost.seconds,
+        "seconds": cost.seconds if cost is not None and is_counted else math.nan,
+        "taken_from_window": float(outcome.origin is not OutcomeOrigin.COMPARISON),
     }
 
 
@@ -53,6 +56,24 @@ class ReadingColumn(NamedTuple):
     title: str
     tip: str
     cell_text: Callable[[ReadingsByName], str]
+    name: str = ""
+
+    def cell_tip(self, readings: ReadingsByName) -> str:
+        """Tooltip of a cell: that of the column, or the origin of another kind of value."""
+        if self.name not in _OF_PATH or not readings.get("taken_from_window"):
+            return self.tip
+        return _NOT_COUNTED if math.isnan(readings[self.name]) else _OF_PATH[self.name] or self.tip
+
+
+_NOT_COUNTED = tr("Not known: the shape was reached in the main window, by way of other shapes.")
+# Readings of the path from rest to a shape, and the tooltip where it was solved in the main window.
+_OF_PATH = {
+    "iterations": "",
+    "seconds": tr(
+        "Time spent in the main window, which drew the shapes and may have factored beforehand; "
+        "not comparable with the other times"
+    ),
+}
 
 
 def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
@@ -112,12 +133,14 @@ def reading_columns(state: State, unit: Unit) -> list[ReadingColumn]:
         ReadingColumn(
             tr("Iterations"),
             tr("Iterations from the rest shape to convergence"),
-            lambda x: number_format.format_grouped(x["iterations"], 0),
+            lambda x: _text_or_dash(x["iterations"], lambda n: number_format.format_grouped(n, 0)),
+            "iterations",
         ),
         ReadingColumn(
             tr("Time"),
             tr("Time for factoring and iterations on this computer"),
             lambda x: _text_or_dash(x["seconds"], lambda v: f"{number_format.format_grouped(v, 2)}\u00a0s"),
+            "seconds",
         ),
     ]
 

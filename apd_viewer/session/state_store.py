@@ -23,6 +23,7 @@ from apd_viewer.session.posing.initial_positions import document_with_restarted_
 from apd_viewer.session.processes.request_and_reply import Reply, Request, are_same_keys, factor_key
 from apd_viewer.session.processes.solver_worker import SolverWorker
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.solution import Solution, Solutions
 
 
 class Activity(Enum):
@@ -71,10 +72,11 @@ class StateStore:
         self.frame_pause = 0.0
         self._listener = listener
         self._worker = worker
-        self._generation = 0
+        self._generation = self._sent_generation = 0
         self._asked: Document | None = None
         self._factored: tuple[object, ...] = ()
         self._warned: str | None = None
+        self._solutions = Solutions()
 
     @property
     def is_preparing(self) -> bool:
@@ -96,6 +98,11 @@ class StateStore:
         if self.state is None:
             raise RuntimeError("no mesh is open")
         return self.state
+
+    @property
+    def solution(self) -> Solution | None:
+        """Solution of the document by the displayed shape; None if it is none."""
+        return None if self.state is None else self._solutions.solution_of(self.state)
 
     def set_state(self, state: State) -> None:
         """Replace the state without asking the solver."""
@@ -145,12 +152,14 @@ class StateStore:
         if self._asked is not None and (paused or self.activity is Activity.REFINING):
             self.activity = Activity.REFINING if paused else Activity.PAUSED
             frame = self.required_state().frame
+            self._solutions.interrupt()
             self._put_request(frame.U, paused, frame.shifts)
             self._listener.status_changed()
 
     def restart_solver(self) -> None:
         """Restart the solver process from the displayed shape."""
         self._factored = ()
+        self._solutions.interrupt()
         self._worker.restart_process()
 
     def revert_to(self, document: Document) -> None:
@@ -183,6 +192,7 @@ class StateStore:
         reply = self._worker.take_reply()
         if reply is not None and reply.news:
             self._factored = ()
+            self._solutions.interrupt()
             self._listener.message_sent(reply.news)
         if reply is not None and reply.request.generation == self._generation:
             self._accept(reply)
@@ -214,6 +224,8 @@ class StateStore:
         self.seconds_per_iteration = reply.seconds
         self.trace.add_frame(document, reply.frame)
         state = self._state_with_frame(document, reply.frame)
+        if reply.finished and latest:
+            self._solutions.add(document, state.frame, reply.cost)
         self.set_state(state if latest else state.as_unsettled())
 
     def _state_with_frame(self, asked: Document, frame: Frame) -> State:
@@ -227,6 +239,9 @@ class StateStore:
         """Send the request before notifying the listener, for parallel work."""
         old, self.state = self.state, state
         iterate = iterate and state.document.paint_problem is None
+        is_busy = self.activity in (Activity.REFINING, Activity.PAUSED)
+        is_jump = self._generation != self._sent_generation
+        self._solutions.begin(state, is_jump, from_initial_positions, is_busy)
         self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
         U, shifts = state.frame.U, state.frame.shifts
@@ -237,6 +252,7 @@ class StateStore:
 
     def _put_request(self, U: np.ndarray, iterate: bool, shifts: np.ndarray) -> None:
         assert self._asked is not None
+        self._sent_generation = self._generation
         asked = Request(
             self._asked, self._generation, U, iterate, shifts=shifts, frame_pause=self.frame_pause
         )

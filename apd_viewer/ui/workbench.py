@@ -23,7 +23,7 @@ from apd_viewer.ui.filing.recovery_bar import RecoveryBar
 from apd_viewer.ui.help.help_controller import HelpController
 from apd_viewer.ui.measuring.measure_controller import MeasureController
 from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
-from apd_viewer.ui.overlays.card_stack import ModeBar
+from apd_viewer.ui.overlays.card_stack import ModeBar, spare_mesh
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
 from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, NextStepHint, Notice, may_change_next_step
@@ -248,6 +248,7 @@ class Workbench(QObject):
         self.panel.area.unit.chosen.connect(self.choose_unit)
         self.panel.area.unit.chosen.connect(self.volume.update_wall_settings)
         self.panel.area.unit.chosen.connect(self.reports.refresh_volumes)
+        self.docks["timeline"].visibilityChanged.connect(partial(spare_mesh, self.canvas.viewport))
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
         self.status.pause_requested.connect(self.session.store.pause_or_resume)
@@ -255,6 +256,12 @@ class Workbench(QObject):
 
     def _connect_canvas(self) -> None:
         canvas = self.canvas
+
+        def set_frame_pause() -> None:
+            self.session.store.frame_pause = canvas.viewport.antialiasing.frame_pause
+
+        canvas.viewport.opengl_found.connect(set_frame_pause)
+        set_frame_pause()  # the first draw may have come before
         session_signals.connect_canvas(
             canvas, self.session, self.parts, self.notice.show_message, self.status.showMessage
         )
@@ -321,7 +328,6 @@ class Workbench(QObject):
     def _receive(self) -> None:
         # A queued signal may arrive after the window has been closed.
         if not self.shell.is_closed:
-            self.session.store.frame_pause = self.canvas.viewport.antialiasing.frame_pause
             self.session.receive_results()
 
     def _show(self, old: State | None, new: State) -> None:

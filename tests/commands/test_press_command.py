@@ -207,7 +207,7 @@ def test_press_command_takes_the_wall_itself_where_its_thickness_and_modulus_are
         tmp_path / "ring.obj", "--axis", "x", "--to", "50%", "--steps", 2, *known, "--curve", curve
     )
     assert (status, err) == (0, "")
-    assert "for this thin elastic wall" in said
+    assert "for this thin wall that keeps creases" in said
     last, width = rows(curve)[-1], 0.03 * np.ptp(V[:, 2])
     rigidity = 3.4e9 * 0.3e-3**3 / 12.0
     gap = 1e-3 * (last["distance"] - 2.0 * 0.08)  # less what the plates keep, about
@@ -215,6 +215,20 @@ def test_press_command_takes_the_wall_itself_where_its_thickness_and_modulus_are
         assert last[f"load_{side}_newton"] == pytest.approx(5.742160 * rigidity * width / gap**2, rel=0.02)
     assert last["newton_factor"] == pytest.approx(1.0)
     assert last["load_excess_percent"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        ((), "for this thin elastic wall"),
+        (("--yield-radius", "4mm"), "for this thin wall that keeps creases"),
+    ],
+)
+def test_press_command_names_the_wall_that_its_newtons_are_of(ball, press, words, named):
+    known = "--unit", "cm", "--thickness", "0.3mm", "--young", "3.4GPa"
+    status, said, err, _ = press(ball, "--to", "98%", "--steps", 1, *known, *words)
+    assert (status, err) == (0, "")
+    assert named in said
 
 
 def test_press_command_tells_the_expected_excess_beside_the_load(smooth_ball, press, tmp_path):

@@ -48,7 +48,7 @@ class LateSolver(RequestSolver):
 
     def answer(self, request: Request) -> None:
         self.discard_other_mesh(request.document.mesh)
-        if not (request.iterate or request.with_cost):
+        if not (request.iterate or request.is_timed):
             self._left = request
             return
         left, self._left = self._left, None

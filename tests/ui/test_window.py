@@ -43,6 +43,18 @@ from apd_viewer.ui.widgets.fields import NumberField, TextField
 from apd_viewer.ui.workbench import Workbench
 
 
+def test_workbench_hands_the_pause_between_frames_to_the_session_when_opengl_is_known(bottle, monkeypatch):
+    view, store = bottle.canvas.viewport, bottle.session.store
+    before = view.antialiasing.frame_pause
+    assert store.frame_pause == before
+    monkeypatch.setattr(view.antialiasing, "frame_pause", before + 1.0)
+    view.opengl_found.emit()
+    assert store.frame_pause == before + 1.0
+    monkeypatch.undo()
+    view.opengl_found.emit()
+    assert store.frame_pause == before
+
+
 def pose_of(window):
     return document(window).handles[0].pose
 

@@ -85,6 +85,8 @@ class Contact:
         Least gap of these pairs; infinite without any.
     examined_parts : int
         Substeps examined by the last :meth:`move_to`, and on the way back.
+    is_blocked_by_obstacle : bool
+        Whether an obstacle has blocked the last :meth:`move_to`.
     """
 
     def __init__(
@@ -108,6 +110,7 @@ class Contact:
         self.replace_obstacles(obstacles)
         self.exempt_vertices = np.union1d(np.flatnonzero(self._zone), self._pairs.touching_at_rest)
         self.touching_pairs, self.least_gap, self.examined_parts = 0, np.inf, 0
+        self.is_blocked_by_obstacle = self._is_obstacle_ahead = False
         for pairs in self.obstacles:
             pairs.rebuild_at(V)
         self._set_out(V)
@@ -197,6 +200,7 @@ class Contact:
         placed = self.followers.with_followers(W)
         found = [pairs.find_collision_free_fractions(self._placed, placed) for pairs in self._all]
         blocked = [fractions for fractions in found if fractions is not None]
+        self._is_obstacle_ahead = any(fractions is not None for fractions in found[1:])
         if blocked:
             return np.min(blocked, axis=0)
         self._ahead, self._placed_ahead, self._energy_ahead = W, placed, self._energy_found
@@ -214,7 +218,9 @@ class Contact:
         """
         start, before, self.examined_parts = self.start, self.shifts, 0
         if self._move_in_substeps(W, before if shifts is None else shifts):
+            self.is_blocked_by_obstacle = False
             return True
+        self.is_blocked_by_obstacle = self._is_obstacle_ahead
         if not self._move_in_substeps(start, before):
             self.start_at(start, before)
         return False

@@ -381,7 +381,9 @@ class ContactDescent:
                 self.shifts = shifts
         elif self.surface.factor.ready:  # contact steps need the factor
             self._refused += self.contact.examined_parts
-            if self._refused >= _PATIENCE or progress.converged:
+            # The shapes of the inner solver will not give way to an obstacle that comes.
+            is_pushed = self.contact.is_blocked_by_obstacle and not self.path.moves_held
+            if is_pushed or self._refused >= _PATIENCE or progress.converged:
                 self._begin_contact()
                 self.step()
                 return

@@ -27,8 +27,8 @@ class Request:
         The shape to start from.
     iterate : bool
         Whether to iterate, instead of only factoring for a first drag without a wait.
-    with_cost : bool
-        Whether the last reply should include the cost.
+    is_timed : bool
+        Whether the seconds of its cost are to be comparable: kernels are compiled beforehand.
     shifts : (o, 3) float array
         Displacements of the obstacles at ``U``; empty if unknown.
     number : int
@@ -46,7 +46,7 @@ class Request:
     generation: int
     U: np.ndarray
     iterate: bool
-    with_cost: bool = False
+    is_timed: bool = False
     shifts: np.ndarray = field(default_factory=lambda: NO_SHIFTS)
     number: int = 0
     shape_buffer: str | None = None
@@ -56,7 +56,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Cost:
-    """Energy and time of an answer, comparable between methods.
+    """Energy and time of an answer; see also ``is_timed`` of the request.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Reply:
     news : str or None
         Sentence on an event of the solver.
     cost : Cost or None
-        Cost, in the last reply if requested.
+        Cost, in the last reply.
     shape_number : int or None
         Number of the shape in shared memory, where it lies there instead of in the frame.
     decimations : tuple of Decimation or None
@@ -152,6 +152,26 @@ def are_same_keys(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
     return len(a) == len(b) and all(
         x is y or (not isinstance(x, np.ndarray) and x == y) for x, y in zip(a, b, strict=True)
     )
+
+
+def goal_key(document: Document) -> tuple[object, ...]:
+    """Key of the targets of areas and volume."""
+    names = tuple(region.name for region in document.regions)
+    settings = document.settings
+    return document.target_percentages, settings.hold_area, document.member, names, settings.calm
+
+
+def pose_key(document: Document) -> tuple[object, ...]:
+    """Key of the places of handles and obstacles."""
+    moved = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
+    return document.initial_positions, *moved
+
+
+def solution_key(document: Document) -> tuple[object, ...]:
+    """Key of all that a converged shape depends on."""
+    told = document.settings.tolerance, document.settings.convergence
+    around = obstacle_key(document)
+    return *factor_key(document), *goal_key(document), *pose_key(document), *told, *around
 
 
 def obstacle_key(document: Document) -> tuple[object, ...]:

@@ -101,12 +101,12 @@ class RequestSolver:
         self.discard_other_mesh(request.document.mesh)
         if request.document.paint_problem:
             # Requests without complete paint are sent during painting, only to prepare for a later one.
-            if request.with_cost:  # sent by a comparison of methods, which waits for an answer
+            if request.is_timed:  # sent by a comparison of methods, which waits for an answer
                 raise InputError(request.document.paint_problem)
             with contextlib.suppress(InputError):
                 compute_decimations(self._rest_of(request))
             return
-        if request.with_cost and not self._warm:
+        if request.is_timed and not self._warm:
             warm_up()  # otherwise the first method's time would include compilation
             self._warm = True
         self._rest_of(request)
@@ -172,7 +172,7 @@ class RequestSolver:
                 seconds = (time.perf_counter() - since) / (iterations - last)
                 frame = walk.frame()
                 shape_number = None
-                if finished and request.with_cost:
+                if finished:
                     cost = Cost(solver.rest.energy(frame.U), took)
                 if tray is not None:
                     shape_number, frame = tray.write_shape(frame.U), replace(frame, U=_NOTHING)
@@ -204,16 +204,7 @@ class RequestSolver:
         document = request.document
         held = document.constraints()
         key = request_and_reply.factor_key(document)
-        names = tuple(region.name for region in document.regions)
-        goals = (
-            document.target_percentages,
-            document.settings.hold_area,
-            document.member,
-            names,
-            document.settings.calm,
-        )
-        moved = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
-        poses = document.initial_positions, *moved
+        goals, poses = request_and_reply.goal_key(document), request_and_reply.pose_key(document)
         around = request_and_reply.obstacle_key(document)
         fresh = self._solver is None or not request_and_reply.are_same_keys(key, self._key)
         if self._solver is None or fresh:

@@ -182,6 +182,11 @@ def parse_wall(text: WallText, unit: Unit) -> Wall:
     return Wall(unit, thickness, density, young, poisson, radius, known)
 
 
+def press_method(wall: Wall, stiffness: float | None, otherwise: str) -> str:
+    """Method to press by: "wall" for a known wall without a given ``stiffness``."""
+    return "wall" if wall.rigidity is not None and not stiffness else otherwise
+
+
 def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float | None = None) -> float | None:
     """Mass in grams from an entered thickness and density; None if both are empty.
 

@@ -70,7 +70,7 @@ class CompareController:
         window, comparison = self.window, self.window.comparison
         window.show()
         if comparison is None or comparison.document is not state.document:
-            window.compare(state, self._store.unit)
+            window.compare(state, self._store.unit, self._store.solution)
         window.raise_()
         window.activateWindow()
 
@@ -94,7 +94,7 @@ class CompareController:
         if sentence := _refusal(state):
             self.window.show_refusal(sentence)
         else:
-            self.window.compare(state, self._store.unit)
+            self.window.compare(state, self._store.unit, self._store.solution)
 
     def _forget(self) -> None:
         window, self.window = self.window, None

@@ -8,7 +8,7 @@ from PySide6.QtCore import QSize, Qt, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QPushButton, QSizePolicy, QWidget
 
-from apd_viewer.cases.comparison import Comparison, MethodOutcome
+from apd_viewer.cases.comparison import Comparison, MethodOutcome, OutcomeOrigin
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -19,6 +19,7 @@ from apd_viewer.presentation.method_readings import method_readings, reading_col
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.solution import Solution
 from apd_viewer.ui.compare.linked_views import LinkedViews, SharedScale
 from apd_viewer.ui.compare.method_table import PIXEL_RATIO, ComparisonShape, MethodTable, write_comparison
 from apd_viewer.ui.filing import file_dialogs
@@ -93,9 +94,11 @@ class ComparisonWindow(QWidget):
         self.progress = ConvergenceProgress()
         self.stop = QPushButton(tr("Stop"), toolTip=tr("Stop the solver and keep the results so far (Esc)"))
         self.stop.clicked.connect(self._stop)
-        self.again = QPushButton(
-            tr("Compare again"), toolTip=tr("Compare again, with the current shape of the main window")
+        tip = tr(
+            "Compare again, with the current pose of the main window; a pose compared already is solved "
+            "by every method from rest"
         )
+        self.again = QPushButton(tr("Compare again"), toolTip=tip)
         self.again.clicked.connect(self.repeat_requested)
         self.save_table = QPushButton(tr("Save table…"), toolTip=tr("Save the measurements as CSV"))
         self.save_table.clicked.connect(partial(self._ask, ".csv"))
@@ -129,15 +132,23 @@ class ComparisonWindow(QWidget):
         """Names of the checked methods."""
         return [method for method, check in self.checks.items() if check.isChecked()]
 
-    def compare(self, state: State, unit: Unit) -> None:
-        """Start comparing the methods on a document, from its rest shape."""
+    def compare(self, state: State, unit: Unit, solution: Solution | None = None) -> None:
+        """Start comparing the methods on a document, from its rest shape.
+
+        Its own method takes the displayed shape, where that is a ``solution`` and has not been compared yet.
+        """
+        known = None
         if self.comparison is not None:
             self.comparison.stop()
+            solution = None if self.comparison.document is state.document else solution
+        if solution is not None:
+            origin = OutcomeOrigin.DISPLAYED if solution.is_from_rest else OutcomeOrigin.OTHER_PATH
+            known = MethodOutcome(state.frame, True, solution.cost, origin=origin)
         name = state.document.mesh.name
         self.setWindowTitle(tr("Compare methods – {name}").format(name=window_title_text(name)))
         first = self._state is None or self._state.document.mesh is not state.document.mesh
         self._state = state
-        self.comparison = Comparison(state.document, self._woken.emit)
+        self.comparison = Comparison(state.document, self._woken.emit, known)
         self.table.set_columns(reading_columns(state, unit))
         try:
             self.linked.show_rest_shape(state, unit)
@@ -212,8 +223,10 @@ class ComparisonWindow(QWidget):
             outcome = comparison.outcomes.get(method, MethodOutcome())
             if outcome.frame is not None:
                 self.views[method].show_shape(outcome.frame.U)
-            self.views[method].show_status(*_status_texts(method, comparison))
-            self.table.show_readings(row, method_readings(state, outcome))
+            said, tip, note = _status_texts(method, comparison)
+            self.views[method].show_status(said, tip, note)
+            self.table.show_title(row, _row_title(method, outcome))
+            self.table.show_readings(row, method_readings(state, outcome), "" if note else said)
         under_way = comparison.current_method
         self.progress.set_frame(comparison.outcomes[under_way].frame if under_way else None, bool(under_way))
         self.stop.setEnabled(under_way is not None)
@@ -273,7 +286,8 @@ class ComparisonWindow(QWidget):
         for method, outcome in self._outcomes():
             view = self.views[method]
             found = method_readings(self._state, outcome)
-            brief = [] if outcome.is_finished and found else [view.status_texts[0]]
+            is_usual = outcome.is_finished and found and outcome.origin.has_same_path
+            brief = [] if is_usual else [view.status_texts[0]]
             for column in (self.table.columns[k] for k in (0, 2)):
                 brief += [f"{column.title} {column.cell_text(found)}"] if found else []
             shown.append(ComparisonShape(view.title, comma_separated(brief), view.picture(PIXEL_RATIO)))
@@ -303,17 +317,39 @@ class ComparisonWindow(QWidget):
         super().closeEvent(event)
 
 
+_ORIGINS = {  # tooltips
+    OutcomeOrigin.COMPARISON: "",
+    OutcomeOrigin.DISPLAYED: tr("Solved in the main window from the rest shape, as the others are here"),
+    OutcomeOrigin.OTHER_PATH: tr(
+        "Solved in the main window by way of other shapes, such as those of a drag; "
+        "Compare again solves it from rest"
+    ),
+}
+
+
+def _row_title(method: str, outcome: MethodOutcome) -> str:
+    """Title of a row in the table, with the origin of its shape if it differs."""
+    title = METHODS[method].title
+    if outcome.origin.has_same_path:
+        return title
+    return tr("{method}, as it stands in the window").format(method=title)
+
+
 def _status_texts(method: str, comparison: Comparison) -> tuple[str, str, str]:
     """Progress of a method, its details, and a failure message."""
     outcome = comparison.outcomes.get(method)
     if outcome is None:
-        return (tr("queued") if method in comparison.queued_methods else tr("not started")), "", ""
+        before = comparison.method_before(method)
+        said = tr("waits for {method}").format(method=METHODS[before].title) if before else tr("not started")
+        return said, "", ""
     frame = outcome.frame
     if outcome.failure:
         return tr("failed"), outcome.failure, outcome.failure
     if outcome.is_finished and frame is not None:
+        if not outcome.origin.has_same_path:
+            return tr("as it stands in the window"), _ORIGINS[outcome.origin], ""
         said = tr("converged") if frame.converged else tr("did not converge")
-        return said, frame.unreached or "", ""
+        return said, frame.unreached or _ORIGINS[outcome.origin], ""
     if method == comparison.current_method:
         return (tr("iteration {n:,}").format(n=frame.iteration) if frame else tr("preparing")), "", ""
     return (tr("stopped at iteration {n:,}").format(n=frame.iteration) if frame else tr("stopped")), "", ""

@@ -18,6 +18,7 @@ from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 from apd_viewer.ui.plots.plots import write_drawing
 from apd_viewer.ui.widgets.theme import LIGHT
 
+_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _ROW = 28  # px; row height
 
@@ -72,18 +73,29 @@ class MethodTable(QTableWidget):
         self.setVerticalHeaderLabels(list(titles))
         self.updateGeometry()
 
-    def show_readings(self, row: int, readings: ReadingsByName) -> None:
-        """Fill a row; unknown values stay empty."""
+    def show_title(self, row: int, title: str) -> None:
+        """Set the title of a row."""
+        head = self.verticalHeaderItem(row)
+        if head is not None and head.text() != title:
+            head.setText(title)
+            self.updateGeometry()
+            self._share_width()
+
+    def show_readings(self, row: int, readings: ReadingsByName, instead: str = "") -> None:
+        """Fill a row, ``instead`` of missing readings with a text across it."""
+        is_note = bool(instead) and not readings
+        if is_note is not (self.columnSpan(row, 0) > 1):
+            self.setSpan(row, 0, 1, len(self.columns) if is_note else 1)
         for k, column in enumerate(self.columns):
-            text = column.cell_text(readings) if readings else ""
+            text = column.cell_text(readings) if readings else "" if k else instead
             item = self.item(row, k)
             if item is None:
                 item = QTableWidgetItem()
-                item.setTextAlignment(_RIGHT)
-                item.setToolTip(column.tip)
                 self.setItem(row, k, item)
             if item.text() != text:
                 item.setText(text)
+            item.setTextAlignment(_LEFT if is_note else _RIGHT)
+            item.setToolTip("" if is_note else column.cell_tip(readings))
 
     def sizeHint(self) -> QSize:
         """Height of the header and all rows."""

@@ -180,7 +180,7 @@ class HelpController(QObject):
                 rows.setdefault(found.menu, []).append(ActionRow(entry, found.full_title(entry.title)))
         groups = [ShortcutGroup(title, own, parent) for title, own in rows.items()]
         gestures = mouse_gestures(self._canvas.viewport.navigation.preset)
-        return [*groups, ShortcutGroup(tr("Mouse"), list(map(GestureRow, gestures)), parent)]
+        return [*groups, ShortcutGroup(tr("Gestures"), list(map(GestureRow, gestures)), parent)]
 
 
 def _show_gizmo(canvas: Canvas, actions: Actions) -> None:

@@ -145,14 +145,37 @@ class ShortcutGroup(QWidget):
         return found
 
 
+_WITHOUT_MOUSE = (
+    (
+        tr("On a touch screen"),
+        "touch",
+        tr(
+            "one finger does what a drag with the left button does; two fingers pan, a pinch zooms, "
+            "and turning them turns the mesh"
+        ),
+    ),
+    (
+        tr("On a trackpad"),
+        "trackpad",
+        tr("two sliding fingers are the wheel, a pinch zooms, and turning fingers turn the mesh"),
+    ),
+    (
+        tr("With a pen"),
+        "pen",
+        tr("pressure widens the brush, the eraser end removes, and the button is the right one of a mouse"),
+    ),
+)
+
+
 def mouse_gestures(preset: NavigationPreset) -> list[MouseGesture]:
-    """Mouse gestures of all tools, the camera and the selection modes."""
+    """Gestures of all tools, the camera and the selection modes; fingers and pens."""
     plain = [tool for tool in Tool if not tool.traits.is_brush]
     found = [
         MouseGesture(tr("With any tool"), "view", preset.sentence),
         *(MouseGesture(tool.traits.title, tool.traits.icon, tool.traits.hint) for tool in plain),
         MouseGesture(tr("While painting"), Tool.HANDLE.traits.icon, Tool.HANDLE.modifiers),
         *(MouseGesture(way.traits.title, way.traits.icon, way.traits.hint) for way in SelectionMode),
+        *(MouseGesture(title, image, text) for title, image, text in _WITHOUT_MOUSE),
     ]
     return [gesture._replace(text=gesture.text[:1].upper() + gesture.text[1:]) for gesture in found]
 

@@ -1,9 +1,11 @@
 """Column of cards over the canvas, and the tool bar of selection modes."""
 
 from collections.abc import Callable, Sequence
+from itertools import product
 from typing import cast
 
-from PySide6.QtCore import QEvent, QMargins, QObject, QPoint, QRect, Qt
+import numpy as np
+from PySide6.QtCore import QEvent, QMargins, QObject, QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QAction, QMouseEvent
 from PySide6.QtWidgets import QToolBar, QToolButton, QWidget
 
@@ -146,6 +148,37 @@ def free_span(canvas: Viewport) -> tuple[int, int]:
     bars = [bar.geometry().right() + 1 for bar in canvas.findChildren(ModeBar) if not bar.isHidden()]
     left = max(bars, default=0)
     return left, canvas.width() - left
+
+
+def spare_mesh(canvas: Viewport, on: bool) -> None:
+    """Keep hints and notices off a framed mesh, or place them as usual."""
+    canvas.spares_mesh = on
+    canvas.resized.emit()
+
+
+def covers_framed_mesh(rect: QRect, canvas: Viewport) -> bool:
+    """True if a rectangle covers the framed mesh, which is to be spared."""
+    mesh = _framed_mesh(canvas)
+    return mesh is not None and mesh.intersects(rect)
+
+
+def span_beside_mesh(canvas: Viewport) -> tuple[int, int]:
+    """Left end and width of the canvas beside the mesh, on its freer side."""
+    (start, span), mesh = free_span(canvas), _framed_mesh(canvas)
+    if mesh is None:
+        return start, span
+    left, right = mesh.left() - start, start + span - mesh.right() - 1
+    return (mesh.right() + 1, right) if right >= left else (start, left)
+
+
+def _framed_mesh(canvas: Viewport) -> QRect | None:
+    """Rectangle around a framed mesh that is to be spared; None otherwise."""
+    look, box = canvas.camera_controller, () if canvas.box is None else canvas.box()
+    if not canvas.spares_mesh or not box or not look.is_framing:
+        return None
+    at = look.camera.project(np.array(list(product(*np.reshape(box, (3, 2))))))
+    (left, top), (right, bottom) = at.min(axis=0), at.max(axis=0)
+    return QRectF(left, top, right - left, bottom - top).toAlignedRect().intersected(canvas.rect())
 
 
 def rectangle_moved_above(rect: QRect, below: Sequence[QWidget]) -> QRect:

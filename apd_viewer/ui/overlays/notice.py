@@ -17,7 +17,13 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.state_store import StateStore
 from apd_viewer.ui.filing.file_requests import FileRequests
-from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, free_span, rectangle_moved_above
+from apd_viewer.ui.overlays.card_stack import (
+    GEOMETRY_EVENTS,
+    covers_framed_mesh,
+    free_span,
+    rectangle_moved_above,
+    span_beside_mesh,
+)
 from apd_viewer.ui.preferences.shortcuts import text_with_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.tool_modes import Tool
@@ -33,6 +39,8 @@ SECTION_PROPERTY = "manualSection"  # property that names the manual section of 
 _UNBOUNDED = 16_777_215  # QWIDGETSIZE_MAX, Qt's largest widget size
 _INVITATION_PADDING = 20
 _NARROWEST = 120  # px: smallest width of a sentence
+_AROUND_TEXT = 80  # px beside the sentence of a notice
+_LEAST_SPAN = _NARROWEST + _AROUND_TEXT + 2 * _MARGIN  # px; for a notice
 _READING_TIME = 7000  # ms a message is shown; failures stay until dismissed
 
 
@@ -77,6 +85,7 @@ class Notice(QFrame):
         self.hide()
         self.keep_above(below)
         canvas.resized.connect(self._place)
+        canvas.camera_controller.on_framed.append(self._place)
 
     def _make_buttons(self, canvas: Viewport) -> QWidget:
         buttons = QWidget(canvas)
@@ -191,9 +200,15 @@ class Notice(QFrame):
     def _place(self) -> None:
         if self.isHidden():
             return
+        self._place_in(*free_span(self._canvas))
+        beside = span_beside_mesh(self._canvas)
+        if beside[1] >= _LEAST_SPAN and covers_framed_mesh(self.geometry(), self._canvas):
+            self._place_in(*beside)
+
+    def _place_in(self, start: int, span: int) -> None:
+        """Place the notice in a part of the canvas."""
         canvas, buttons = self._canvas, self._buttons
-        start, span = free_span(canvas)
-        room = span - 2 * _MARGIN - 80
+        room = span - 2 * _MARGIN - _AROUND_TEXT
         buttons.setVisible(self._has_offer and room - buttons.sizeHint().width() >= _NARROWEST)
         buttons.adjustSize()
         aside = 0 if buttons.isHidden() else buttons.width() + 8
@@ -220,7 +235,10 @@ def _open_with_system(path: Path) -> None:
 
 
 class CanvasHint(QLabel):
-    """Hint at the bottom of the canvas."""
+    """Hint at the bottom of the canvas.
+
+    It is dropped where a mesh is to be spared and no room is left beside it.
+    """
 
     def __init__(self, canvas: Viewport) -> None:
         plain = Qt.TextFormat.PlainText
@@ -230,22 +248,31 @@ class CanvasHint(QLabel):
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.hide()
         canvas.resized.connect(self._place)
+        canvas.camera_controller.on_framed.append(self._place)
 
     def show_text(self, sentence: str) -> None:
         """Show ``sentence``; hide if empty."""
         self.setText(sentence)
-        self.setVisible(bool(sentence))
         self._place()
 
     def _place(self) -> None:
-        if self.isHidden():
+        if not self.text():
+            self.hide()
             return
-        canvas = self._canvas
+        self._place_in(0, self._canvas.width())
+        covers = covers_framed_mesh(self.geometry(), self._canvas)
+        if covers:
+            self._place_in(*span_beside_mesh(self._canvas))
+            covers = covers_framed_mesh(self.geometry(), self._canvas)
+        self.setVisible(not covers)
+
+    def _place_in(self, start: int, span: int) -> None:
+        """Place the hint in a part of the canvas."""
         words = self.fontMetrics().horizontalAdvance(self.text())
-        width = min(words + 2 * _INVITATION_PADDING, canvas.width() - 2 * _MARGIN)
+        width = max(_NARROWEST, min(words + 2 * _INVITATION_PADDING, span - 2 * _MARGIN))
         self.setMinimumSize(0, 0)  # heightForWidth() returns at least the minimum height
         self.setFixedSize(width, self.heightForWidth(width))
-        self.move((canvas.width() - width) // 2, canvas.height() - self.height() - 2 * _MARGIN)
+        self.move(start + (span - width) // 2, self._canvas.height() - self.height() - 2 * _MARGIN)
 
 
 class EmptyState(QWidget):

@@ -27,11 +27,14 @@ class CameraController:
     ----------
     linked : sequence of CameraController
         Of other viewports with the same camera; see :func:`link_cameras`.
+    on_framed : list of callables
+        Called after each framing.
     """
 
     def __init__(self, viewport: QtInteractor, pick: Callable[[QPointF], np.ndarray | None]) -> None:
         self._viewport, self._pick = viewport, pick
         self.linked: Sequence[CameraController] = ()
+        self.on_framed: list[Callable[[], object]] = []
         self._up_axis = UpAxis.PLUS_Y
         self._extent = 1.0  # height of the framed view, mesh units
         # Framed points, padding and overlays around them, and resulting camera position.
@@ -78,11 +81,18 @@ class CameraController:
             self.camera = eye.framed(points, padding + eye.overlay_scale * overlays)
             self._extent = self.camera.span
             self._framed = points, padding, overlays, self.camera.position
+            for follow in self.on_framed:
+                follow()
 
     def keep_framing(self) -> None:
         """Reframe the points after a resize, unless the camera was moved."""
-        if self._framed is not None and np.array_equal(self._framed[3], self.camera.position):
+        if self._framed is not None and self.is_framing:
             self.frame(*self._framed[:3])
+
+    @property
+    def is_framing(self) -> bool:
+        """True if the camera has not been moved since the last framing."""
+        return self._framed is not None and np.array_equal(self._framed[3], self.camera.position)
 
     def look_from_home(self) -> None:
         """Look from the home direction: from the front, right and above."""
@@ -108,6 +118,7 @@ class CameraController:
     def close(self) -> None:
         """Release the linked viewports and the framed points."""
         self.linked, self._framed = (), None
+        self.on_framed.clear()
 
     def zoom_at(self, position: QPointF, factor: float) -> None:
         """Zoom by a factor about the point at a position in the viewport."""

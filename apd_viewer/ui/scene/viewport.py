@@ -46,8 +46,12 @@ class Viewport(QtInteractor):
         The same of what else is drawn; empty where nothing is.
     is_dark : bool
         Whether the background is dark.
+    spares_mesh : bool
+        Whether hints and notices keep off a framed mesh, as in the low view above a timeline.
     opengl_info : str
         Vendor, renderer and version, the driver's among them; empty before the first draw.
+    opengl_found : Signal()
+        ``opengl_info`` and the settings to suit it are known.
     clicked : Signal(QPointF)
         A press that no tool wanted and that moved nothing, at its position in the widget.
     is_stale : bool
@@ -55,6 +59,7 @@ class Viewport(QtInteractor):
     """
 
     resized = Signal()
+    opengl_found = Signal()
     clicked = Signal(QPointF)
 
     _in_paint: bool  # base-class flag; while set, a draw is not copied to the screen
@@ -69,6 +74,7 @@ class Viewport(QtInteractor):
         self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
         self.is_dark = False
         self.opengl_info = ""
+        self.spares_mesh = False
         self.is_stale = True  # the scene has changed since the last VTK draw
         super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
         self.setAcceptDrops(False)  # the base class would load dropped files into the scene
@@ -152,6 +158,7 @@ class Viewport(QtInteractor):
             # Blending in the order of the actors: without it a picture with obstacles takes a fifth more.
             self.renderer.SetUseOIT(False)
         self.is_stale = True
+        self.opengl_found.emit()
 
     def resizeGL(self, width: int, height: int) -> None:
         """Resize the render window to the device pixels."""

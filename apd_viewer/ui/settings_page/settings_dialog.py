@@ -20,7 +20,7 @@ from apd_viewer.ui.widgets.fields import ComboBox, NumberField
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 
-_WIDTH, _TITLES, _CONTROLS = 640, 120, 190  # px; dialog width, and smallest widths of titles and controls
+_WIDTH, _TITLES, _CONTROLS = 720, 120, 190  # px; dialog width, and smallest widths of titles and controls
 
 
 class SettingsDialog(QDialog):
@@ -46,7 +46,7 @@ class SettingsDialog(QDialog):
         area = QScrollArea(widgetResizable=True, objectName="pages", focusPolicy=Qt.FocusPolicy.NoFocus)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         area.setWidget(page)
-        column = column_layout((area, 1), self._buttons(), spacing=20, margins=(24, 20, 24, 20), parent=self)
+        column = column_layout((area, 1), self._buttons(), spacing=20, margins=(20, 16, 20, 16), parent=self)
         needed = page.sizeHint().height() + column.sizeHint().height() - area.sizeHint().height()
         resize_on_screen(self, QSize(_WIDTH, needed))
 

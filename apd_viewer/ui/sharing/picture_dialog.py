@@ -128,7 +128,7 @@ class PictureDialog(QDialog):
         top = row_layout(self.preview, grid, spacing=20)
         self.help = HelpButton()
         buttons = row_layout(self.help, STRETCH, self._cancel, self.copy, self.save)
-        column = column_layout(top, buttons, spacing=16, margins=(16, 16, 16, 16), parent=self)
+        column = column_layout(top, buttons, spacing=16, margins=(20, 16, 20, 16), parent=self)
         column.setSizeConstraint(QVBoxLayout.SizeConstraint.SetFixedSize)
 
     def _connect(self) -> None:

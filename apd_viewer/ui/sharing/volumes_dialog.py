@@ -34,10 +34,11 @@ class VolumesDialog(QDialog):
         self._table = table
         self._shown: tuple[Theme, str] | None = None
         self.text = QTextBrowser(openLinks=False, accessibleName=tr("Volumes"), objectName="pages")
+        self.text.document().setDocumentMargin(0)  # its text is aligned with the buttons
         self.copy = QPushButton(tr("Copy table"), autoDefault=False, clicked=self._copy)
         self.close_ = QPushButton(tr("Close"), objectName="primary", autoDefault=False, clicked=self.close)
         below = row_layout(self.copy, STRETCH, self.close_)
-        column_layout((self.text, 1), below, spacing=16, margins=(24, 20, 24, 20), parent=self)
+        column_layout((self.text, 1), below, spacing=16, margins=(20, 16, 20, 16), parent=self)
         self.refresh()
         resize_on_screen(self, _SIZE)
 

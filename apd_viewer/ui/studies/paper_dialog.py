@@ -53,6 +53,7 @@ class PaperDialog(RunDialog):
         self._area: QScrollArea | None = None
         self._column.addWidget(QLabel(_introduction(), objectName="quiet", wordWrap=True))
         self._column.addWidget(self.run)
+        self.run.start.setFocus()  # the help comes first
         resize_on_screen(self, QSize(640, self._column.totalHeightForWidth(640)))
 
     def _show_busy(self, _: bool) -> None:

@@ -13,7 +13,8 @@ from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS, plate_travel
-from apd_viewer.language import tr
+from apd_viewer.geometry.solver.settings import Settings
+from apd_viewer.language import tr, trc
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document_parts import goal_percentages
@@ -22,7 +23,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import WallText, parse_wall
+from apd_viewer.session.quantities.wall import WallText, parse_wall, press_method
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field
@@ -73,7 +74,7 @@ class PressDialog(RunDialog):
             (tr("Wall"), self._make_wall()),
             (tr("Stiffness"), self._make_stiffness()),
             (tr("Begin with"), self._make_start()),
-            (tr("In the end"), self._make_release()),
+            (tr("At the end"), self._make_release()),
             (tr("Inside"), self._make_air()),
         )
         self.show_wall(view.wall)
@@ -101,16 +102,11 @@ class PressDialog(RunDialog):
         return row_layout(self.steps, first, self.iterations, second, STRETCH)
 
     def _make_method(self) -> QHBoxLayout:
-        own = (
-            self._document.settings.method
-            if self._document.settings.traits.may_use_contact
-            else DEFAULT_METHOD
-        )
         self.method = ComboBox(accessibleName=tr("Method"))
         for name, method in METHODS.items():
             if method.may_use_contact:
                 self.method.addItem(method.title, name)
-        self.method.setCurrentIndex(self.method.findData(own))
+        self._proposed = str(self.method.currentData())
         return row_layout(self.method, STRETCH, spacing=16)
 
     def _make_stiffness(self) -> QHBoxLayout:
@@ -128,13 +124,17 @@ class PressDialog(RunDialog):
     def _make_wall(self) -> QHBoxLayout:
         self.wall = QLabel(accessibleName=tr("Wall"))
         tip = tr("Shows the wall in the panel, under “Size and mass”")
-        self.change = QPushButton(tr("Change"), toolTip=tip, clicked=lambda: self.wall_requested.emit())
+        self.change = QPushButton(trc("wall", "Change"), toolTip=tip)
+        self.change.clicked.connect(self.wall_requested)
         return row_layout(self.wall, self.change, STRETCH)
 
     def show_wall(self, wall: WallText) -> None:
         """Show a wall, and press with it."""
         self._wall = wall
         self.wall.setText(wall.text(self._unit) or tr("not known, so no newtons and no creases"))
+        if self.method.currentData() == self._proposed:  # no other one was chosen
+            self._proposed = _proposed_method(self._document.settings, wall, self._unit)
+            self.method.setCurrentIndex(self.method.findData(self._proposed))
         self._show_stiffness()
 
     def _show_stiffness(self) -> None:
@@ -175,7 +175,7 @@ class PressDialog(RunDialog):
         return row_layout(self.release, STRETCH, spacing=16)
 
     def _make_air(self) -> QHBoxLayout:
-        self.air = CheckBox(tr("air that cannot leave, an atmosphere of it"))
+        self.air = CheckBox(tr("air that cannot leave, at one atmosphere"))
         self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
         return row_layout(self.air, STRETCH, spacing=16)
 
@@ -278,6 +278,14 @@ class PressDialog(RunDialog):
             "--gas": _AIR if self.air.isChecked() else "",
         }
         return {option: word for option, word in said.items() if word}
+
+
+def _proposed_method(settings: Settings, wall: WallText, unit: Unit) -> str:
+    """Method that the command takes for the wall, else that of the document."""
+    own = settings.method if settings.traits.may_use_contact else DEFAULT_METHOD
+    with suppress(InputError):
+        return press_method(parse_wall(wall, unit), settings.stiffness, own)
+    return own
 
 
 def _number_text(number: float | None) -> str:

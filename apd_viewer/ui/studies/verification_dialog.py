@@ -45,6 +45,7 @@ class VerificationDialog(RunDialog):
         self._column.addWidget(self.table, 1)
         self._column.addLayout(below)
         self._column.addWidget(self.run)
+        self.run.start.setFocus()  # the help comes first
         self._folder: Path | None = None
         self.table.setMinimumHeight(_TABLE)
         for part in (self.table, self.summary, self.copy):

@@ -71,6 +71,21 @@ def test_deformation_follows_an_obstacle_that_does_not_wait(method):
     assert frame.shifts[0, 0] < -0.6
 
 
+@pytest.mark.parametrize("method", ["exact", "arap"])
+def test_contact_descent_does_not_let_a_dragged_obstacle_wait_where_it_touches_first(method):
+    V, F, fixed, handle = held_tube()
+    solver = Deformation(
+        V, F, fixed, handle=handle, method=method, contact=True, obstacles=[beside("sphere")]
+    )
+    reached = [0.0]
+    while len(reached) < 40:
+        solver.aim(V[fixed], shifts=-0.01 * len(reached) * X[None])
+        reached.append(-solver.step().shifts[0, 0])
+    free = next(k for k, way in enumerate(reached) if way < 0.01 * k - 1e-9)
+    assert 5 < free < 15, "it touches after some way"
+    assert reached[free + 15] > reached[free]
+
+
 @pytest.mark.night
 @pytest.mark.parametrize("kind", ["sphere", "cylinder"])
 def test_deformation_moves_handles_and_obstacles_together_and_enters_nothing(kind):

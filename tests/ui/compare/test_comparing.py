@@ -328,6 +328,66 @@ def solvers():
     return [thread for thread in threading.enumerate() if thread.name in ("solver", "answers")]
 
 
+def test_comparison_window_takes_the_shape_that_stands_in_the_main_window(qtbot, bar):
+    state = bar.session.store.state
+    side = opened(qtbot, bar)
+    assert {method: view.status_texts[0] for method, view in side.views.items() if method != "arap"} == {
+        "paper": "waits for ARAP",
+        "exact": "converged",
+        "local": "waits for Paper (Li & Hui)",
+    }
+    assert side.comparison.outcomes["exact"].frame is state.frame
+    np.testing.assert_array_equal(side.views["exact"].surface.shape, state.frame.U)
+    found = cells(side)
+    assert found["Local"]["Area"] == "waits for Paper (Li & Hui)"
+    assert found["Exact"]["Time"].endswith("s")
+    qtbot.waitUntil(lambda: side.comparison.current_method is None, timeout=SETTLED)
+    assert cells(side)["Exact"] == found["Exact"], "nothing solves it again"
+    assert "main window" in tip(side, "Exact", "Time")
+    assert "main window" not in tip(side, "Local", "Time")
+    qtbot.mouseClick(side.again, LEFT)
+    assert side.views["exact"].status_texts[0] == "waits for Paper (Li & Hui)", "asked again for the same"
+    qtbot.waitUntil(lambda: side.comparison.current_method is None, timeout=SETTLED)
+    again = cells(side)["Exact"]
+    assert {**again, "Time": ""} == {**found["Exact"], "Time": ""}
+
+
+def tip(side, method, title):
+    table = side.table
+    row = [table.verticalHeaderItem(k).text() for k in range(table.rowCount())].index(method)
+    columns = [table.horizontalHeaderItem(k).text() for k in range(table.columnCount())]
+    return table.item(row, columns.index(title)).toolTip()
+
+
+def test_comparison_window_says_of_a_dragged_shape_that_it_is_as_it_stands(qtbot, bar):
+    pose = BENT.copy()
+    pose[0, 3] += 0.5
+    bar.session.handles.set_pose(pose, 0, "bend")
+    idle(qtbot, bar)
+    side = opened(qtbot, bar)
+    row = "Exact, as it stands in the window"
+    assert side.views["exact"].status_texts[0] == "as it stands in the window"
+    assert (cells(side)[row]["Iterations"], cells(side)[row]["Time"]) == ("–", "–")
+    assert "other shapes" in tip(side, row, "Time")
+    assert "other shapes" not in tip(side, row, "Area")
+    qtbot.mouseClick(side.again, LEFT)
+    qtbot.waitUntil(lambda: side.comparison.current_method is None, timeout=SETTLED)
+    assert number(cells(side)["Exact"]["Iterations"]) == alone(bar, "exact").iterations
+    assert re.fullmatch(r"[\d,]+\.\d\d\u00a0s", cells(side)["Exact"]["Time"])
+
+
+def test_comparison_window_solves_anew_after_a_change_of_settings(qtbot, bar):
+    before = bar.session.store.state.frame
+    bar.session.settings.change(stiffness=0.05)
+    side = opened(qtbot, bar)
+    assert side.views["exact"].status_texts[0] == "waits for Paper (Li & Hui)"
+    qtbot.waitUntil(lambda: side.comparison.current_method is None, timeout=SETTLED)
+    frame = side.comparison.outcomes["exact"].frame
+    assert frame.converged
+    assert np.abs(frame.U - before.U).max() > 1e-3, "the test is blind"
+    assert frame.iteration != before.iteration
+
+
 @pytest.mark.night
 def test_comparison_window_leaves_nothing_when_closed_in_the_middle(qtbot, bar, monkeypatch):
     own = len(solvers())
@@ -335,7 +395,7 @@ def test_comparison_window_leaves_nothing_when_closed_in_the_middle(qtbot, bar, 
     side = opened(qtbot, bar)
     qtbot.waitUntil(lambda: side.views["arap"].status_texts[0].startswith("iteration"), timeout=SETTLED)
     assert len(solvers()) == own + 2
-    assert side.views["exact"].status_texts[0] == "queued"
+    assert side.views["local"].status_texts[0] == "waits for Paper (Li & Hui)"
     assert re.fullmatch(r"ARAP \(1 of 4\): iteration [\d,]+", side.status.text())
     qtbot.waitUntil(side.progress.isVisible, timeout=SETTLED)
     assert re.search("time left|left$|energy", side.progress.time_left.text())

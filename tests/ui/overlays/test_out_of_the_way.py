@@ -74,6 +74,40 @@ def test_notice_covers_nothing_else(qtbot, bottle, size):
     assert bottle.canvas.viewport.rect().contains(bottle.notice.geometry())
 
 
+@pytest.mark.parametrize("size", [(1024, 700), (1280, 800)])
+def test_notice_and_hint_spare_the_foot_of_the_mesh_above_an_open_timeline(qtbot, bottle, size):
+    bottle.shell.resize(*size)
+    work_off()
+    bottle.actions_.simulate.press_live.trigger()
+    settle(qtbot, bottle.canvas.viewport)
+    assert bottle.canvas.viewport.camera_controller.is_framing
+    points = bottle.canvas.viewport.camera_controller.camera.project(document(bottle).mesh.V)
+    assert bottle.notice.isVisible()
+    assert bottle.invitation.isVisible()
+    for over in (bottle.notice, bottle.invitation):
+        room = over.geometry()
+        assert bottle.canvas.viewport.rect().contains(room)
+        assert not any(room.contains(QPointF(x, y).toPoint()) for x, y in points)
+    assert not bottle.notice.geometry().intersects(bottle.invitation.geometry())
+    bottle.docks["timeline"].hide()
+    work_off()
+    assert abs(bottle.invitation.geometry().center().x() - bottle.canvas.viewport.rect().center().x()) <= 1
+
+
+def test_canvas_hint_is_dropped_where_no_room_is_left_beside_the_mesh(qtbot, bottle):
+    view = bottle.canvas.viewport
+    view.spares_mesh = True
+    try:
+        V = document(bottle).mesh.V
+        view.camera_controller.frame(V.mean(axis=0) + 0.3 * (V - V.mean(axis=0)))
+        bottle.invitation.show_text("Drag something")
+        assert bottle.invitation.isHidden()
+        bottle.canvas.frame_mesh()
+        assert bottle.invitation.isVisible()
+    finally:
+        view.spares_mesh = False
+
+
 def test_next_step_hint_takes_the_first_hint_away_when_a_handle_was_moved_in_any_way(qtbot, bottle):
     assert "ring" in bottle.invitation.text()
     typed(qtbot, bottle)

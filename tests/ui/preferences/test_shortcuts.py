@@ -123,6 +123,16 @@ def test_shortcut_sheet_explains_the_mouse_in_the_words_of_the_tools(sheet):
     assert Tool.HANDLE.modifiers.casefold() in said
 
 
+@pytest.mark.parametrize(
+    ("word", "title"),
+    [("pinch", ["On a touch screen", "On a trackpad"]), ("eraser", ["With a pen"]), ("pen", ["With a pen"])],
+)
+def test_shortcut_sheet_names_fingers_and_pens(qtbot, sheet, word, title):
+    qtbot.keyClicks(sheet.search, word)
+    gestures = [row for row in sheet.groups[-1].rows if row.isVisible()]
+    assert [row.accessibleName().partition(":")[0] for row in gestures] == title
+
+
 def test_shortcut_sheet_search_finds_titles_keys_menus_and_gestures(qtbot, sheet):
     everything = shown(sheet)
     qtbot.keyClicks(sheet.search, "PAINT h")

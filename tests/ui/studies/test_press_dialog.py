@@ -382,6 +382,7 @@ def test_press_dialog_presses_with_the_material_of_the_panel(asked):
     dialog = ask(*box(1, 2, 4), unit="cm", wall=PET)
     assert dialog.wall.text() == "PET, wall of a bottle, 0.3\xa0mm"
     own = 0.03**2 / (6.0 * (1.0 - 0.38**2) * 28.0)
+    dialog.method.setCurrentIndex(dialog.method.findData("exact"))
     assert f"this wall has {own:.1g}" in dialog.hint.text()
     dialog.method.setCurrentIndex(dialog.method.findData("local"))
     assert f"this wall has {1.1825 / 4.0 * own:.1g}" in dialog.hint.text()
@@ -390,6 +391,30 @@ def test_press_dialog_presses_with_the_material_of_the_panel(asked):
     assert said.thickness is said.young is said.yield_radius is None, "they follow from the material"
     dialog.show_wall(PET._replace(thickness="0.4mm"))
     assert float(options(dialog).thickness) == pytest.approx(0.04)
+
+
+@pytest.mark.parametrize(
+    ("wall", "unit", "stiffness"),
+    [(NO_WALL, "cm", 0.0), (PET, "", 0.0), (PET, "cm", 0.0), (PET, "cm", 0.02), (WallText("1mm"), "cm", 0.0)],
+)
+def test_press_dialog_proposes_the_method_that_the_command_takes(asked, wall, unit, stiffness, tmp_path):
+    dialog = asked[0](*box(1, 2, 4), unit=unit, wall=wall, method="local", stiffness=stiffness)
+    known = wall.material is not None and unit != ""
+    assert dialog.method.currentData() == ("wall" if known and not stiffness else "local")
+
+
+def test_press_dialog_leaves_a_method_that_was_chosen(asked):
+    dialog = asked[0](*box(1, 2, 4), unit="cm")
+    dialog.show_wall(PET)
+    assert dialog.method.currentData() == "wall"
+    dialog.show_wall(NO_WALL)
+    assert dialog.method.currentData() == DEFAULT_METHOD
+    dialog.method.setFocus()
+    QTest.keyClick(dialog.method, Qt.Key.Key_Down)
+    chosen = dialog.method.currentData()
+    assert chosen not in (DEFAULT_METHOD, "wall")
+    dialog.show_wall(PET)
+    assert dialog.method.currentData() == chosen
 
 
 def test_press_dialog_presses_with_a_wall_of_the_users_own(asked):
