@@ -12,6 +12,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.scene.scene_picture import scene_picture
 from apd_viewer.ui.scene.surface_shading import Finish
 
 # Upper left, upper right, lower left, lower right.
@@ -86,6 +87,10 @@ def test_region_picture_is_upright_and_not_mirrored(qtbot, window, monkeypatch, 
     # Beside the picture and above it the region has no colour any more.
     beside = seen(qtbot, window, np.array([at(1.0, 0.5), at(-1.0, -0.5), at(0.0, 1.4)]))
     assert np.ptp(beside, axis=1).max() < 15
+    view = window.canvas.viewport
+    saved = scene_picture(view, 2 * view.size(), transparent=True)
+    places = (2 * view.camera_controller.camera.project(PLACES)).astype(int)
+    check_colors(np.array([saved.pixelColor(x, y).getRgb()[:3] for x, y in places.tolist()]), COLORS)
 
 
 def test_region_picture_goes_around_with_its_seam_at_the_back(qtbot, window, monkeypatch, tmp_path):
