@@ -27,6 +27,7 @@ from apd_viewer.ui.overlays.card_stack import ModeBar, spare_mesh
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
 from apd_viewer.ui.overlays.notice import CanvasHint, EmptyState, NextStepHint, Notice, may_change_next_step
+from apd_viewer.ui.overlays.region_picture import RegionPicture
 from apd_viewer.ui.panel.volume_controller import VolumeController
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_ghost import MotionPreview
@@ -108,6 +109,9 @@ class Workbench(QObject):
         )
         self.measurements = MeasureController(
             canvas, self.panel.measure, session, self.tools.choose_tool, notice.show_message
+        )
+        self.region_picture = RegionPicture(
+            shell, canvas, self.display_options, memory, notice, session, self.parts
         )
         self.plots = Plots(memory, notice, session)
         self.docks["plots"].setWidget(self.plots)
@@ -197,6 +201,7 @@ class Workbench(QObject):
             symmetry=self.symmetry,
             poses=self.poses,
             display_options=self.display_options,
+            region_picture=self.region_picture,
             measurements=self.measurements,
             obstacles=self.obstacles,
             findings=self.findings,
@@ -334,6 +339,7 @@ class Workbench(QObject):
         document = new.document
         self.parts.follow_document(None if old is None else old.document, document)
         self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
+        self.region_picture.follow_document(document)
         self.display_options.follow_state(new)
         if old is None or old.document.mesh is not document.mesh:
             self.findings.show_mesh_findings(new.inspection.findings)

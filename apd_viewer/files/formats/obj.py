@@ -18,7 +18,8 @@ from apd_viewer.files.formats.polygon_mesh import ParsedMesh, Polygons, text_col
 from apd_viewer.files.formats.text import TextEdits, decoded_text, parse_numbers, with_line_feeds
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
 from apd_viewer.files.storage.regular_files import sibling_content
-from apd_viewer.geometry.mesh.mesh import Mesh, Texture
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 
 _GAP = rb"(?:[ \t]|\\\r?\n)+"

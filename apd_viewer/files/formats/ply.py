@@ -11,7 +11,8 @@ from apd_viewer.files.formats import ply_elements, polygon_mesh
 from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 from apd_viewer.files.formats.text import TextEdits, parse_numbers
 from apd_viewer.files.formats.texture_images import joined_texture, sibling_image
-from apd_viewer.geometry.mesh.mesh import Mesh, Texture
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import in_quotes, tr
 
 _NORMAL, _COLORS = ("nx", "ny", "nz"), ("red", "green", "blue")

@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.regular_files import sibling_content, without_library_warnings
+from apd_viewer.files.storage.regular_files import read_content, sibling_content, without_library_warnings
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.mesh import Texture
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 
 # Largest side in pixels, supported by graphics cards of the last ten years.
 _LARGEST = 8192
+_LARGEST_PICTURE = 4096
 _BARE = np.full((1, 1, 3), 255, dtype=np.uint8)
 
 
@@ -53,6 +54,29 @@ def read_image(content: bytes, name: str) -> np.ndarray:
         raise _missing_texture_error(name) from error
 
 
+def read_picture(path: Path) -> np.ndarray:
+    """Picture (h, w, 4) uint8 of an image file, upright, scaled down if too large.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    from PIL import Image, ImageOps  # imported on demand: loading takes a tenth of a second
+
+    content, most = read_content(path), (_LARGEST_PICTURE, _LARGEST_PICTURE)
+    try:
+        with without_library_warnings(), Image.open(io.BytesIO(content)) as image:
+            image.draft(image.mode, most)
+            picture = ImageOps.exif_transpose(image).convert("RGBA")
+            picture.thumbnail(most)
+            return np.array(picture)
+    except (OSError, ValueError, SyntaxError, MemoryError, Image.DecompressionBombError) as error:
+        raise InputError(
+            tr("{name} is no image that can be read; choose a PNG, JPEG or WebP file.").format(name=path.name)
+        ) from error
+
+
 def _missing_texture_error(name: str) -> InputError:
     return InputError(
         tr(
@@ -83,7 +107,7 @@ def joined_texture(
     if not valid.any():
         return None
     if valid.all() and len(images) == 1:
-        return Texture(*map(frozen, (uv.astype(np.float32), uv_of.astype(np.int32), images[0])))
+        return Texture(frozen(uv.astype(np.float32)), frozen(uv_of.astype(np.int32)), frozen(images[0]))
     cell = np.where(valid, image_of, len(images))
     pairs, corner = np.unique(
         np.where(valid[:, None], uv_of, 0) + len(uv) * cell[:, None], return_inverse=True
@@ -93,7 +117,7 @@ def joined_texture(
     inside = np.where((inside < 0.0) | (inside > 1.0), inside - np.floor(inside), inside)
     low, size = places[pairs // len(uv)].reshape(-1, 2, 2).transpose(1, 0, 2)
     corner = corner.reshape(uv_of.shape).astype(np.int32)
-    return Texture(*map(frozen, ((low + inside * size).astype(np.float32), corner, image)))
+    return Texture(frozen((low + inside * size).astype(np.float32)), frozen(corner), frozen(image))
 
 
 def _atlas(images: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

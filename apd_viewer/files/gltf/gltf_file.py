@@ -13,7 +13,8 @@ from apd_viewer.files.formats.polygon_mesh import linear_to_srgb, updated_normal
 from apd_viewer.files.gltf.accessors import accessor_array, accessor_colors, accessor_numbers, write_rows
 from apd_viewer.files.gltf.primitive_textures import PrimitiveTriangles, primitive_texture
 from apd_viewer.files.gltf.scene import data_uri, matrix_products, rewritten_glb, transformed_positions
-from apd_viewer.geometry.mesh.mesh import Mesh, Texture
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 
 

@@ -12,7 +12,8 @@ from apd_viewer.files.gltf.accessors import accessor_array
 from apd_viewer.files.gltf.scene import data_uri_content, document_entry, whole_number
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh.mesh import Mesh, Texture
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.geometry.mesh.texture import Texture
 
 
 class PrimitiveTriangles(NamedTuple):

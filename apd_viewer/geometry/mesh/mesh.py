@@ -7,7 +7,7 @@ import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from apd_viewer.geometry.mesh.arrays import (
     mesh_size,
 )
 from apd_viewer.geometry.mesh.normals import CornerNormals
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.mesh.weld import WELD_TOLERANCE, Weld
 from apd_viewer.language import tr
 
@@ -312,21 +313,3 @@ class BakedOrigin(DerivedOrigin):
     def rewritten_content(self, _: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3); unmoved vertices as written."""
         return self.origin.rewritten_content(self.mesh, U)
-
-
-class Texture(NamedTuple):
-    """Image mapped onto a mesh, with seams.
-
-    Attributes
-    ----------
-    uv : (k, 2) float32 array
-        Texture coordinates: 0 to 1 from left to right and from bottom to top, repeated beyond.
-    uv_of : (m, 3) int32 array
-        Index into them for each corner.
-    image : (h, w, 3) uint8 array
-        Rows from top to bottom, sRGB.
-    """
-
-    uv: np.ndarray
-    uv_of: np.ndarray
-    image: np.ndarray

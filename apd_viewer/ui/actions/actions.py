@@ -43,7 +43,7 @@ class Actions:
         self.pose = PoseActions(self._maker, commands)
         self.simulate = SimulateActions(menus, commands)
         self.view = ViewActions(menus, commands)
-        self.display = DisplayActions(self._maker, commands.display_options)
+        self.display = DisplayActions(self._maker, commands.display_options, commands.region_picture)
         self.help = help_actions(self._maker, commands)
         self._fill(*menus.make_empty_menus())
 

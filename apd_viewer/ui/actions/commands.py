@@ -13,6 +13,7 @@ from apd_viewer.ui.measuring.measure_controller import MeasureController
 from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.findings_controller import FindingsController
+from apd_viewer.ui.overlays.region_picture import RegionPicture
 from apd_viewer.ui.posing.pose_controller import PoseController, SymmetryController
 from apd_viewer.ui.sharing.report_controller import ReportController
 from apd_viewer.ui.simulate.press_controller import PressController
@@ -35,6 +36,7 @@ class Commands:
     symmetry: SymmetryController
     poses: PoseController
     display_options: DisplayOptions
+    region_picture: RegionPicture
     measurements: MeasureController
     obstacles: ObstacleController
     findings: FindingsController

@@ -15,6 +15,7 @@ from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.window_menus import WindowMenus
 from apd_viewer.ui.overlays.display_options import DisplayOptions
+from apd_viewer.ui.overlays.region_picture import RegionPicture
 from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.preferences.shortcuts import show_shortcut_in_tooltip
 from apd_viewer.ui.scene.surface_shading import Finish, Shading
@@ -204,7 +205,7 @@ class DisplayActions:
         Checkable actions by name.
     """
 
-    def __init__(self, maker: ActionMaker, display_options: DisplayOptions) -> None:
+    def __init__(self, maker: ActionMaker, display_options: DisplayOptions, picture: RegionPicture) -> None:
         self._looks = display_options
         self._make_measures(maker)
         self._make_checkable_actions(maker)
@@ -214,7 +215,20 @@ class DisplayActions:
             choose = partial(display_options.choose_finish, finish)
             self.finishes[finish] = maker.make(name, title, image, tip, None, choose)
         maker.make_exclusive(self.finishes.values())
+        self._make_picture(maker, picture)
         self._connect_display_options()
+
+    def _make_picture(self, maker: ActionMaker, picture: RegionPicture) -> None:
+        tip = tr("Lay an image, such as a label, on the active region; it deforms with the mesh")
+        title, ask = tr("Picture on a &region…"), picture.ask_for_picture
+        lay = maker.make("region_picture", title, "region-picture", tip, None, ask)
+        tip = tr("Show the region without the picture again")
+        remove = maker.make(
+            "remove_picture", tr("Remo&ve picture"), "remove-picture", tip, None, picture.remove
+        )
+        remove.setEnabled(False)
+        picture.changed.connect(remove.setEnabled)
+        self.pictures = lay, remove
 
     def _make_measures(self, maker: ActionMaker) -> None:
         heat = self._looks.overlay
@@ -312,4 +326,6 @@ class DisplayActions:
         menu.addActions(list(self.switches.values()))
         finish = menu.addMenu(tr("F&inish"))
         finish.addActions(list(self.finishes.values()))
+        finish.addSeparator()
+        finish.addActions(list(self.pictures))
         finish.setToolTipsVisible(True)

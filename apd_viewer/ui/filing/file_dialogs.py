@@ -21,6 +21,7 @@ _OPEN_FILTER = tr("Meshes, animations and sessions ({endings})").format(
 )
 _MESH_FILTER = tr("Meshes ({endings})").format(endings=_MESHES)
 _WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
+_IMAGES = tr("Images ({endings})").format(endings="*.png *.jpg *.jpeg *.webp *.tif *.tiff *.bmp")
 _ICON = 64  # px; icon in the About box
 SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
 _SELECTIONS = tr("Selections ({endings})").format(
@@ -37,6 +38,12 @@ def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
 def ask_for_target_shape(parent: QWidget, folder: Path) -> Path | None:
     """Ask for a mesh file as target shape; None if cancelled."""
     path, _ = QFileDialog.getOpenFileName(parent, tr("Load target shape"), str(folder), _MESH_FILTER)
+    return Path(path) if path else None
+
+
+def ask_for_image(parent: QWidget, folder: Path) -> Path | None:
+    """Ask for an image file; None if cancelled."""
+    path, _ = QFileDialog.getOpenFileName(parent, tr("Picture on a region"), str(folder), _IMAGES)
     return Path(path) if path else None
 
 

@@ -55,6 +55,7 @@ SYNONYMS = {
     "no_measure": tr("colours off hide"),
     "measure:AREA": tr("heat map stretch shrink colour"),
     "ghost": tr("original before"),
+    "region_picture": tr("label artwork logo print decal sticker image texture"),
     "cut": tr("slice inside cross section plane"),
     "compare": tr("original rest slider"),
     "ground": tr("scale ruler floor"),

@@ -7,7 +7,8 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QFocusEvent
 from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QLabel, QToolButton, QWidget
 
-from apd_viewer.geometry.mesh.mesh import Mesh, Texture
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_position
 from apd_viewer.presentation.scales import Measure, Scale
@@ -47,11 +48,14 @@ class DisplayOptions:
         Whether the vertex colours of the file are shown.
     shows_textures : bool
         Whether its textures are shown.
+    picture : Texture or None
+        Of a region; :meth:`show_textures` shows it instead of the textures.
     """
 
     def __init__(self, canvas: Canvas, preferences: Preferences, below: Sequence[QWidget]) -> None:
         self._canvas, self._memory = canvas, preferences
         self._texture: Texture | None = None
+        self.picture: Texture | None = None
         self.cards = CardStack(canvas.viewport, below)
         self.before_after, self.cutting_plane, self.legend = (
             BlendCard(canvas),
@@ -107,7 +111,8 @@ class DisplayOptions:
     def show_textures(self, on: bool) -> None:
         """Show the texture of the file under the paint, or hide it."""
         self.shows_textures = on
-        self._canvas.surface.texture = self._texture if on else None
+        of_file = self._texture if on else None
+        self._canvas.surface.texture = of_file if self.picture is None else self.picture
         self._store_options()
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,13 +33,30 @@ class Coloring:
         self._surface, self._marks = surface, marks
         self._document: Document | None = None
         self._of_file = self._covered = False
+        self._pictured: np.ndarray | None = None
+        self._member = self._shown_member = np.empty(0)
         self.previewed_ids: np.ndarray | None = None
 
     def begin_mesh(self, document: Document) -> np.ndarray:
         """Set a new mesh; return its colours (n, 4) uint8, without preview or marks."""
-        self._document, self.previewed_ids = document, None
+        if self._document is None or self._document.mesh.F is not document.mesh.F:
+            self._pictured = None
+        self._document, self.previewed_ids = self._without_pictured(document), None
         self._marks.mark_vertices(None)
-        return colors_of(document, unpainted_colors=self._file_colors)
+        return colors_of(self._document, unpainted_colors=self._file_colors)
+
+    def hide_regions_at(self, pictured: np.ndarray | None, document: Document) -> None:
+        """Hide the colours of regions where a picture is, (n,) bool, or nowhere."""
+        self._pictured, self._member = pictured, np.empty(0)
+        self.follow_document(document)
+
+    def _without_pictured(self, document: Document) -> Document:
+        if self._pictured is None:
+            return document
+        if self._member is not document.member:
+            self._member = document.member
+            self._shown_member = np.where(self._pictured, np.uint8(0), document.member)
+        return replace(document, member=self._shown_member)
 
     def show_file_colors(self, on: bool) -> None:
         """Show or hide the file's vertex colours under the paint."""
@@ -63,9 +81,9 @@ class Coloring:
 
     def follow_document(self, document: Document) -> None:
         """Update the colours to a new document of the mesh."""
-        before, self._document = self._document, document
-        if before is not None and not _have_same_colors(before, document):
-            self._restore(differing_vertices(before, document))
+        before, self._document = self._document, self._without_pictured(document)
+        if before is not None and not _have_same_colors(before, self._document):
+            self._restore(differing_vertices(before, self._document))
 
     def _restore(self, ids: np.ndarray) -> None:
         """Restore the colours of the vertices ``ids`` without preview."""

@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-from apd_viewer.geometry.mesh.mesh import Texture
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.presentation.color_maps import ColorMap
 from apd_viewer.ui.scene import surface_shading
@@ -223,8 +223,9 @@ class Surface:
 
     def _shade(self) -> None:
         finish = self.finish if self.color_map is None else Finish.CLAY
-        surface_shading.shade(self._actor, self.color_map, self._cut is not None, finish)
-        self._inside.set_finish(finish)
+        turn = 0.0 if self._texture is None else self._texture.turn
+        surface_shading.shade(self._actor, self.color_map, self._cut is not None, finish, turn)
+        self._inside.set_finish(finish, turn)
 
     @property
     def has_normals(self) -> bool:
@@ -259,7 +260,9 @@ class Surface:
         if texture is self._texture:
             return
         self._texture = texture
-        self._actor.SetTexture(None if texture is None else surface_shading.make_texture(texture.image))  # type: ignore[arg-type]
+        slow = self._viewport.antialiasing.is_software
+        image = None if texture is None else surface_shading.make_texture(texture.image, slow)
+        self._actor.SetTexture(image)  # type: ignore[arg-type]
         self._shade()
         if self.surface_index is not None and self.arrays is not None:
             self._arrange(self.surface_index, self.arrays.rgba)

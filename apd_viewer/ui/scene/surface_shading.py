@@ -13,7 +13,7 @@ from PySide6.QtCore import QTimer
 from pyvistaqt import QtInteractor
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkRenderer, vtkTexture
 
-from apd_viewer.geometry.mesh.mesh import Texture
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.picking.preview_surface import PreviewSurface
 from apd_viewer.presentation.color_maps import ColorMap
 from apd_viewer.presentation.palette import FREE_COLOR, paint_classes
@@ -70,11 +70,12 @@ _FINISHES = {
                                   - (1.0 - rimOnDark) * 0.30 * diffuseColor);
 """,
     Finish.PET: """
-  float kept = SHARE(diffuseColor);
+  float kept = max(SHARE(diffuseColor), PRINTED);
   vec3 clear = mix(vec3(0.30, 0.36, 0.44), vec3(0.86, 0.92, 1.0), rimOnDark);
   float mirrored = smoothstep(0.55, 0.75, dot(reflect(-v, n), normalize(vec3(-0.35, 0.75, 0.55))));
+  gloss *= 1.0 - 0.7 * PRINTED; mirrored *= 1.0 - 0.7 * PRINTED;
   shaded = mix(clear * (0.75 + 0.25 * sky), shaded, kept) + 0.8 * gloss + 0.45 * mirrored;
-  cover = mix(0.14 + 0.07 * rimOnDark + 0.62 * rim, 0.62 + 0.3 * rim, kept);
+  cover = mix(mix(0.14 + 0.07 * rimOnDark + 0.62 * rim, 0.62 + 0.3 * rim, kept), 1.0, PRINTED);
   cover = clamp(cover + 0.7 * gloss + 0.28 * mirrored, 0.0, 1.0);
 """,
     Finish.FOIL: """
@@ -168,6 +169,18 @@ _TEXTURE = """
   diffuseColor = LINE * mix(texture(actortexture, tcoordVCVSOutput).rgb, paint, painted);
 """
 
+# Picture on a part of the mesh, not repeated, with smooth borders and the paint drawn over it. Its colours
+# are multiplied by its opacity. Its gradients are taken before a turn is subtracted: a jump shows as a line.
+_PICTURE = """
+  float painted = SHARE(paint);
+  vec2 place = tcoordVCVSOutput, along = dFdx(place), down = dFdy(place);
+  place.x -= TURN * floor((place.x - 0.5) / TURN + 0.5);
+  vec2 shown = clamp(0.5 + (0.5 - abs(place - 0.5)) / max(abs(along) + abs(down), 1e-6), 0.0, 1.0);
+  vec4 ink = textureGrad(actortexture, place, along, down) * shown.y * (TURN < 1.001 ? 1.0 : shown.x);
+  float printed = ink.a * (1.0 - painted);
+  diffuseColor = LINE * mix(ink.rgb + (1.0 - ink.a) * paint, paint, painted);
+"""
+
 _PAINT = """
   diffuseColor = LINE * paint;
 """
@@ -223,11 +236,12 @@ def shade(
     color_map: ColorMap | None = None,
     inside: bool = False,
     finish: Finish = Finish.CLAY,
+    turn: float = 0.0,
 ) -> None:
     """Set the shader of ``actor`` for its mesh, colour map, edges, texture and finish.
 
     With ``color_map`` the opacities of its vertices are values on a scale; with ``inside`` its back
-    is darker.
+    is darker. ``turn`` is that of its texture.
     """
     code = _SHADING.replace("OPACITY", "opacity" if color_map is None else "1.0")
     code = code.replace("FINISH", _FINISHES[finish])
@@ -238,12 +252,15 @@ def shade(
     is_painted = drawn is not None and drawn.GetPointData().HasArray("paintClass")
     sharp = is_painted and drawn.GetNumberOfPoints() <= MOST_SHARP
     if is_painted:
-        over = _HEAT if color_map is not None else _TEXTURE if textured else _PAINT
+        image = _PICTURE if turn else _TEXTURE
+        over = _HEAT if color_map is not None else image if textured else _PAINT
         code = (_SHARP if sharp else _BLENDED) + over + code
     code = _SHARE.sub(_SHARE_CODE, code)
     values = {
         "COLORS": "" if color_map is None else color_map.glsl("place"),
         "FREE": "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR)),
+        "TURN": f"{turn:#.9g}",
+        "PRINTED": "printed" if turn else "0.0",
         "LINE": _LINE if actor.GetProperty().GetEdgeVisibility() else "1.0",
     }
     for name, value in values.items():
@@ -277,8 +294,8 @@ class InsideActor:
         self._actor.SetMapper(outside.GetMapper())
         self._actor.ForceTranslucentOn()
 
-    def set_finish(self, finish: Finish) -> None:
-        """Draw the inside if the finish is translucent; nothing otherwise."""
+    def set_finish(self, finish: Finish, turn: float = 0.0) -> None:
+        """Draw the inside if the finish is translucent; see :func:`shade`."""
         clear, look = finish is Finish.PET, self._outside.GetProperty()
         self._outside.SetForceOpaque(not clear)
         self._outside.SetForceTranslucent(clear)
@@ -289,7 +306,7 @@ class InsideActor:
             self._actor.GetProperty().DeepCopy(look)
             self._actor.GetProperty().SetBackfaceCulling(False)
             self._actor.GetProperty().SetFrontfaceCulling(True)
-            shade(self._actor, finish=finish)
+            shade(self._actor, finish=finish, turn=turn)
             self._renderer.RemoveActor(self._outside)  # translucent actors are drawn in their order
             self._renderer.AddActor(self._actor)
             self._renderer.AddActor(self._outside)
@@ -301,16 +318,26 @@ class InsideActor:
         self._actor.SetVisibility(self._outside.GetVisibility())
 
 
-def make_texture(image: np.ndarray) -> vtkTexture:
-    """Texture of an image (h, w, 3) uint8, repeated beyond its border."""
+def make_texture(image: np.ndarray, is_software: bool) -> vtkTexture:
+    """Texture of an image (h, w, 3) uint8, repeated, or of a picture (h, w, 4).
+
+    ``is_software`` is whether OpenGL runs on the processor.
+    """
     data = pv.ImageData(dimensions=(image.shape[1], image.shape[0], 1))
-    data.point_data["rgb"] = image[::-1].reshape(-1, 3)
+    is_picture = image.shape[2] == 4
+    if is_picture:  # blends with what is transparent would have its colour
+        opacity = image[:, :, 3:].astype(np.uint16)
+        image = np.concatenate([(image[:, :, :3] * opacity + 127) // 255, opacity], axis=2).astype(np.uint8)
+    data.point_data["rgb"] = image[::-1].reshape(-1, image.shape[2])
     data.set_active_scalars("rgb")
     texture = vtkTexture()
     texture.SetInputData(data)
     texture.InterpolateOn()
     texture.MipmapOn()
-    texture.RepeatOn()
+    if is_software:  # filtering along the line of sight needs 3 s for a frame, all else 0.07 s
+        texture.SetMaximumAnisotropicFiltering(1.0)
+    texture.SetRepeat(not is_picture)
+    texture.SetEdgeClamp(is_picture)
     return texture
 
 

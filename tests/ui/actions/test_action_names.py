@@ -18,7 +18,7 @@ along:WORLD along:HANDLE along:VIEW
 frame findings look:front look:side look:top look:-front look:-side look:-top edges
 smooth shade:sharp shade:flat orthographic up:+X up:-X up:+Y up:-Y up:+Z up:-Z upright
 no_measure measure:AREA measure:STRAIN measure:BENDING measure:DISPLACEMENT measure:DISTANCE worst:1 worst:-1
-finish:clay finish:pet finish:foil finish:fabric
+finish:clay finish:pet finish:foil finish:fabric region_picture remove_picture
 ghost compare cut ground file_colors textures turntable scheme:Unknown scheme:Light scheme:Dark
 shortcuts tour paper copy_diagnostics about panel:readings panel:history panel:plots panel:study
 """
