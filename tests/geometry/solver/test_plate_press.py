@@ -110,7 +110,7 @@ def test_plate_press_with_gas_carries_what_a_held_volume_does():
     assert held.volume == pytest.approx(filled.volume, rel=1e-9)
     gains = [step.load_low - empty.load_low for step in (filled, held)]
     assert gains[0] > 0.0
-    assert gains[1] == pytest.approx(gains[0], rel=0.02)
+    assert gains[1] == pytest.approx(gains[0], rel=1e-4)
 
 
 @pytest.mark.parametrize("method", ["exact", "wall"])
