@@ -429,7 +429,7 @@ class Workbench(QObject):
 
     def _set_theme(self, theme: Theme) -> None:
         over = self.notice, self.proposal, self.recovery, self.findings.list, self.help, self.display_options
-        bars = self.mode_bar, self.kind_bar
+        bars = self.mode_bar, self.kind_bar, self.actions_.bar
         for part in (self.plots, self.press, self.comparison, self.case_studies, *over, *bars):
             part.set_theme(theme)
 

@@ -11,6 +11,7 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.theme import DARK, LIGHT
 from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 
@@ -115,6 +116,22 @@ def test_cards_lay_out_one_that_comes_back_alone_for_its_own_size(qtbot, full):
     cut = full.display_options.cutting_plane
     assert cut.rect().contains(cut.slider.geometry())
     assert cut.rect().contains(cut.axes[0].geometry())
+
+
+def test_tool_bar_has_an_overflow_button_that_is_seen_on_a_dark_ground(bottle):
+    bars = bottle.actions_.bar, bottle.mode_bar, bottle.kind_bar
+    before = bottle.shell.theme
+    try:
+        for theme, is_light in ((DARK, True), (LIGHT, False)):
+            for bar in bars:
+                bar.set_theme(theme)
+                drawn = bar.findChild(QToolButton, "qt_toolbar_ext_button").icon().pixmap(32, 32).toImage()
+                inked = [drawn.pixelColor(x, y) for x in range(32) for y in range(32)]
+                grey = [color.lightness() for color in inked if color.alpha() > 200]
+                assert (np.mean(grey) > 128) == is_light
+    finally:
+        for bar in bars:
+            bar.set_theme(before)
 
 
 def test_selection_mode_bar_has_ways_for_which_there_is_no_room_in_a_menu(qtbot, full):

@@ -5,13 +5,13 @@ from functools import partial
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QMainWindow, QMenu, QToolBar
+from PySide6.QtWidgets import QMainWindow, QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.preferences.action_maker import ActionMaker
 from apd_viewer.ui.tools.tool_modes import FIRST_TOOL, Tool
-from apd_viewer.ui.widgets.theme import ICON_SIZE
+from apd_viewer.ui.widgets.tool_bar import ToolBar
 
 _KEYS = QKeySequence.StandardKey
 
@@ -85,15 +85,12 @@ class WindowMenus:
             menu.addActions(list(actions))
         return menus
 
-    def _make_bar(self, window: QMainWindow) -> QToolBar:
-        bar = QToolBar(tr("Tools"), window, objectName="tools", movable=False, iconSize=ICON_SIZE)
-        bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
+    def _make_bar(self, window: QMainWindow) -> ToolBar:
         steps = self.undo, self.redo, self.reset
         tools = *self.tools.values(), self.press_live
-        for group in ((self.open, self.export), tools, steps, (self.frame,)):
-            if bar.actions():
-                bar.addSeparator()
-            bar.addActions(list(group))
+        groups = (self.open, self.export), tools, steps, (self.frame,)
+        bar = ToolBar(tr("Tools"), window, "tools", groups)
+        bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         window.addToolBar(Qt.ToolBarArea.LeftToolBarArea, bar)
         return bar
 

@@ -2,17 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import cast
 
 import numpy as np
 from PySide6.QtCore import QEvent, QMargins, QObject, QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QAction, QMouseEvent
-from PySide6.QtWidgets import QToolBar, QToolButton, QWidget
+from PySide6.QtWidgets import QWidget
 
-from apd_viewer.language import tr
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.box_layouts import column_layout
-from apd_viewer.ui.widgets.theme import ICON_SIZE, Theme, icon
+from apd_viewer.ui.widgets.tool_bar import ToolBar
 from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _MARGIN, _GAP = 12, 8
@@ -194,7 +192,7 @@ def _are_close(room: QRect, other: QWidget) -> bool:
     return other.geometry().adjusted(-_GAP, -_GAP, _GAP, _GAP).intersects(room)
 
 
-class ModeBar(QToolBar):
+class ModeBar(ToolBar):
     """Vertical tool bar of selection modes at the left edge of the canvas.
 
     Parameters
@@ -204,15 +202,10 @@ class ModeBar(QToolBar):
     """
 
     def __init__(self, canvas: Viewport, title: str, groups: Sequence[Sequence[QAction]]) -> None:
-        super().__init__(title, canvas, objectName="ways")
+        super().__init__(title, canvas, "ways", groups)
         block_mouse_events(self)
         self._canvas = canvas
         self.setOrientation(Qt.Orientation.Vertical)
-        self.setIconSize(ICON_SIZE)
-        for group in groups:
-            if self.actions():
-                self.addSeparator()
-            self.addActions(list(group))
         self.move(QPoint(_MARGIN, _MARGIN))
         self.hide()
         canvas.resized.connect(self._fit)
@@ -221,12 +214,6 @@ class ModeBar(QToolBar):
         """Show the bar if the active tool has modes, or hide it."""
         self.setVisible(on)
         self._fit()
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the chevron of the overflow menu, black by default on any background."""
-        more = cast(QToolButton, self.findChild(QToolButton, "qt_toolbar_ext_button"))
-        more.setIcon(icon("unfolded", theme))
-        more.setToolTip(tr("More"))
 
     def _fit(self) -> None:
         """Shrink to the canvas height; the last modes move to the overflow menu."""
