@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtGui import QFont, QFontMetricsF
 
 from apd_viewer import language
-from apd_viewer.presentation import legend_svg, scales
+from apd_viewer.presentation import legend_svg
 from apd_viewer.presentation.scales import Measure, default_scale
 from apd_viewer.session.quantities.units import Unit
 
@@ -34,7 +34,7 @@ def test_legend_svg_keeps_its_words_apart_in_other_languages(qapp, monkeypatch, 
     folder = language.__file__.replace("language.py", "languages")
     say = gettext.translation("apd_viewer", folder, [name]).gettext
     said = measure.traits._replace(title=say(measure.traits.title))
-    monkeypatch.setattr(scales, "_measure_traits", lambda: {measure: said})
+    monkeypatch.setattr(Measure, "traits", property(lambda _: said))
     monkeypatch.setattr(legend_svg, "tr", say)
     rows = extents(legend_svg.legend_svg(default_scale(measure, 10.0), Unit.MILLIMETRE, (-0.3, 0.546)))
     assert sum(map(len, rows.values())) == len(default_scale(measure, 10.0).tick_values) + 2
