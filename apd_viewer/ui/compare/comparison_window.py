@@ -45,8 +45,8 @@ class ComparisonWindow(QWidget):
 
     Parameters
     ----------
-    scale : Scale
-        Of the local area change, to begin with.
+    scale : Scale or None
+        Of the local area change, chosen by the user; without, it is fitted when a comparison ends.
     camera : Camera
         Initial camera.
     """
@@ -55,7 +55,7 @@ class ComparisonWindow(QWidget):
     closed = Signal()
     _woken = Signal()
 
-    def __init__(self, preferences: Preferences, scale: Scale, camera: Camera) -> None:
+    def __init__(self, preferences: Preferences, scale: Scale | None, camera: Camera) -> None:
         super().__init__(None, Qt.WindowType.Window, objectName="comparison")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setWindowIcon(application_icon())
@@ -73,7 +73,7 @@ class ComparisonWindow(QWidget):
         self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED_METHODS))
         self.legend = SharedScale(scale)
         self.legend.changed.connect(self._rescale)
-        self.linked.span_measured.connect(self.legend.show_span)
+        self.linked.span_measured.connect(self._show_span)
         self.table = MethodTable()
         self._lay_out()
 
@@ -244,6 +244,13 @@ class ComparisonWindow(QWidget):
     def show_refusal(self, sentence: str) -> None:
         """Show a sentence saying why the document cannot be compared."""
         self._say(sentence, warn=True)
+
+    def _show_span(self, span: tuple[float, float] | None) -> None:
+        """Show the largest change of all shapes, and fit the scale to it once all are there."""
+        self.legend.show_span(span)
+        is_ended = self.comparison is not None and self.comparison.current_method is None
+        if is_ended and not self.legend.is_chosen:
+            self.legend.fit_to_span()
 
     def _rescale(self) -> None:
         self.linked.show_scale(self.legend.scale)

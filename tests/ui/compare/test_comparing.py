@@ -197,6 +197,22 @@ def test_linked_views_turn_all_when_one_is_turned(qtbot, compared):
         assert (at < [view.width(), view.height()]).all()
 
 
+def test_shared_scale_fits_all_shapes_when_the_comparison_ends_until_a_range_is_chosen(qtbot, side):
+    def largest():
+        return np.expm1(max(np.abs(view.values).max() for view in side.views.values()))
+
+    qtbot.waitUntil(lambda: largest() <= side.legend.scale.reach < 2.51 * largest())
+    assert side.legend.scale.reach != 0.1, "the test is blind"
+    expected = {np.log1p(side.legend.scale.reach)}
+    for view in side.views.values():
+        view.viewport.screenshot(return_img=True)
+        shades = np.clip(128 + 127 * view.values / max(expected), 1, 255)
+        np.testing.assert_allclose(view.surface.shades, shades, atol=0.51)
+    side.legend.reach.setValue(4.0)
+    side.linked.span_measured.emit((-0.5, 0.5))
+    assert side.legend.scale.reach == 0.04
+
+
 def test_shared_scale_gives_equal_values_equal_colors_in_all_views(qtbot, compared):
     _, side = compared
     side.legend.reach.setValue(4.0)
