@@ -56,7 +56,7 @@ _LONGEST = 24_000_000  # largest embedded session in bytes; base64 adds a third
 
 @dataclass(frozen=True, eq=False)
 class _ReportMeasurements:
-    """Slow measurements of a report, and the area change at the vertices with its scale."""
+    """Slow measurements of a report, and the area change with its scale."""
 
     subject: ReportSubject
     evidence: ReportReadings
@@ -243,7 +243,7 @@ def _completed_checks(
 
 
 def _measure(subject: ReportSubject, view: View, chosen: Scale | None) -> _ReportMeasurements:
-    """Compute the slow measurements of a report; without a ``chosen`` scale it is fitted to the shape."""
+    """Compute the slow measurements; without a ``chosen`` scale fit one."""
     state = subject.state
     mesh, skin, U, target = (
         state.document.mesh,
