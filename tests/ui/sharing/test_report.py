@@ -227,6 +227,22 @@ def ends_of_legend(path):
     return max(number(text) for text in re.findall(r">([−+]?[\d.]+)\u00a0%<", legend))
 
 
+def test_report_controller_gives_the_reason_of_each_missing_value(qtbot, window, tmp_path):
+    V, F = meshes.box(2, 2, 6)
+    window.files.show_mesh(Mesh(V, F[2:]))
+    idle(qtbot, window)
+    assert window.panel.measures.compact.text() == "–"
+    size = write(qtbot, window, tmp_path / "report.html").rows["Size and mass"]
+    why = window.session.store.state.inspection.missing_volume_phrase
+    assert why in size["Compactness"]
+    assert size["Wall"] == "–\nnot entered"
+    assert size["Mass"] == "–\nneeds thickness and density"
+    window.panel.measures.wall_fields.thickness.setText("0.3mm")
+    window.panel.measures.wall_fields.thickness.editingFinished.emit()
+    size = write(qtbot, window, tmp_path / "report.html").rows["Size and mass"]
+    assert size["Mass"] == f"–\n{window.panel.measures.problem.text()}"
+
+
 def test_report_controller_measures_what_is_missing_soon_after_an_edit(qtbot, twisted, tmp_path, monkeypatch):
     monkeypatch.setattr(shape_checker, "NEXT_PAUSE", 1000.0)  # the window does not look meanwhile
     twisted.session.handles.move_by(MOTIONS["TWIST"], "5", 0)
