@@ -42,6 +42,7 @@ def legend_svg(scale: Scale, unit: Unit, span: tuple[float, float] | None, ink: 
     title = escape(scale.measure.traits.title)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img">'
+        f"<title>{title}</title>"
         f'<defs><linearGradient id="scale">{stops}</linearGradient></defs>'
         f'<text x="{_LEFT}" y="18" {_LETTERS} font-weight="600" fill="{ink}">{title}</text>{largest}'
         f'<rect x="{_LEFT}" y="{_TOP}" width="{wide}" height="{_BAR}" fill="url(#scale)" '

@@ -218,6 +218,7 @@ class ReportController:
         chart = replace(reading_charts.local_change(change), title="", readings=())
         font = QFont(self._window.font())
         font.setPixelSize(_LETTERS)
+        caption = tr("Share of the surface by local area change")
         words = 2.5 * QFontMetricsF(font).height()  # height of the omitted title and readings
         room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
 
@@ -225,9 +226,8 @@ class ReportController:
             def draw(painter: QPainter) -> None:
                 draw_chart(painter, room, chart, theme, font)
 
-            return svg_element(_CHART, draw)
+            return svg_element(_CHART, draw, caption)
 
-        caption = tr("Share of the surface by local area change")
         return html_page.PageDrawing(drawn(LIGHT), drawn(DARK), caption)
 
 

@@ -227,6 +227,17 @@ def ends_of_legend(path):
     return max(number(text) for text in re.findall(r">([−+]?[\d.]+)\u00a0%<", legend))
 
 
+def test_report_controller_names_each_drawing_by_its_caption(qtbot, twisted, tmp_path):
+    write(qtbot, twisted, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    drawings = re.findall(r"(?s)<svg.*?</svg>", text)
+    named = [re.findall(r"<title>([^<]*)</title>", drawing) for drawing in drawings]
+    caption = "Share of the surface by local area change"
+    assert named == [["Local area change"], [caption], [caption]]
+    assert f"<figcaption>{caption}</figcaption>" in text
+    assert not re.search(r"Generated with|Qt SVG", text)
+
+
 def test_report_controller_gives_the_reason_of_each_missing_value(qtbot, window, tmp_path):
     V, F = meshes.box(2, 2, 6)
     window.files.show_mesh(Mesh(V, F[2:]))
