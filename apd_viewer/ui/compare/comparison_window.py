@@ -122,7 +122,7 @@ class ComparisonWindow(QWidget):
             margins=(12, 8, 12, 8),
         )
         top = Qt.AlignmentFlag.AlignTop
-        foot = row_layout((self.legend, 0, top), (self.table, 1, top), spacing=32, margins=(12, 10, 12, 8))
+        foot = row_layout((self.legend, 0, top), (self.table, 1, top), spacing=16, margins=(12, 10, 12, 8))
         column_layout(head, (self.linked, 1), foot, spacing=0, parent=self)
 
     def add_shortcuts(self, keys: list[QKeySequence], command: Callable[[], object]) -> None:

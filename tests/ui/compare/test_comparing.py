@@ -544,7 +544,7 @@ def test_method_table_fits_the_window_in_every_language(qtbot, monkeypatch, pain
     table.show_title(1, catalogue.gettext("{method}, no contact").format(method="Paper"))
     for row in range(2):
         table.show_readings(row, found)
-    table.resize(976, 120)  # beside the legend, in a window of 1280 × 800
+    table.resize(992, 120)  # beside the legend, in a window of 1280 × 800
     table.show()
     head = table.horizontalHeader()
     assert head.length() <= table.viewport().width()
