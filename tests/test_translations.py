@@ -199,3 +199,14 @@ def test_translations_into_chinese_have_signs_of_their_own_and_no_spaces():
     assert list(faults(catalogue)) == []
     catalogue.add("Done.", "完成：")
     assert [kind for kind, _ in faults(catalogue)] == ["end"]
+
+
+def test_translations_into_german_tell_the_volume_of_a_box_from_that_of_a_hull():
+    titles = {english: text for path in FILES if "de" in path.parts for english, text in pairs(read(path))}
+    volumes = {english: text for english, text in titles.items() if english.endswith("volume")}
+    assert {"Bounding box volume", "Smallest box volume", "Convex hull volume"} <= set(volumes)
+    # The panel has no room for the word in the title of the smallest box.
+    assert {text for text in volumes.values() if "volumen" not in text.lower()} <= {"Kleinster Quader"}
+    for english, text in volumes.items():
+        assert ("box" in english) == ("quader" in text.lower())
+        assert ("hull" in english) == ("Hülle" in text)

@@ -82,7 +82,7 @@ def power_of_ten(exponent: int) -> str:
 def ratio_axis(reach: float) -> Axis:
     """Axis of ratios about 1, up to ``reach``; positions are binary logarithms.
 
-    Small changes are written in percent, large ones as factors.
+    Small changes are written in percent, also beyond ``reach`` up to the end, and large ones as factors.
     """
     small = reach < 2.0
     # On a log axis a decrease lies farther from the centre than an equal increase in percent.
@@ -99,6 +99,15 @@ def _percents(reach: float, most: int) -> Ticks:
     decimals = max(0, -math.floor(math.log10(100.0 * step) + 1e-9))
     count = math.floor((reach - 1.0) / step + 1e-9)
     changes = [k * step for k in range(-count, count + 1)]
+    # An increase as long as the decrease by ``reach`` is larger in percent; the axis goes on to it.
+    high = -math.log2(2.0 - reach)
+    last = step * math.floor((2.0**high - 1.0) / step + 1e-9)
+    least = 2.0 * high / max(1, most)  # distance of two labels
+    for k in range(count + 1, round(last / step) + 1):
+        place = math.log2(1.0 + k * step)
+        to_last = math.log2(1.0 + last) - place
+        if place - math.log2(1.0 + changes[-1]) >= least and (to_last >= least or k == round(last / step)):
+            changes.append(k * step)
     return [(math.log2(1.0 + c), f"{format_signed(100.0 * c, decimals)} %") for c in changes]
 
 

@@ -9,7 +9,7 @@ from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.quantities.units import Unit
 
 # SVG user units, equal to pixels of the window.
-WIDTH, HEIGHT = 264, 74
+WIDTH, HEIGHT = 264, 88
 _LEFT, _TOP, _BAR = 8, 28, 14
 _STOPS = 33
 _LETTERS = 'font-family="system-ui, sans-serif" font-size="12"'
@@ -36,10 +36,13 @@ def legend_svg(scale: Scale, unit: Unit, span: tuple[float, float] | None, ink: 
     if span is not None:
         value = scale.format_value(scale.largest_change(span), unit)
         said = escape(tr("largest {value}").format(value=value))
-        largest = f'<text x="{WIDTH - _LEFT}" y="18" {_LETTERS} text-anchor="end" fill="{ink}">{said}</text>'
+        # A line of its own: title and value need not fit side by side in every language.
+        below = f'x="{WIDTH - _LEFT}" y="{low + 34}" {_LETTERS} text-anchor="end"'
+        largest = f'<text {below} fill="{ink}">{said}</text>'
     title = escape(scale.measure.traits.title)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img">'
+        f"<title>{title}</title>"
         f'<defs><linearGradient id="scale">{stops}</linearGradient></defs>'
         f'<text x="{_LEFT}" y="18" {_LETTERS} font-weight="600" fill="{ink}">{title}</text>{largest}'
         f'<rect x="{_LEFT}" y="{_TOP}" width="{wide}" height="{_BAR}" fill="url(#scale)" '

@@ -35,9 +35,8 @@ _ALWAYS = 0.95  # factors between this and its inverse are not reported
 def inactive_reason(state: State) -> str:
     """Sentence saying why obstacles are inactive; empty if they are active."""
     method = state.document.settings.traits
-    if not method.may_use_contact:
-        sentence = tr("The method {method} cannot use contact: obstacles push nothing.")
-        return sentence.format(method=method.title)
+    if method.obstacle_problem:
+        return method.obstacle_problem
     return "" if state.document.settings.contact else tr("Contact is off: obstacles push nothing.")
 
 

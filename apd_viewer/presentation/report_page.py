@@ -148,23 +148,40 @@ def _size(subject: ReportSubject) -> Iterator[PageBlock]:
     extent = readings.extent(found, unit), ""
     box = readings.box_volume(found.box, rest.box, unit)
     packed = readings.box_volume(found.packed_box, rest.packed_box, unit)
-    try:
-        grams, problem = (
-            typed_mass(subject.wall, state.frame.area, unit, readings.material_volume(state)),
-            readings.double_wall(state, unit),
-        )
-    except InputError as error:
-        grams, problem = None, str(error)
+    entered = subject.wall.text(unit)
     yield PageTable(
         (
             (tr("Bounding box"), *extent),
             (tr("Bounding box volume"), *box),
             (tr("Smallest box volume"), *packed),
-            (tr("Compactness"), *readings.compactness_text(state)),
-            (tr("Wall"), subject.wall.text(unit) or readings.NO_VALUE, ""),
-            (tr("Mass"), readings.mass(grams, unit), problem),
+            (tr("Compactness"), *_compactness(state)),
+            (tr("Wall"), entered or readings.NO_VALUE, "" if entered else tr("not entered")),
+            (tr("Mass"), *_mass(subject)),
         )
     )
+
+
+def _mass(subject: ReportSubject) -> tuple[str, str]:
+    """Mass with the material of a double wall, or the reason for a missing one."""
+    state, unit = subject.state, subject.unit
+    material, double = readings.material_volume(state), readings.double_wall(state, unit)
+    try:
+        grams = typed_mass(subject.wall, state.frame.area, unit, material)
+    except InputError as error:
+        return readings.NO_VALUE, str(error)
+    if grams is None:
+        missing = tr("needs thickness and density") if material is None else tr("needs a density")
+        return readings.NO_VALUE, "; ".join(filter(None, (missing, double)))
+    return readings.mass(grams, unit), double
+
+
+def _compactness(state: State) -> tuple[str, str]:
+    """Compactness with its change, or the reason for a missing one."""
+    value, change = readings.compactness_text(state)
+    why = state.inspection.missing_volume_phrase
+    if value == readings.NO_VALUE and why:
+        return value, tr("There is no volume: {why}.").format(why=why)
+    return value, change
 
 
 def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> Iterator[PageSection]:

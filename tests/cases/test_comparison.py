@@ -2,6 +2,7 @@
 
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +11,10 @@ from driven_session import BENT, LONG, document
 import apd_viewer
 from apd_viewer.cases.comparison import Comparison
 from apd_viewer.geometry.energy import elastic_surface
+from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.geometry.solver.convergence import Convergence
-from apd_viewer.geometry.solver.methods import COMPARED_METHODS
+from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.processes import solver_process
 
 
@@ -77,6 +80,20 @@ def test_comparison_brings_each_method_to_what_it_comes_to_alone(begun, cold):
         # Of "local" the frame tells the energy of its material, which is another one.
         assert outcome.cost.energy == pytest.approx(alone.energy, rel=1e-9)
         assert 0.0 < outcome.cost.seconds < LONG
+
+
+def test_comparison_says_that_a_method_without_contact_meets_no_obstacles(begun, cold):
+    left = NamedObstacle("left", ObstacleKind.PLATE, np.array([-0.1, 0.0, 0.0]), np.array([1.0, 0.0, 0.0]))
+    plates = (replace(left, shift=np.array([0.3, 0.0, 0.0])),)
+    bare = replace(document(), labels=np.full_like(document().labels, FREE), obstacles=plates)
+    comparison = begun(bare.with_settings(contact=True), ("paper", "sr-arap"))
+    finish(comparison)
+    for method, outcome in comparison.outcomes.items():
+        assert outcome.failure == METHODS[method].obstacle_problem != ""
+    assert METHODS["exact"].obstacle_problem == ""
+    bare = begun(replace(bare, obstacles=()), ("paper",))
+    finish(bare)
+    assert "no base" in bare.outcomes["paper"].failure
 
 
 def test_comparison_does_not_depend_on_where_the_shape_was_led_before(begun, cold):

@@ -64,7 +64,7 @@ def test_power_of_ten_is_written_out_where_that_is_short():
     assert [power_of_ten(k) for k in (-4, -3, 0, 2, 4)] == ["10⁻⁴", "0.001", "1", "100", "10⁴"]
 
 
-@pytest.mark.parametrize("reach", [1.001, 1.05, 1.5])
+@pytest.mark.parametrize("reach", [1.001, 1.05, 1.2, 1.5])
 @pytest.mark.parametrize("most", [1, 3, 8])
 def test_ratio_axis_that_are_small_are_percentages_on_both_sides(reach, most):
     axis = ratio_axis(reach)
@@ -72,9 +72,21 @@ def test_ratio_axis_that_are_small_are_percentages_on_both_sides(reach, most):
     ticks = axis.ticks(most)
     check_within(axis, ticks)
     values = [value(text) for _, text in ticks]
-    assert values == [-x for x in reversed(values)]
+    falls = [x for x in values if x < 0.0]
+    middle = values.index(0.0)
+    assert [-x for x in reversed(falls)] == values[middle + 1 : middle + 1 + len(falls)]
     for place, text in ticks:
         assert 2.0**place == pytest.approx(1.0 + value(text) / 100.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("most", [6, 8, 14])
+def test_ratio_axis_has_labels_up_to_its_end(most):
+    axis = ratio_axis(1.5)
+    places, texts = zip(*axis.ticks(most), strict=True)
+    assert texts[-1] == "+100 %"
+    assert places[-1] == pytest.approx(axis.high)
+    beyond = [place for place in places if place >= np.log2(1.5 + 1e-9) - 1e-6]
+    assert np.diff(beyond).min(initial=np.inf) >= (axis.high - axis.low) / most - 1e-9
 
 
 @pytest.mark.parametrize("reach", [2.0, 16.0, 1024.0])

@@ -82,6 +82,14 @@ class Method:
         """Sentences on the benefits and drawbacks of the method."""
         return f"{self.keeps_sentence} {self.gives_up_sentence}"
 
+    @property
+    def obstacle_problem(self) -> str:
+        """Sentence saying that obstacles push nothing; empty if contact can be used."""
+        if self.may_use_contact:
+            return ""
+        sentence = tr("The method {method} cannot use contact: obstacles push nothing.")
+        return sentence.format(method=self.title)
+
 
 def _rigid(stiffness: float, _area: float, _shear: float) -> Material:
     return Material(bending=stiffness)

@@ -102,7 +102,9 @@ class RequestSolver:
         if request.document.paint_problem:
             # Requests without complete paint are sent during painting, only to prepare for a later one.
             if request.is_timed:  # sent by a comparison of methods, which waits for an answer
-                raise InputError(request.document.paint_problem)
+                document = request.document
+                without = document.settings.traits.obstacle_problem if document.obstacles else ""
+                raise InputError(without or document.paint_problem)
             with contextlib.suppress(InputError):
                 compute_decimations(self._rest_of(request))
             return

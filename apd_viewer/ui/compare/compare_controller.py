@@ -6,7 +6,7 @@ from functools import partial
 from PySide6.QtGui import QAction
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.scales import Measure, default_scale
+from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.state_store import StateStore
@@ -75,7 +75,7 @@ class CompareController:
         window.activateWindow()
 
     def _make_window(self) -> ComparisonWindow:
-        scale = self._looks.overlay.scales.get(Measure.AREA) or default_scale(Measure.AREA, 1.0)
+        scale = self._looks.overlay.scales.get(Measure.AREA)
         window = ComparisonWindow(self._memory, scale, self._canvas.viewport.camera_controller.camera)
         window.set_theme(self._theme)
         for view in window.linked.views.values():

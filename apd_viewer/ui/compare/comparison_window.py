@@ -15,7 +15,12 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import comma_separated, tr
-from apd_viewer.presentation.method_readings import method_readings, reading_columns, write_outcomes
+from apd_viewer.presentation.method_readings import (
+    method_readings,
+    missing_contact,
+    reading_columns,
+    write_outcomes,
+)
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
@@ -45,8 +50,8 @@ class ComparisonWindow(QWidget):
 
     Parameters
     ----------
-    scale : Scale
-        Of the local area change, to begin with.
+    scale : Scale or None
+        Of the local area change, chosen by the user; without, it is fitted when a comparison ends.
     camera : Camera
         Initial camera.
     """
@@ -55,7 +60,7 @@ class ComparisonWindow(QWidget):
     closed = Signal()
     _woken = Signal()
 
-    def __init__(self, preferences: Preferences, scale: Scale, camera: Camera) -> None:
+    def __init__(self, preferences: Preferences, scale: Scale | None, camera: Camera) -> None:
         super().__init__(None, Qt.WindowType.Window, objectName="comparison")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setWindowIcon(application_icon())
@@ -73,7 +78,7 @@ class ComparisonWindow(QWidget):
         self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED_METHODS))
         self.legend = SharedScale(scale)
         self.legend.changed.connect(self._rescale)
-        self.linked.span_measured.connect(self.legend.show_span)
+        self.linked.span_measured.connect(self._show_span)
         self.table = MethodTable()
         self._lay_out()
 
@@ -117,7 +122,7 @@ class ComparisonWindow(QWidget):
             margins=(12, 8, 12, 8),
         )
         top = Qt.AlignmentFlag.AlignTop
-        foot = row_layout((self.legend, 0, top), (self.table, 1, top), spacing=32, margins=(12, 10, 12, 8))
+        foot = row_layout((self.legend, 0, top), (self.table, 1, top), spacing=16, margins=(12, 10, 12, 8))
         column_layout(head, (self.linked, 1), foot, spacing=0, parent=self)
 
     def add_shortcuts(self, keys: list[QKeySequence], command: Callable[[], object]) -> None:
@@ -225,8 +230,9 @@ class ComparisonWindow(QWidget):
                 self.views[method].show_shape(outcome.frame.U)
             said, tip, note = _status_texts(method, comparison)
             self.views[method].show_status(said, tip, note)
-            self.table.show_title(row, _row_title(method, outcome))
-            self.table.show_readings(row, method_readings(state, outcome), "" if note else said)
+            missing = missing_contact(state, method)
+            self.table.show_title(row, _row_title(method, outcome, bool(missing)), missing)
+            self.table.show_readings(row, method_readings(state, method, outcome), "" if note else said)
         under_way = comparison.current_method
         self.progress.set_frame(comparison.outcomes[under_way].frame if under_way else None, bool(under_way))
         self.stop.setEnabled(under_way is not None)
@@ -244,6 +250,13 @@ class ComparisonWindow(QWidget):
     def show_refusal(self, sentence: str) -> None:
         """Show a sentence saying why the document cannot be compared."""
         self._say(sentence, warn=True)
+
+    def _show_span(self, span: tuple[float, float] | None) -> None:
+        """Show the changes of all shapes; fit the scale to them at the end."""
+        self.legend.show_span(span)
+        is_ended = self.comparison is not None and self.comparison.current_method is None
+        if is_ended and not self.legend.is_chosen:
+            self.legend.fit_to_span()
 
     def _rescale(self) -> None:
         self.linked.show_scale(self.legend.scale)
@@ -285,10 +298,10 @@ class ComparisonWindow(QWidget):
         shown = []
         for method, outcome in self._outcomes():
             view = self.views[method]
-            found = method_readings(self._state, outcome)
+            found = method_readings(self._state, method, outcome)
             is_usual = outcome.is_finished and found and outcome.origin.has_same_path
             brief = [] if is_usual else [view.status_texts[0]]
-            for column in (self.table.columns[k] for k in (0, 2)):
+            for column in (each for each in self.table.columns if each.name in ("area", "volume")):
                 brief += [f"{column.title} {column.cell_text(found)}"] if found else []
             shown.append(ComparisonShape(view.title, comma_separated(brief), view.picture(PIXEL_RATIO)))
         self.set_theme(self._theme)
@@ -327,9 +340,11 @@ _ORIGINS = {  # tooltips
 }
 
 
-def _row_title(method: str, outcome: MethodOutcome) -> str:
-    """Title of a row in the table, with the origin of its shape if it differs."""
+def _row_title(method: str, outcome: MethodOutcome, lacks_contact: bool) -> str:
+    """Title of a row in the table, with a lack of contact and another origin."""
     title = METHODS[method].title
+    if lacks_contact:
+        title = tr("{method}, no contact").format(method=METHODS[method].short_title)
     if outcome.origin.has_same_path:
         return title
     return tr("{method}, as it stands in the window").format(method=title)

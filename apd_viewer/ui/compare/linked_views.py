@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSizePolicy, QWi
 
 from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.language import tr
-from apd_viewer.presentation.scales import Measure, Scale, span_of
+from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.legend import LegendColorBar
@@ -190,22 +190,25 @@ class SharedScale(QWidget):
 
     Parameters
     ----------
-    scale : Scale
-        Of ratios.
+    chosen : Scale or None
+        Chosen by the user, if any.
 
     Attributes
     ----------
     changed : Signal()
         The range is another one.
+    is_chosen : bool
+        True if the user has chosen the range: it is not fitted then.
     span : tuple of float or None
         Least and largest value in sight.
     """
 
     changed = Signal()
 
-    def __init__(self, scale: Scale) -> None:
+    def __init__(self, chosen: Scale | None) -> None:
         super().__init__()
-        self.scale = scale
+        self.scale = scale = chosen or default_scale(Measure.AREA, 1.0)
+        self.is_chosen = chosen is not None
         self.span: tuple[float, float] | None = None
         self.setFixedWidth(_WIDTH)
         self._bar = LegendColorBar()
@@ -214,9 +217,9 @@ class SharedScale(QWidget):
             brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9, suffix="\u00a0%"
         )
         self.reach.setRange(1e-7, 1e9)
-        self.reach.valueChanged.connect(lambda percent: self._rescale(percent / 100.0))
+        self.reach.valueChanged.connect(self._choose)
         tip = tr("Fit the scale to the largest change of all shapes")
-        self.fit = QPushButton(tr("Fit"), toolTip=tip, clicked=self._fit)
+        self.fit = QPushButton(tr("Fit"), toolTip=tip, clicked=self.fit_to_span)
         grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=6)
         grid.setContentsMargins(0, 0, 0, 0)
         title = QLabel(scale.measure.traits.title, objectName="title", toolTip=scale.measure.traits.tip)
@@ -235,9 +238,14 @@ class SharedScale(QWidget):
         self._bar.show_values(span, None)
         self.fit.setEnabled(span is not None)
 
-    def _fit(self) -> None:
+    def fit_to_span(self) -> None:
+        """Fit the range to the largest change of all shapes."""
         if self.span is not None:
             self._rescale(self.scale.fitted_to(self.span).reach)
+
+    def _choose(self, percent: float) -> None:
+        self.is_chosen = True
+        self._rescale(percent / 100.0)
 
     def _rescale(self, reach: float) -> None:
         if reach != self.scale.reach:

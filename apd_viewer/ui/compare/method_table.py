@@ -21,6 +21,7 @@ from apd_viewer.ui.widgets.theme import LIGHT
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _ROW = 28  # px; row height
+_LONGEST_TITLE = 200  # px; longer titles of rows are elided
 
 
 class MethodTable(QTableWidget):
@@ -42,15 +43,17 @@ class MethodTable(QTableWidget):
         across.setHighlightSections(False)
         down.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
         down.setDefaultSectionSize(_ROW)
+        down.setMaximumWidth(_LONGEST_TITLE)
         down.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         self.columns: list[ReadingColumn] = []
 
     def set_columns(self, columns: list[ReadingColumn]) -> None:
         """Set the columns and their titles."""
         self.columns = columns
+        self.clearSpans()
         self.setColumnCount(len(columns))
         for k, column in enumerate(columns):
-            head = QTableWidgetItem(column.title)
+            head = QTableWidgetItem(_narrow_text(column.title))
             head.setToolTip(column.tip)
             self.setHorizontalHeaderItem(k, head)
         self._share_width()
@@ -61,9 +64,10 @@ class MethodTable(QTableWidget):
         self._share_width()
 
     def _share_width(self) -> None:
-        """Make the columns equally wide if there is room for the longest title in each."""
+        """Make the columns equally wide if there is room for the longest text in each."""
         across, modes = self.horizontalHeader(), QHeaderView.ResizeMode
-        widest = max(map(across.sectionSizeHint, range(across.count())), default=0)
+        places = range(across.count())
+        widest = max((max(across.sectionSizeHint(k), self.sizeHintForColumn(k)) for k in places), default=0)
         is_wide = self.viewport().width() >= across.count() * widest
         across.setSectionResizeMode(modes.Stretch if is_wide else modes.ResizeToContents)
 
@@ -73,10 +77,13 @@ class MethodTable(QTableWidget):
         self.setVerticalHeaderLabels(list(titles))
         self.updateGeometry()
 
-    def show_title(self, row: int, title: str) -> None:
-        """Set the title of a row."""
+    def show_title(self, row: int, title: str, tip: str = "") -> None:
+        """Set the title of a row, and its tooltip below the whole title."""
         head = self.verticalHeaderItem(row)
-        if head is not None and head.text() != title:
+        if head is None:
+            return
+        head.setToolTip(f"{title}\n{tip}".rstrip())
+        if head.text() != title:
             head.setText(title)
             self.updateGeometry()
             self._share_width()
@@ -86,6 +93,7 @@ class MethodTable(QTableWidget):
         is_note = bool(instead) and not readings
         if is_note is not (self.columnSpan(row, 0) > 1):
             self.setSpan(row, 0, 1, len(self.columns) if is_note else 1)
+        is_new = False
         for k, column in enumerate(self.columns):
             text = column.cell_text(readings) if readings else "" if k else instead
             item = self.item(row, k)
@@ -94,8 +102,11 @@ class MethodTable(QTableWidget):
                 self.setItem(row, k, item)
             if item.text() != text:
                 item.setText(text)
+                is_new = True
             item.setTextAlignment(_LEFT if is_note else _RIGHT)
             item.setToolTip("" if is_note else column.cell_tip(readings))
+        if is_new:
+            self._share_width()
 
     def sizeHint(self) -> QSize:
         """Height of the header and all rows."""
@@ -106,6 +117,12 @@ class MethodTable(QTableWidget):
     def minimumSizeHint(self) -> QSize:
         """Preferred size, so that no row is cut off."""
         return QSize(240, self.sizeHint().height())
+
+
+def _narrow_text(title: str) -> str:
+    """Title of a column on two lines, broken also at a soft hyphen."""
+    words = title.replace("\u00ad", "- ").split()
+    return "\n".join(line for line in (" ".join(words[:1]), " ".join(words[1:])) if line)
 
 
 PIXEL_RATIO = 2  # picture pixels for each pixel on the screen

@@ -324,11 +324,8 @@ def write_drawing(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> 
     """
     with replacing_file(path) as scratch:
         if path.suffix.lower() == ".svg":
-            sheet = QSvgGenerator()
+            sheet = _svg_sheet(size, tr("Plots of APD Viewer"))
             sheet.setFileName(str(scratch))
-            sheet.setSize(size)
-            sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
-            sheet.setTitle(tr("Plots of APD Viewer"))
             _paint(sheet, size, draw)
         else:
             image = QImage(size * _SCALE, QImage.Format.Format_RGB32)
@@ -338,18 +335,26 @@ def write_drawing(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> 
                 raise OSError(tr("the picture could not be encoded"))
 
 
-def svg_element(size: QSize, draw: Callable[[QPainter], None]) -> str:
-    """SVG element of a drawing, without a background."""
+def svg_element(size: QSize, draw: Callable[[QPainter], None], title: str) -> str:
+    """SVG element of a drawing with a title, without a background."""
     content = QByteArray()
     buffer = QBuffer(content)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    sheet = QSvgGenerator()
+    sheet = _svg_sheet(size, title)
     sheet.setOutputDevice(buffer)
-    sheet.setSize(size)
-    sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
     _paint(sheet, size, draw, paper=None)
     text = bytes(content.data()).decode("utf-8")
     return text[text.index("<svg") :].strip()
+
+
+def _svg_sheet(size: QSize, title: str) -> QSvgGenerator:
+    """Sheet with a title; without one, Qt would write its own, and a description."""
+    sheet = QSvgGenerator()
+    sheet.setSize(size)
+    sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
+    sheet.setTitle(title)
+    sheet.setDescription(title)
+    return sheet
 
 
 def _paint(

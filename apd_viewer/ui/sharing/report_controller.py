@@ -23,14 +23,13 @@ from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.target_shape import TargetShape
-from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.log import redacted_text
 from apd_viewer.presentation.legend_svg import legend_svg
 from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_blocks import ReportReadings
 from apd_viewer.presentation.report_page import ReportSubject, report_page, volumes_block
-from apd_viewer.presentation.scales import Measure, Scale, default_scale
+from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.state import State
@@ -57,12 +56,13 @@ _LONGEST = 24_000_000  # largest embedded session in bytes; base64 adds a third
 
 @dataclass(frozen=True, eq=False)
 class _ReportMeasurements:
-    """Slow measurements of a report, and the area change at the vertices."""
+    """Slow measurements of a report, and the area change with its scale."""
 
     subject: ReportSubject
     evidence: ReportReadings
     values: np.ndarray
     shades: np.ndarray
+    scale: Scale
 
 
 class ReportController:
@@ -167,36 +167,30 @@ class ReportController:
             datetime.now().astimezone(),
             session.measurement_readings.readings(state),
         )
-        scale = self._scale(state)
+        chosen = self._looks.overlay.scales.get(Measure.AREA)
 
         def work() -> _ReportMeasurements:
             found, at_rest = _completed_checks(state, *checks)
             all_made = complete_readings(made, state)
             subject = ReportSubject(state, unit, view.wall, found, at_rest, moment, all_made)
-            return _measure(subject, view, scale)
+            return _measure(subject, view, chosen)
 
         title = tr("Measuring for {name}").format(name=path.name)
-        session.jobs.run(title, work, lambda measured: self._finish(path, measured, scale))
+        session.jobs.run(title, work, partial(self._finish, path))
 
-    def _scale(self, state: State) -> Scale:
-        """Current colour scale of the local area change, or the default one."""
-        V, F = state.document.mesh.V, state.document.mesh.F
-        size = diagonal(V[F.ravel()]) or 1.0
-        return self._looks.overlay.scales.get(Measure.AREA) or default_scale(Measure.AREA, size)
-
-    def _finish(self, path: Path, measured: _ReportMeasurements, scale: Scale) -> None:
+    def _finish(self, path: Path, measured: _ReportMeasurements) -> None:
         """Render the pictures on this thread, and write the page in the background."""
         session, subject = self._session, measured.subject
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
-            images = self._images(subject.state, measured, scale)
+            images = self._images(subject.state, measured)
             histogram = self._histogram(measured.evidence.change)
         except InputError as error:
             self._notice.show_failure(str(error))
             return
         finally:
             QGuiApplication.restoreOverrideCursor()
-        legend = self._legend(subject, measured, scale)
+        legend = self._legend(subject, measured)
 
         def work() -> str:
             html_page.write_page(
@@ -207,25 +201,24 @@ class ReportController:
         title = tr("Writing {name}").format(name=path.name)
         session.jobs.run(title, work, partial(self._notice.show_message, file=path), can_be_cancelled=False)
 
-    def _images(self, state: State, measured: _ReportMeasurements, scale: Scale) -> list[QImage]:
+    def _images(self, state: State, measured: _ReportMeasurements) -> list[QImage]:
         surface = self._canvas.surface
         studio = OffscreenScene(self._canvas.viewport, state, surface.shows_edges, surface.shading)
         V, U = state.document.mesh.V, state.frame.U
         return [
             studio.painted_picture(V),
             studio.painted_picture(U),
-            studio.colored_picture(U, measured.shades, scale),
+            studio.colored_picture(U, measured.shades, measured.scale),
         ]
 
-    def _legend(self, subject: ReportSubject, measured: _ReportMeasurements, scale: Scale) -> str:
-        values = measured.values[np.isfinite(measured.values)]
-        span = (float(values.min()), float(values.max())) if len(values) else None
-        return legend_svg(scale, subject.unit, span)
+    def _legend(self, subject: ReportSubject, measured: _ReportMeasurements) -> str:
+        return legend_svg(measured.scale, subject.unit, span_of(measured.values))
 
     def _histogram(self, change: LocalChange) -> html_page.PageDrawing:
         chart = replace(reading_charts.local_change(change), title="", readings=())
         font = QFont(self._window.font())
         font.setPixelSize(_LETTERS)
+        caption = tr("Share of the surface by local area change")
         words = 2.5 * QFontMetricsF(font).height()  # height of the omitted title and readings
         room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
 
@@ -233,9 +226,8 @@ class ReportController:
             def draw(painter: QPainter) -> None:
                 draw_chart(painter, room, chart, theme, font)
 
-            return svg_element(_CHART, draw)
+            return svg_element(_CHART, draw, caption)
 
-        caption = tr("Share of the surface by local area change")
         return html_page.PageDrawing(drawn(LIGHT), drawn(DARK), caption)
 
 
@@ -250,8 +242,8 @@ def _completed_checks(
     return found or check_shape_in_process(ShapeQuery(state.frame.U, F)), at_rest
 
 
-def _measure(subject: ReportSubject, view: View, scale: Scale) -> _ReportMeasurements:
-    """Compute the slow measurements of a report."""
+def _measure(subject: ReportSubject, view: View, chosen: Scale | None) -> _ReportMeasurements:
+    """Compute the slow measurements; without a ``chosen`` scale fit one."""
     state = subject.state
     mesh, skin, U, target = (
         state.document.mesh,
@@ -260,6 +252,9 @@ def _measure(subject: ReportSubject, view: View, scale: Scale) -> _ReportMeasure
         state.document.target_shape,
     )
     values = Deviation(mesh.V, skin.joined, skin.source).area_change(U)
+    span, scale = span_of(values), chosen or default_scale(Measure.AREA, 1.0)
+    if chosen is None and span is not None:
+        scale = scale.fitted_to(span)
     shades = np.full(len(U), 255, dtype=np.uint8)
     write_shades(values, scale.measure.is_signed, scale.end, shades)
     evidence = ReportReadings(
@@ -268,7 +263,7 @@ def _measure(subject: ReportSubject, view: View, scale: Scale) -> _ReportMeasure
         _session_of(state, view),
         None if target is None else target_distance_fields(target, mesh, U),
     )
-    return _ReportMeasurements(subject, evidence, values, shades)
+    return _ReportMeasurements(subject, evidence, values, shades, scale)
 
 
 def _session_of(state: State, view: View) -> bytes:

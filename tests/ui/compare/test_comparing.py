@@ -1,8 +1,10 @@
 """Methods side by side in a real window: the table, the linked views, the colours, and the files."""
 
 import csv
+import gettext
 import re
 import threading
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,11 +16,18 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
 import apd_viewer
+from apd_viewer import language
+from apd_viewer.cases.comparison import MethodOutcome
 from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.presentation import method_readings
 from apd_viewer.presentation.method_readings import reading_columns
+from apd_viewer.session.model.handles_and_regions import NamedRegion
+from apd_viewer.session.processes.request_and_reply import Cost
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.compare.method_table import MethodTable
 from apd_viewer.ui.filing import file_dialogs
@@ -116,7 +125,7 @@ def measured(side, change):
 def cells(side):
     """The table by method and title of the column."""
     table = side.table
-    titles = [table.horizontalHeaderItem(k).text() for k in range(table.columnCount())]
+    titles = [table.horizontalHeaderItem(k).text().replace("\n", " ") for k in range(table.columnCount())]
     return {
         table.verticalHeaderItem(row).text(): {
             title: table.item(row, k).text() for k, title in enumerate(titles)
@@ -195,6 +204,22 @@ def test_linked_views_turn_all_when_one_is_turned(qtbot, compared):
         at = view.camera_controller.camera.project(shown.surface.U)
         assert (at > 0).all()
         assert (at < [view.width(), view.height()]).all()
+
+
+def test_shared_scale_fits_all_shapes_when_the_comparison_ends_until_a_range_is_chosen(qtbot, side):
+    def largest():
+        return np.expm1(max(np.abs(view.values).max() for view in side.views.values()))
+
+    qtbot.waitUntil(lambda: largest() <= side.legend.scale.reach < 2.51 * largest())
+    assert side.legend.scale.reach != 0.1, "the test is blind"
+    expected = {np.log1p(side.legend.scale.reach)}
+    for view in side.views.values():
+        view.viewport.screenshot(return_img=True)
+        shades = np.clip(128 + 127 * view.values / max(expected), 1, 255)
+        np.testing.assert_allclose(view.surface.shades, shades, atol=0.51)
+    side.legend.reach.setValue(4.0)
+    side.linked.span_measured.emit((-0.5, 0.5))
+    assert side.legend.scale.reach == 0.04
 
 
 def test_shared_scale_gives_equal_values_equal_colors_in_all_views(qtbot, compared):
@@ -494,5 +519,75 @@ def test_method_table_does_not_cut_off_titles_of_columns_in_a_narrow_window(qtbo
     table.resize(200, 100)
     table.show()
     head = table.horizontalHeader()
-    for k, title in enumerate(titles):
-        assert head.sectionSize(k) > head.fontMetrics().horizontalAdvance(title)
+    for k in range(len(titles)):
+        shown = table.horizontalHeaderItem(k).text()
+        assert shown.replace("\n", " ") == titles[k]
+        assert head.sectionSize(k) > head.fontMetrics().size(0, shown).width()
+
+
+@pytest.mark.parametrize("name", ["", "de", "zh_CN"])
+def test_method_table_fits_the_window_in_every_language(qtbot, monkeypatch, painted_bottle, name):
+    folder = language.__file__.replace("language.py", "languages")
+    catalogue = gettext.translation("apd_viewer", folder, [name], fallback=not name)
+    monkeypatch.setattr(method_readings, "tr", catalogue.gettext)
+    monkeypatch.setattr(method_readings, "trc", catalogue.pgettext)
+    outcome = MethodOutcome(
+        replace(painted_bottle.frame, iteration=1234, largest_edge_strain=-0.3342, local_change=0.727),
+        is_finished=True,
+        cost=Cost(energy=1234.5, seconds=123.45),
+    )
+    found = method_readings.method_readings(painted_bottle, "paper", outcome)
+    table = MethodTable()
+    qtbot.addWidget(table)
+    table.set_columns(method_readings.reading_columns(painted_bottle, Unit.MILLIMETRE))
+    table.show_methods(["ARAP", "Paper (Li & Hui)"])
+    table.show_title(1, catalogue.gettext("{method}, no contact").format(method="Paper"))
+    for row in range(2):
+        table.show_readings(row, found)
+    table.resize(992, 120)  # beside the legend, in a window of 1280 × 800
+    table.show()
+    head = table.horizontalHeader()
+    assert head.length() <= table.viewport().width()
+    for k in range(head.count()):
+        assert head.sectionSize(k) >= max(head.sectionSizeHint(k), table.sizeHintForColumn(k))
+
+
+def test_reading_columns_have_each_kept_region_and_its_area(painted_bottle):
+    V, regions = painted_bottle.document.mesh.V, painted_bottle.document.regions
+    assert regions == ()
+    document = replace(
+        painted_bottle.document,
+        regions=(NamedRegion("label", 98.0), NamedRegion("free"), NamedRegion("neck of the bottle", 100.0)),
+        member=frozen((1 + (V[:, 1] > 8.0) + (V[:, 1] > 15.0)).astype(np.uint8)),
+    )
+    rest = document.rest_areas
+    areas = (0.98 * rest[0], rest[1], 1.5 * rest[2])
+    state = replace(painted_bottle, document=document, frame=replace(painted_bottle.frame, regions=areas))
+    found = method_readings.method_readings(state, "exact", MethodOutcome(state.frame))
+    columns = method_readings.reading_columns(state, Unit.NONE)[2:4]
+    assert [column.cell_text(found) for column in columns] == ["98.0000\u00a0%", "150.0000\u00a0%"]
+    assert [column.title for column in columns] == ["label", "neck of the…"]
+    assert "neck of the bottle" in columns[1].tip
+    assert "98 %" in columns[0].tip
+    assert (found["region_2"], found["region_2_rest"]) == (rest[1], rest[1])
+
+
+def test_missing_contact_is_that_of_a_method_that_cannot_use_what_is_on(painted_bottle):
+    for contact in (True, False):
+        state = replace(painted_bottle, document=painted_bottle.document.with_settings(contact=contact))
+        for method, traits in METHODS.items():
+            said = method_readings.missing_contact(state, method)
+            assert bool(said) == (contact and not traits.may_use_contact)
+            assert traits.title in said or not said
+            found = method_readings.method_readings(state, method, MethodOutcome(state.frame))
+            assert found["contact"] == (contact and traits.may_use_contact)
+
+
+def test_comparison_window_marks_a_method_that_runs_without_contact(qtbot, bar):
+    bar.session.settings.set_contact(True)
+    idle(qtbot, bar)
+    side = opened(qtbot, bar)
+    qtbot.waitUntil(lambda: side.comparison.current_method is None, timeout=SETTLED)
+    assert [title.endswith("no contact") for title in cells(side)] == [False, True, False, False]
+    heads = [side.table.verticalHeaderItem(row).toolTip() for row in range(4)]
+    assert [("cannot use contact" in tip) for tip in heads] == [False, True, False, False]

@@ -259,6 +259,7 @@ def test_plots_write_pictures_of_what_is_shown(qtbot, plotted, monkeypatch, tmp_
     asked(monkeypatch, tmp_path / "plots.svg")
     svg.trigger()
     tree = ElementTree.parse(tmp_path / "plots.svg")
+    assert "Generated with" not in (tmp_path / "plots.svg").read_text(encoding="utf-8")
     texts = ["".join(node.itertext()).strip() for node in tree.iter("{http://www.w3.org/2000/svg}text")]
     assert [text for text in texts if text in shown] == shown
     assert not any("gesture" in text for text in texts)

@@ -24,6 +24,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.number_format import format_significant
+from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES, VolumeName
 from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.session.model.state import initial_state
@@ -202,6 +203,55 @@ def test_report_controller_writes_pictures_and_the_session_and_nobodys_folder(qt
     assert np.array_equal(opened.document.labels, state.document.labels)
     assert opened.document.handles[0].name == state.document.handles[0].name
     assert view.unit == "cm"
+
+
+def test_report_controller_fits_the_colors_of_the_area_change_to_the_shape(qtbot, twisted, tmp_path):
+    state, overlay = twisted.session.store.state, twisted.display_options.overlay
+    assert Measure.AREA not in overlay.scales
+    write(qtbot, twisted, tmp_path / "report.html")
+    end = ends_of_legend(tmp_path / "report.html")
+    largest = 100 * state.frame.local_change
+    assert largest <= end < 2.51 * largest
+    assert end != 10.0, "the test is blind"
+    overlay.scales[Measure.AREA] = Scale(Measure.AREA, 3.0)
+    try:
+        write(qtbot, twisted, tmp_path / "chosen.html")
+    finally:
+        del overlay.scales[Measure.AREA]
+    assert ends_of_legend(tmp_path / "chosen.html") == 300.0
+
+
+def ends_of_legend(path):
+    """The last figure of the legend, in percent."""
+    legend = path.read_text(encoding="utf-8").partition('<div class="legend">')[2].partition("</div>")[0]
+    return max(number(text) for text in re.findall(r">([−+]?[\d.]+)\u00a0%<", legend))
+
+
+def test_report_controller_names_each_drawing_by_its_caption(qtbot, twisted, tmp_path):
+    write(qtbot, twisted, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    drawings = re.findall(r"(?s)<svg.*?</svg>", text)
+    named = [re.findall(r"<title>([^<]*)</title>", drawing) for drawing in drawings]
+    caption = "Share of the surface by local area change"
+    assert named == [["Local area change"], [caption], [caption]]
+    assert f"<figcaption>{caption}</figcaption>" in text
+    assert not re.search(r"Generated with|Qt SVG", text)
+
+
+def test_report_controller_gives_the_reason_of_each_missing_value(qtbot, window, tmp_path):
+    V, F = meshes.box(2, 2, 6)
+    window.files.show_mesh(Mesh(V, F[2:]))
+    idle(qtbot, window)
+    assert window.panel.measures.compact.text() == "–"
+    size = write(qtbot, window, tmp_path / "report.html").rows["Size and mass"]
+    why = window.session.store.state.inspection.missing_volume_phrase
+    assert why in size["Compactness"]
+    assert size["Wall"] == "–\nnot entered"
+    assert size["Mass"] == "–\nneeds thickness and density"
+    window.panel.measures.wall_fields.thickness.setText("0.3mm")
+    window.panel.measures.wall_fields.thickness.editingFinished.emit()
+    size = write(qtbot, window, tmp_path / "report.html").rows["Size and mass"]
+    assert size["Mass"] == f"–\n{window.panel.measures.problem.text()}"
 
 
 def test_report_controller_measures_what_is_missing_soon_after_an_edit(qtbot, twisted, tmp_path, monkeypatch):
