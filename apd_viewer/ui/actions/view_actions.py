@@ -160,9 +160,10 @@ class CameraActions:
         )
         self.up_axes = {}
         for up_axis in UpAxis:
-            name, tip = up_axis.value, tr("Show the mesh with {axis} up").format(axis=up_axis.value)
+            name = up_axis.value.replace("-", "\N{MINUS SIGN}")
+            tip = tr("Show the mesh with {axis} up").format(axis=name)
             image, choose = f"up-{up_axis.name.lower()}", partial(canvas.set_up_axis, up_axis)
-            self.up_axes[up_axis] = maker.make(f"up:{name}", name, image, tip, None, choose)
+            self.up_axes[up_axis] = maker.make(f"up:{up_axis.value}", name, image, tip, None, choose)
         maker.make_exclusive(self.up_axes.values())
         tip = tr("Make the axis that points up in the view the up axis")
         self.stand_upright = maker.make(

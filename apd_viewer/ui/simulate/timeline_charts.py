@@ -58,7 +58,7 @@ class PressCharts:
         known = np.vstack(points)
         known = known[np.isfinite(known).all(axis=1), 1]
         if not len(known):
-            return Chart("", empty_text=tr("Press a closed mesh to see its volume here."))
+            return Chart("", empty_text=tr("Press to see the volume of a closed mesh here."))
         y = rounded_axis(min(float(known.min()), 100.0 - _LEAST), max(float(known.max()), 100.0), " %")
         first, wall = self.names
         # Short titles: the legend has no room for longer ones.

@@ -120,6 +120,7 @@ class TimelinePanel(QWidget):
             decimals=0,
         )
         self.steps.setFixedWidth(52)
+        self.steps.lineEdit().returnPressed.connect(self.press_requested)
         tip = tr("Close the plates in steps")
         self.press = QPushButton(tr("Press"), objectName="primary", toolTip=tip)
         self.press.clicked.connect(self.press_requested)

@@ -166,3 +166,9 @@ def test_camera_controller_leaves_less_room_for_the_gizmo_in_a_small_view(qtbot,
         qtbot.waitUntil(lambda height=height: view.height() == height)
         expected = look.camera.framed(points, room)
         np.testing.assert_allclose(look.camera.position, expected.position)
+
+
+def test_camera_actions_write_axes_with_a_true_minus(bottle):
+    titles = [action.text() for action in bottle.actions_.view.camera.up_axes.values()]
+    assert "−Z" in titles
+    assert not any("-" in title for title in titles)

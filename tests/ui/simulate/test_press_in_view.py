@@ -93,6 +93,18 @@ def test_press_in_view_shows_the_load_after_four_inputs(qtbot, window):
     assert len(steps(window)) == 3
 
 
+def test_press_in_view_begins_with_enter_in_the_number_of_steps(qtbot, window):
+    window.actions_.simulate.press_live.trigger()
+    panel = window.press.panel
+    panel.end.setText("80")
+    panel.steps.selectAll()
+    QTest.keyClicks(panel.steps, "2")
+    QTest.keyClick(panel.steps, Qt.Key.Key_Return)
+    assert player(window).is_playing
+    qtbot.waitUntil(lambda: not player(window).is_playing, timeout=WAIT)
+    assert len(steps(window)) == 3
+
+
 def test_press_in_view_puts_plates_into_the_hand_and_lets_paint_go(qtbot, window):
     window.session.gestures.begin()
     window.session.painting.paint(np.flatnonzero(BALL.V[:, 2] < -0.8), BASE)
