@@ -5,7 +5,6 @@ import json
 import re
 import zipfile
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from painted_meshes import write_bar
 from study_work import computed
 
 from apd_viewer.__main__ import main
+from apd_viewer.cases.comparison import MethodOutcome
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection import Selection, selection_to_json
@@ -153,8 +153,7 @@ def volumes(folder, capsys):
 
 
 def comparison(folder, capsys):
-    outcome = SimpleNamespace(frame=whole_state().frame, cost=None)
-    write_outcomes(folder / "methods.csv", whole_state(), [("arap", outcome)])
+    write_outcomes(folder / "methods.csv", whole_state(), [("arap", MethodOutcome(whole_state().frame))])
     return columns(folder / "methods.csv")
 
 
@@ -291,7 +290,7 @@ KEYS = {
     """,
     comparison: """
         method area area_rest area_error area_miss volume volume_rest energy handle_drift local_change
-            largest_edge_strain mean_edge_strain iterations converged seconds
+            largest_edge_strain mean_edge_strain iterations converged seconds taken_from_window contact
     """,
     selection: """
         format version mesh base handles regions

@@ -31,29 +31,34 @@ def plate_reading_texts(
     state: State,
     unit: Unit,
     newtons: NewtonConversion | None,
-    wall_newtons: float | None = None,
+    wall: tuple[State, float] | None = None,
     yield_radius: float | None = None,
 ) -> tuple[ReadingText, ...]:
     """Distance, load, volume, area and tightest bend of a shape between plates.
 
     Parameters
     ----------
-    wall_newtons : float, optional
-        Load by the Wall method at the same position of the plates.
+    wall : (State, float), optional
+        Shape by the Wall method at the same position of the plates, and its load in newtons: load, volume and
+        bend are then those of the wall.
     yield_radius : float, optional
         Radius below which the wall keeps a crease, mesh units.
     """
-    load = _load(state, newtons)
-    if wall_newtons is not None:
-        tip = tr("Load of the wall itself; of the shape on screen {load}").format(load=_joined(load))
-        load = ReadingText(load.title, newtons_text(wall_newtons), tr("of the wall"), f"{tip}.")
-    return (
-        _distance(state, unit),
-        load,
-        volume_reading(state, unit),
-        ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest")),
-        _bend(state, unit, yield_radius),
-    )
+    load, volume, bend = _load(state, newtons), volume_reading(state, unit), _bend(state, unit, yield_radius)
+    if wall is not None:
+        shape, force = wall
+        load = _of_wall(ReadingText(load.title, newtons_text(force)), load)
+        volume = _of_wall(volume_reading(shape, unit), volume)
+        bend = _of_wall(_bend(shape, unit, None), bend)
+    area = ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest"))
+    return _distance(state, unit), load, volume, area, bend
+
+
+def _of_wall(reading: ReadingText, shown: ReadingText) -> ReadingText:
+    """Reading of the wall, with that of the displayed shape in its tip."""
+    note = tr("{change}, of the wall").format(change=reading.note) if reading.note else tr("of the wall")
+    tip = tr("Of the wall itself; of the shape on screen {reading}").format(reading=_joined(shown))
+    return reading._replace(note=note, tip=f"{tip}.")
 
 
 def _bend(state: State, unit: Unit, yield_radius: float | None) -> ReadingText:

@@ -242,8 +242,7 @@ class StateStore:
         is_busy = self.activity in (Activity.REFINING, Activity.PAUSED)
         is_jump = self._generation != self._sent_generation
         self._solutions.begin(state, is_jump, from_initial_positions, is_busy)
-        rests = Activity.SETTLED if self._solutions.solution_of(state) else Activity.IDLE
-        self.activity = Activity.REFINING if iterate else rests
+        self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
         U, shifts = state.frame.U, state.frame.shifts
         if from_initial_positions and not state.document.has_half_turn:  # a path starts there anyway

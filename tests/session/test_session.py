@@ -204,17 +204,6 @@ def test_paint_adds_nothing_to_a_stroke_that_undo_has_ended_unless_it_can_be_und
     assert session.store.state.document is document or session.gestures.history.next_redo_name is None
 
 
-def test_redo_of_what_had_settled_says_so_again(session):
-    session.drag(BENT)
-    session.settle()
-    settled = session.store.state
-    session.gestures.undo()
-    assert session.store.activity is Activity.IDLE
-    session.gestures.redo()
-    assert session.store.state is settled
-    assert session.store.activity is Activity.SETTLED
-
-
 def test_redo_goes_on_with_what_was_undone_before_it_had_settled(session, slow):
     session.drag(BENT)
     session.until(lambda: session.store.state.frame.iteration >= 2)

@@ -27,6 +27,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 _READ = 250  # ms between two updates of the values while shapes move
 
@@ -277,14 +278,14 @@ class MethodView(QWidget):
     def __init__(self, title: str) -> None:
         super().__init__(accessibleName=title)
         self.title = title
-        self._state, self._value = QLabel(objectName="quiet"), QLabel()
+        self._state, self._value = ElidedLabel(objectName="quiet"), QLabel()
         self._state.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self._value.setToolTip(tr("Local area change at the ring"))
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         head = QWidget(objectName="head")
         head.setFixedHeight(HEAD_HEIGHT)
         name = QLabel(title, objectName="title")
-        row_layout(name, (self._state, 1), self._value, spacing=12, margins=(12, 0, 12, 0), parent=head)
+        row_layout(name, (self._state, 1), self._value, spacing=4, margins=(12, 0, 12, 0), parent=head)
         self.viewport = Viewport(self)
         self.surface = Surface(self.viewport)
         self._note = CanvasHint(self.viewport)
@@ -325,7 +326,7 @@ class MethodView(QWidget):
         """Show the progress, its details as a tooltip, and a failure message."""
         if state != self._state.text():
             self._state.setText(state)
-        self._state.setToolTip(tip)
+        self._state.setToolTip(tip or state)
         if note != self._note.text():
             self._note.show_text(note)
 

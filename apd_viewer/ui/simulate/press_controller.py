@@ -331,7 +331,8 @@ class PressController(QObject):
         newtons = (self.known_wall.newtons_as_pressed if is_of_wall else self.known_wall.newtons)(state)
         force = None if is_of_wall else self._wall_run_controller.force(wall_result)
         bend = state.document.settings.yield_radius or self.known_wall.yield_radius
-        texts = plate_readings.plate_reading_texts(state, store.unit, newtons, force, bend)
+        wall = None if wall_result is None or force is None else (wall_result, force)
+        texts = plate_readings.plate_reading_texts(state, store.unit, newtons, wall, bend)
         self._show_texts(texts, said, is_calm)
 
     @property

@@ -313,6 +313,12 @@ def test_press_in_view_lets_the_wall_follow_in_the_same_curves(qtbot, walled):
     assert wall.y[1:] == pytest.approx(forces)
     assert float(reading(walled, "Load")[0][:-2]) == pytest.approx(forces[-1], 0.01)
     assert reading(walled, "Load")[1] == "of the wall"
+    change = reading(walled, "Volume")[1]
+    last = answers(walled)[-1]
+    lost = 100.0 * (last.frame.volume / last.inspection.volume - 1.0)
+    assert float(change.split("\u00a0")[0].split(" ")[0].replace("−", "-")) == pytest.approx(lost, abs=0.1)
+    assert change.endswith("%, of the wall")
+    assert reading(walled, "Tightest bend")[1] == "of the wall"
     name, value = drawn(charts.load_chart())[2][0].split(": ")
     assert name == "\u25cf\xa0Wall 0.3 mm"
     assert float(value.removesuffix(" N")) == pytest.approx(forces[-1], 1e-3)
