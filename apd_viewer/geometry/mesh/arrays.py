@@ -55,7 +55,7 @@ def significant_digits(x: float, size: float, digits: int) -> int:
 
 
 def checked_floats(value: object, name: str) -> np.ndarray:
-    """Float64 copy of a caller's array; raises InputError for anything else."""
+    """Float64 copy of a caller's array, row by row; raises InputError for anything else."""
     try:
         array = np.asarray(value)
     except ValueError:  # NumPy rejects rows of different lengths
@@ -64,7 +64,7 @@ def checked_floats(value: object, name: str) -> np.ndarray:
         raise InputError(
             tr("{what} must be an array of real numbers with rows of equal length.").format(what=name)
         )
-    return array.astype(np.float64)
+    return array.astype(np.float64, order="C")  # of columns, every kernel would be compiled anew
 
 
 def checked_vectors(value: object, count: int, name: str) -> np.ndarray:

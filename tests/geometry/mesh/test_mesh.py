@@ -82,6 +82,14 @@ def test_mesh_keeps_the_order_and_cannot_be_written_to():
             array[0] = 0
 
 
+def test_mesh_lies_in_memory_row_by_row():
+    V, F = grid(2, 2)
+    mesh = Mesh(np.asfortranarray(V), np.asfortranarray(F))
+    assert mesh.V.flags.c_contiguous
+    assert mesh.F.flags.c_contiguous
+    assert np.array_equal(mesh.V, V)
+
+
 def test_mesh_is_a_copy():
     V, F = grid(2, 2)
     mesh = Mesh(V, F)
