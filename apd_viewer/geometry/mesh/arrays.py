@@ -55,7 +55,7 @@ def significant_digits(x: float, size: float, digits: int) -> int:
 
 
 def checked_floats(value: object, name: str) -> np.ndarray:
-    """Float64 copy of a caller's array, row by row; raises InputError for anything else."""
+    """Float64 copy, row by row, of a caller's array; else raises InputError."""
     try:
         array = np.asarray(value)
     except ValueError:  # NumPy rejects rows of different lengths
