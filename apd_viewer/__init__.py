@@ -39,6 +39,7 @@ __all__ = [
     "Region",
     "Result",
     "SurfacePoint",
+    "Vessel",
     "VolumeReadings",
     "capsule",
     "deform",

@@ -18,6 +18,7 @@ from apd_viewer.geometry.goals.goals import Region as Region
 from apd_viewer.geometry.measuring.geodesics import geodesic_path as geodesic_path
 from apd_viewer.geometry.measuring.sections import plane_section as plane_section
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint as SurfacePoint
+from apd_viewer.geometry.measuring.vessel import Vessel as Vessel
 from apd_viewer.geometry.mesh.mesh import Mesh as Mesh
 from apd_viewer.geometry.pose.frame import Frame as Frame
 from apd_viewer.geometry.solver.convergence import Convergence as Convergence

@@ -276,11 +276,12 @@ KEYS = {
     volumes: """
         mesh rest unit packing packing_range bag_litres area enclosed_volume openings packed_volume
             packed_sides hull_volume minimum_width bulk_volume bulk_volume_range objects_in_bag
-            objects_in_bag_range bulk_density bulk_density_range material_volume capacity area_rest
+            objects_in_bag_range bulk_density bulk_density_range material_volume capacity brimful_volume
+            fill_level freeboard spilled_volume area_rest
             enclosed_volume_rest openings_rest packed_volume_rest packed_sides_rest hull_volume_rest
             minimum_width_rest bulk_volume_rest bulk_volume_range_rest objects_in_bag_rest
             objects_in_bag_range_rest bulk_density_rest bulk_density_range_rest material_volume_rest
-            capacity_rest published
+            capacity_rest brimful_volume_rest fill_level_rest freeboard_rest spilled_volume_rest published
         published: packed_sides bulk_volume objects_in_bag bulk_density material_volume
         published.packed_sides: words source unit low high
         published.bulk_volume: words source unit low high

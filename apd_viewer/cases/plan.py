@@ -123,9 +123,9 @@ def _parse(name: str, read: Callable[[str], T], text: str) -> T:
         return read(text)
     except NoUnitError as error:
         raise InputError(
-            tr(
-                "Column “{name}”: The unit of the mesh is not set; fill in “unit” for a length in {word}."
-            ).format(name=name, word=error.word)
+            tr("Column “{name}”: The unit of the mesh is not set; fill in “unit” for {word}.").format(
+                name=name, word=error.word
+            )
         ) from error
     except InputError as error:
         raise InputError(tr("Column “{name}”: {sentence}").format(name=name, sentence=error)) from error

@@ -42,7 +42,7 @@ from apd_viewer.session.storage.session_file import open_session
 
 # Largest number of shapes in an animation, for a length of ten seconds.
 _MOST = 240
-_FIELDS = {0: "angle", 1: "length", 2: "area"}
+_FIELDS = {0: "angle", 1: "length", 2: "area", 3: "volume_below"}
 
 
 def replay_parser() -> Parser:

@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from apd_viewer.commands.press_command import parse_axis
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.commands.terminal.parser import Parser, add_option
@@ -18,9 +21,13 @@ from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings, mesh_volumes
+from apd_viewer.geometry.measuring.vessel import Vessel
+from apd_viewer.geometry.mesh.arrays import checked_direction
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.presentation import volume_text
-from apd_viewer.session.quantities.expressions import parse_number
+from apd_viewer.session.model.up_axis import UpAxis, standing_axis
+from apd_viewer.session.quantities.expressions import parse_number, parse_volume
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText, parse_wall
 
@@ -42,6 +49,11 @@ def volumes_parser() -> Parser:
     add_option(parser, "--thickness LENGTH", about, default="")
     about = tr("density, such as 1.38 (g/cm³), for the bulk density")
     add_option(parser, "--density D", about, default="")
+    about = tr('direction upwards for the brimful volume, such as y or "0 1 0"; default: where it can stand')
+    add_option(parser, "--up AXIS", about)
+    about = tr("volume that is filled in, such as 250ml or 80% of the brimful one")
+    add_option(parser, "--fill VOLUME", about)
+    add_option(parser, "--levels C.csv", tr("write the volume at each level"), type=Path)
     add_option(parser, "--json V.json", tr("write the readings as JSON"), type=Path)
     parser.set_defaults(run=_volumes)
     return parser
@@ -56,14 +68,17 @@ def _volumes(options: argparse.Namespace) -> None:
         raise InputError(tr("A bulk density needs the wall thickness as well; add --thickness."))
     wall = parse_wall(WallText(options.thickness, options.density), unit)
     before = None if options.rest is None else open_mesh(options.rest)
-    now = mesh_volumes(mesh, wall.thickness)
-    rest = None if before is None else mesh_volumes(before, wall.thickness)
+    up, fill = _filling(options, before or mesh, unit)
+    now = mesh_volumes(mesh, wall.thickness, up, fill)
+    rest = None if before is None else mesh_volumes(before, wall.thickness, up, fill)
+    if options.levels is not None and up is not None:
+        _write_levels(options.levels, Vessel(mesh.V, mesh.F, up))
     if options.json is not None:
         names = mesh.name, None if before is None else before.name
         report = volumes_report(names, now, rest, unit, wall.density, litres)
         with replacing_file(options.json) as scratch:
             scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    rows = tuple(volume_text.volume_rows(rest or now, now, unit, wall.density, litres))
+    rows = tuple(volume_text.volume_rows(rest or now, now, unit, wall.density, litres, _up_name(up)))
     print(volume_lines(mesh.name, rows, rest is not None))
     for each, found in ((mesh, now), (before, rest)):
         if each is None or found is None:
@@ -75,6 +90,48 @@ def _volumes(options: argparse.Namespace) -> None:
             )
         for sentence in remarks:
             print(f"{each.name}: {sentence}")
+
+
+def _filling(options: argparse.Namespace, rest: Mesh, unit: Unit) -> tuple[np.ndarray | None, float | None]:
+    """Upward direction and filled volume, None if unknown; raises InputError."""
+    wanted = options.fill is not None or options.levels is not None
+    if options.up is not None:
+        up = checked_direction(parse_axis(options.up))
+    elif (axis := standing_axis(rest)) is not None:
+        up = axis.direction
+    elif wanted:
+        raise InputError(tr("It is not clear on which side the shape stands; add --up, such as --up y."))
+    else:
+        return None, None
+    try:
+        vessel = Vessel(rest.V, rest.F, up)
+    except InputError:
+        if wanted or options.up is not None:
+            raise
+        return None, None
+    if options.fill is None:
+        return up, None
+    is_share = options.fill.strip().endswith("%")
+    fill = vessel.brimful * parse_number(options.fill, {}) if is_share else parse_volume(options.fill, unit)
+    if not 0.0 <= fill <= vessel.brimful:
+        vessel.level(fill)
+    return up, fill
+
+
+def _up_name(up: np.ndarray | None) -> str:
+    """Name of an axis, such as +Y, or the components of another direction."""
+    if up is None:
+        return ""
+    nearest = UpAxis.nearest(up)
+    return nearest.value if up @ nearest.direction == 1.0 else " ".join(f"{x:.3g}" for x in up)
+
+
+def _write_levels(path: Path, vessel: Vessel) -> None:
+    """Write the volume at evenly spaced levels up to the brim as CSV."""
+    levels = np.linspace(vessel.bottom, vessel.brim, _LEVELS)
+    rows = [(format(x - vessel.bottom, ".9g"), format(vessel.volume(x), ".9g")) for x in levels]
+    with replacing_file(path) as scratch:
+        scratch.write_text("\n".join(map(",".join, [("level", "volume"), *rows])) + "\n", encoding="utf-8")
 
 
 def _bag(text: str | None, unit: Unit) -> float:
@@ -90,6 +147,7 @@ def _bag(text: str | None, unit: Unit) -> float:
 
 
 _WIDTH, _GAP = 28, 2
+_LEVELS = 101
 
 
 def volume_lines(name: str, rows: Sequence[volume_text.VolumeRow], has_rest: bool) -> str:
@@ -159,6 +217,10 @@ def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float
         "bulk_density_range": densities,
         "material_volume": found.material,
         "capacity": found.capacity,
+        "brimful_volume": found.brimful,
+        "fill_level": None if found.filling is None else found.filling.level,
+        "freeboard": None if found.filling is None else found.filling.freeboard,
+        "spilled_volume": None if found.filling is None else found.filling.spilled,
     }
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.quantities.units import Unit
 
 _DIGITS = 5
-_NAMES = {MeasurementKind.SECTION: (tr("Length"), tr("Enclosed area"))}
+_NAMES = {MeasurementKind.SECTION: (tr("Length"), tr("Enclosed area"), tr("Volume below"))}
 
 
 def value_names(reading: MeasurementReading) -> tuple[str, ...]:
@@ -28,7 +28,7 @@ def value_names(reading: MeasurementReading) -> tuple[str, ...]:
 
 
 def value_text(number: float | None, power: int, unit: Unit) -> str:
-    """Text of a length, an area (power 2) or an angle (power 0), with its unit."""
+    """Text of a length, an area or a volume, by its power, or of an angle (power 0)."""
     if number is None:
         return PENDING
     if math.isnan(number):
@@ -38,7 +38,8 @@ def value_text(number: float | None, power: int, unit: Unit) -> str:
     if power == 1:
         return unit.format_length(format_significant(number, _DIGITS))
     larger, factor = unit.legible_unit(number, power)
-    return larger.format_area(format_significant(factor * number, _DIGITS))
+    written = format_significant(factor * number, _DIGITS)
+    return larger.format_area(written) if power == 2 else larger.format_volume(written)
 
 
 def change_text(rest: float | None, now: float | None) -> str:
@@ -98,8 +99,10 @@ def missing_reason(reading: MeasurementReading) -> str:
     missing = [math.isnan(x) for x in values if x is not None]
     if kind is MeasurementKind.SECTION and all(missing):
         return tr("The plane misses the shape.")
-    if kind is MeasurementKind.SECTION and any(missing):
+    if kind is MeasurementKind.SECTION and missing[1]:
         return tr("The contour is open, or faces along it are flipped: it encloses no area.")
+    if kind is MeasurementKind.SECTION and missing[2]:
+        return tr("Below the plane the surface is open, or faces are flipped: it encloses no volume there.")
     if kind is MeasurementKind.GEODESIC and any(missing):
         return tr("No path over the surface joins the points.")
     return ""

@@ -2,8 +2,11 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
+
+import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.html_page import (
@@ -19,6 +22,7 @@ from apd_viewer.files.html_page import (
 from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
+from apd_viewer.geometry.measuring.vessel import Vessel
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import measurement_text, readings, report_blocks
 from apd_viewer.presentation.number_format import format_length, format_short
@@ -27,6 +31,7 @@ from apd_viewer.presentation.volume_text import volume_rows
 from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.model import status_text
 from apd_viewer.session.model.state import State
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, typed_mass
 
@@ -50,6 +55,7 @@ class ReportSubject:
     rest_check: ShapeCheck
     requested_at: datetime
     measurements: Sequence[MeasurementReading] = ()
+    up_axis: UpAxis = UpAxis.PLUS_Y
 
 
 def report_page(
@@ -73,7 +79,9 @@ def report_page(
         PageSection(tr("Obstacles"), tuple(report_blocks.obstacle_blocks(state, unit))),
         PageSection(tr("Regions"), tuple(report_blocks.region_blocks(state, unit))),
         PageSection(
-            tr("Volume reduction"), (volumes_block(state, unit, subject.wall, checks),), is_wide=True
+            tr("Volume reduction"),
+            (volumes_block(state, unit, subject.wall, checks, subject.up_axis),),
+            is_wide=True,
         ),
         PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), is_wide=True),
         PageSection(tr("Mesh check"), tuple(_findings(subject)), is_wide=True),
@@ -233,8 +241,20 @@ def _findings(subject: ReportSubject) -> Iterator[PageBlock]:
         yield PageNote(tr("No issues"))
 
 
+def _brimful(found: VolumeReadings, U: np.ndarray, state: State, up_axis: UpAxis) -> float | None:
+    """Volume of a shape up to its brim; None if it holds nothing, or has two walls."""
+    if found.enclosed is None or found.capacity is not None:
+        return None
+    if not found.openings:
+        return found.enclosed
+    with suppress(InputError):
+        F = state.document.mesh.joined_F
+        return Vessel.from_open_surface(U, F, up_axis.direction).brimful
+    return None
+
+
 def volumes_block(
-    state: State, unit: Unit, wall: WallText, checks: tuple[ShapeCheck, ShapeCheck]
+    state: State, unit: Unit, wall: WallText, checks: tuple[ShapeCheck, ShapeCheck], up_axis: UpAxis
 ) -> PageBlock:
     """Table of rest and current volumes; ``checks`` of the rest and current shape."""
     at_rest, found = checks
@@ -243,12 +263,16 @@ def volumes_block(
     now, then = readings.volumes(state.frame, state.inspection)
     wall_found = state.inspection.double_wall
     thickness, openings = wall.usable_thickness(unit), state.inspection.openings
-    rows = volume_rows(
+    volumes = (
         VolumeReadings.from_hull(state.inspection.area, then, openings, at_rest.hull, thickness, wall_found),
         VolumeReadings.from_hull(state.frame.area, now, openings, found.hull, thickness, wall_found),
-        unit,
-        wall.usable_density(),
     )
+    shapes = state.document.mesh.V, state.frame.U
+    before, after = (
+        each._replace(brimful=_brimful(each, U, state, up_axis))
+        for each, U in zip(volumes, shapes, strict=True)
+    )
+    rows = volume_rows(before, after, unit, wall.usable_density(), up=up_axis.value)
     none = (("", tr("none found")),)
     head = tr("Quantity"), tr("At rest"), tr("Now"), tr("Change"), tr("Published")
     lines = [

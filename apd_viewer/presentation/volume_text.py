@@ -38,7 +38,12 @@ class VolumeRow(NamedTuple):
 
 
 def volume_rows(
-    rest: VolumeReadings, now: VolumeReadings, unit: Unit, density: float | None, bag: float = DEFAULT_BAG
+    rest: VolumeReadings,
+    now: VolumeReadings,
+    unit: Unit,
+    density: float | None,
+    bag: float = DEFAULT_BAG,
+    up: str = "",
 ) -> Iterator[VolumeRow]:
     """Table rows of all volumes and derived quantities.
 
@@ -48,8 +53,11 @@ def volume_rows(
         Density of the material, g/cm³.
     bag : float
         Litres.
+    up : str
+        Name of the direction upwards of the brimful volumes.
     """
     yield from _single_object_rows(rest, now, unit)
+    yield from _vessel_rows(rest, now, unit, up)
     yield from _bulk_rows(rest, now, unit, density, bag)
     values = rest.material, now.material
     lacks = now.material is None
@@ -75,6 +83,23 @@ def _single_object_rows(rest: VolumeReadings, now: VolumeReadings, unit: Unit) -
     widths = [unit.format_length(number_format.format_significant(hull.width, _DIGITS)) for hull in hulls]
     about = tr("between two parallel planes, in any direction")
     yield _row(VolumeName.WIDTH, tr("Least width"), about, widths, (rest.hull.width, now.hull.width))
+
+
+def _vessel_rows(rest: VolumeReadings, now: VolumeReadings, unit: Unit, up: str) -> Iterator[VolumeRow]:
+    if now.brimful is None and rest.brimful is None:
+        return
+    about = tr("with {up} upwards, to the lowest point of the openings; a closed shape to its top")
+    about = about.format(up=up)
+    yield _volumes(VolumeName.BRIMFUL, tr("Brimful volume"), about, (rest.brimful, now.brimful), unit)
+    fillings = rest.filling, now.filling
+    if now.filling is None:
+        return
+    levels, boards, spills = zip(*(each or (None, None, None) for each in fillings), strict=True)
+    about = tr("above the lowest point")
+    yield _row(VolumeName.LEVEL, tr("Fill level"), about, [_length(x, unit) for x in levels], levels)
+    about = tr("from the fill level to the brim")
+    yield _row(VolumeName.FREEBOARD, tr("Freeboard"), about, [_length(x, unit) for x in boards])
+    yield _volumes(VolumeName.SPILLED, tr("Spilled volume"), "", spills, unit)
 
 
 def _bulk_rows(
@@ -128,6 +153,12 @@ def _row(
     return VolumeRow(quantity, title, about, rest, now, change, PUBLISHED_VOLUMES.get(quantity, ()))
 
 
+def _length(value: float | None, unit: Unit) -> str:
+    if value is None:
+        return NO_VALUE
+    return unit.format_length(number_format.format_significant(value, _DIGITS))
+
+
 def _volume(value: float | None, unit: Unit) -> str:
     if value is None:
         return NO_VALUE
@@ -163,6 +194,10 @@ class VolumeName(Enum):
     BOX = "packed_volume"
     SIDES = "packed_sides"
     WIDTH = "minimum_width"
+    BRIMFUL = "brimful_volume"
+    LEVEL = "fill_level"
+    FREEBOARD = "freeboard"
+    SPILLED = "spilled_volume"
     BULK = "bulk_volume"
     COUNT = "objects_in_bag"
     DENSITY = "bulk_density"

@@ -20,7 +20,7 @@ MISTAKES = {
     "wrong unit": ({"motion": "move 0 2kg 0"}, "“motion”.*kg"),
     "a length without a unit of the mesh": (
         {"motion": "push 2cm"},
-        "fill in “unit” for a length in cm",
+        "fill in “unit” for cm",
     ),
     "an unknown unit": ({"unit": "mile"}, "“unit”: “mile” is not a unit"),
     "no motion": ({"motion": ""}, "Nothing moves"),

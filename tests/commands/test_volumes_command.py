@@ -9,6 +9,8 @@ import apd_viewer
 from apd_viewer.__main__ import main
 from apd_viewer.commands.volumes_command import volume_lines
 from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES, VolumeName, VolumeRow
+from apd_viewer.session.quantities.expressions import parse_volume
+from apd_viewer.session.quantities.units import Unit
 
 
 @pytest.fixture
@@ -93,3 +95,47 @@ def test_volumes_output_has_readings_below_each_other_however_long_the_titles_ar
     _, *lines = volume_lines("box.obj", rows, has_rest=False).splitlines()
     assert len({line.index("12 cm³") for line in lines}) == 1
     assert all("  12 cm³" in line for line in lines)
+
+
+def test_volumes_command_fills_a_shape_and_says_what_spills(files, tmp_path, capsys):
+    rest, half = files
+    out, levels = tmp_path / "v.json", tmp_path / "levels.csv"
+    words = ["volumes", str(half), "--rest", str(rest), "--unit", "cm", "--json", str(out)]
+    assert main([*words, "--up", "z", "--fill", "150ml", "--levels", str(levels)]) == 0
+    said, report = capsys.readouterr().out, json.loads(out.read_text(encoding="utf-8"))
+    assert (report["brimful_volume"], report["brimful_volume_rest"]) == pytest.approx((100.0, 200.0))
+    assert (report["fill_level"], report["fill_level_rest"]) == pytest.approx((5.0, 7.5))
+    assert (report["freeboard"], report["freeboard_rest"]) == pytest.approx((0.0, 2.5))
+    assert (report["spilled_volume"], report["spilled_volume_rest"]) == pytest.approx((50.0, 0.0))
+    assert "50.00\u00a0cm³ of 0\u00a0cm³" in said
+    head, *rows = levels.read_text(encoding="utf-8").splitlines()
+    assert head == "level,volume"
+    assert [tuple(map(float, row.split(","))) for row in rows] == [
+        pytest.approx((0.05 * k, 20.0 * 0.05 * k), abs=1e-9) for k in range(101)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["--fill", "50%"], "It is not clear on which side"),
+        (["--up", "z", "--fill", "100ml"], "add --unit"),
+        (["--up", "z", "--fill", "10mm", "--unit", "cm"], "This is a length; enter a volume such as 250ml"),
+        (["--up", "z", "--fill", "201"], "It holds 200 cubic mesh units"),
+        (["--up", "z", "--fill", "-1"], "It holds 200 cubic mesh units"),
+        (["--up", "up"], "is not a direction"),
+    ],
+)
+def test_volumes_command_refuses_what_cannot_be_filled(files, capsys, words, part):
+    assert main(["volumes", str(files[0]), *words]) == 2
+    error = capsys.readouterr().err
+    assert part in error
+    assert len(error.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "volume"),
+    [("250ml", 250.0), ("0.25 l", 250.0), ("25cl", 250.0), ("2.5e5mm^3", 250), ("9", 9)],
+)
+def test_parse_volume_reads_litres_and_cubes(text, volume):
+    assert parse_volume(text, Unit.CENTIMETRE) == pytest.approx(volume, rel=1e-12)

@@ -3,17 +3,22 @@
 import math
 
 import meshes
+import numpy as np
 import pytest
 
 import apd_viewer
+from apd_viewer.geometry.analysis.volume_readings import mesh_volumes
 from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES, VolumeName, volume_rows
 from apd_viewer.session.quantities.units import Unit
+
+OF_VESSELS = VolumeName.BRIMFUL, VolumeName.LEVEL, VolumeName.FREEBOARD, VolumeName.SPILLED
 
 
 @pytest.fixture(scope="module")
 def shapes():
     V, F = meshes.box(4, 5, 10)
-    return [apd_viewer.volume_readings(U, F, thickness=0.03) for U in (V, V * [1, 1, 0.5])]
+    up = np.array([0.0, 0.0, 1.0])
+    return [mesh_volumes(apd_viewer.Mesh(U, F), 0.03, up, 90.0) for U in (V, V * [1, 1, 0.5])]
 
 
 def rows_of(shapes, unit=Unit.CENTIMETRE, density=1.0):
@@ -22,6 +27,9 @@ def rows_of(shapes, unit=Unit.CENTIMETRE, density=1.0):
 
 def test_volume_rows_are_one_for_every_quantity_with_figures_of_its_own(shapes):
     assert [row.quantity for row in volume_rows(*shapes, Unit.CENTIMETRE, 1.0)] == list(VolumeName)
+    assert [
+        row.quantity for row in volume_rows(*(each._replace(brimful=None) for each in shapes), Unit.NONE, 1.0)
+    ] == [each for each in VolumeName if each not in OF_VESSELS]
     rows = rows_of(shapes)
     assert len({row.title for row in rows.values()}) == len(VolumeName)
     for quantity, row in rows.items():

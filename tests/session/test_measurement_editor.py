@@ -76,7 +76,7 @@ def test_measurement_readings_follow_the_shape_and_geodesics_wait_until_it_rests
     mesh = session.store.state.document.mesh
     rest = geodesic_path(mesh.V, mesh.joined_F, *POINTS[:2])
     assert readings(session)[2].rest.values == pytest.approx((path_length(rest),))
-    assert readings(session)[3].rest.values == pytest.approx((8.0, 4.0))
+    assert readings(session)[3].rest.values == pytest.approx((8.0, 4.0, 10.0))
     session.gestures.begin()
     session.handles.drag(BENT)
     session.until(lambda: session.U is not mesh.V)
@@ -160,6 +160,7 @@ def test_replay_reports_the_measurements(session, tmp_path):
     assert angle["angle"] == pytest.approx(np.degrees(np.arccos(cosine)))
     assert geodesic["length"] >= distance["length"]
     assert (section["length_rest"], section["area_rest"]) == pytest.approx((8.0, 4.0))
+    assert section["volume_below_rest"] == pytest.approx(4.0 * HALF.offset)
 
 
 def test_measurement_words_tell_values_changes_and_what_is_missing(session):

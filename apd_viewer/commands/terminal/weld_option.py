@@ -40,7 +40,7 @@ def unit_option_in_errors() -> Iterator[None]:
         yield
     except NoUnitError as error:
         raise InputError(
-            tr(
-                "The unit of the mesh is not set; add --unit mm, cm, m, in or ft for a length in {word}."
-            ).format(word=error.word)
+            tr("The unit of the mesh is not set; add --unit mm, cm, m, in or ft for {word}.").format(
+                word=error.word
+            )
         ) from error

@@ -72,6 +72,25 @@ def double_wall(
     signed_volume : float
         Signed volume of all.
     """
+    found = _wall_and_inner_side(V, F, component, areas, signed_volume)
+    return None if found is None else found[0]
+
+
+def inner_surface(
+    V: np.ndarray, F: np.ndarray, component: np.ndarray, areas: np.ndarray, signed_volume: float
+) -> np.ndarray | None:
+    """Triangles (k, 3) of the inner surface of a double wall, facing away from it.
+
+    None without a double wall. Parameters as of :func:`double_wall`.
+    """
+    found = _wall_and_inner_side(V, F, component, areas, signed_volume)
+    return None if found is None else found[1]
+
+
+def _wall_and_inner_side(
+    V: np.ndarray, F: np.ndarray, component: np.ndarray, areas: np.ndarray, signed_volume: float
+) -> tuple[DoubleWall, np.ndarray] | None:
+    """Double wall, and the triangles (k, 3) of its inner surface; None without one."""
     area, is_one = float(areas.sum()), bool((component == component[0]).all())
     if is_one and 2.0 * abs(signed_volume) > _THIN * diagonal(V) * area:
         return None  # the volume of most meshes is too large for a wall
@@ -88,14 +107,15 @@ def double_wall(
     inner = _inner_side(V, T, areas, thickness)
     if inner is None:
         return None
-    both = [_side_volume(V, T[inner]), _side_volume(V, T[~inner])]
+    sides = T[inner], T[~inner]
+    both = [_side_volume(V, side) for side in sides]
+    if both[0][0] > both[1][0]:
+        sides, both = sides[::-1], both[::-1]
     (within, openings), (around, _) = both
-    if within > around:
-        (within, openings), (around, _) = both[::-1]
     capacity = -within
     if not capacity > material or abs(around - capacity - material) > _UNACCOUNTED * material:
         return None
-    return DoubleWall(thickness, material, capacity, openings)
+    return DoubleWall(thickness, material, capacity, openings), sides[0]
 
 
 class _WallComponent(NamedTuple):

@@ -11,6 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.measuring.vessel import Filling, Vessel
 from apd_viewer.geometry.mesh.arrays import checked, checked_floats, checked_integers
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -32,6 +33,10 @@ class VolumeReadings(NamedTuple):
         double-walled vessel the volume between its walls.
     capacity : float or None
         Capacity of a double-walled vessel; None for other shapes.
+    brimful : float or None
+        Volume up to the lowest point of the openings; None if the direction upwards is not known.
+    filling : Filling or None
+        Level of a given volume; None without one.
 
     Examples
     --------
@@ -48,6 +53,8 @@ class VolumeReadings(NamedTuple):
     hull: HullReadings
     material: float | None
     capacity: float | None = None
+    brimful: float | None = None
+    filling: Filling | None = None
 
     @classmethod
     def from_hull(
@@ -66,7 +73,9 @@ class VolumeReadings(NamedTuple):
 
 
 @checked
-def volume_readings(U: np.ndarray, F: np.ndarray, *, thickness: float | None = None) -> VolumeReadings:
+def volume_readings(
+    U: np.ndarray, F: np.ndarray, *, thickness: float | None = None, up: np.ndarray | None = None
+) -> VolumeReadings:
     """Measure the volumes of a shape.
 
     Parameters
@@ -75,6 +84,8 @@ def volume_readings(U: np.ndarray, F: np.ndarray, *, thickness: float | None = N
     F : (m, 3) int array
     thickness : float, optional
         Of the wall, mesh units.
+    up : (3,) float array, optional
+        Direction against gravity, for the brimful volume.
 
     Raises
     ------
@@ -90,13 +101,36 @@ def volume_readings(U: np.ndarray, F: np.ndarray, *, thickness: float | None = N
     (1.333, 1.333, 2.083)
     """
     mesh = Mesh(checked_floats(U, tr("Vertices")), checked_integers(F, tr("Faces")))
-    return mesh_volumes(mesh, thickness)
+    return mesh_volumes(mesh, thickness, up)
 
 
-def mesh_volumes(mesh: Mesh, thickness: float | None) -> VolumeReadings:
-    """Volumes of an undeformed mesh; raises InputError unless ``thickness`` > 0."""
+def mesh_volumes(
+    mesh: Mesh, thickness: float | None, up: np.ndarray | None = None, fill: float | None = None
+) -> VolumeReadings:
+    """Volumes of an undeformed mesh.
+
+    Parameters
+    ----------
+    thickness : float or None
+        Of the wall, mesh units.
+    up : (3,) float array or None
+        Direction against gravity.
+    fill : float or None
+        Volume that is filled in, cubic mesh units.
+
+    Raises
+    ------
+    InputError
+        Unless ``thickness`` > 0 and the mesh can be filled, if they are given.
+    """
     if thickness is not None and not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
         raise InputError(tr("Enter a wall thickness greater than 0."))
     found, hull = inspect(mesh), hull_readings(mesh.V[np.unique(mesh.F)])
     enclosed = found.volume if found.volume_capped is None else found.volume_capped
-    return VolumeReadings.from_hull(found.area, enclosed, found.openings, hull, thickness, found.double_wall)
+    readings = VolumeReadings.from_hull(
+        found.area, enclosed, found.openings, hull, thickness, found.double_wall
+    )
+    if up is None:
+        return readings
+    vessel = Vessel(mesh.V, mesh.F, up)
+    return readings._replace(brimful=vessel.brimful, filling=None if fill is None else vessel.filling(fill))

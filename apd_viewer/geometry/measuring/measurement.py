@@ -140,13 +140,14 @@ def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> MeasurementResult:
     normal = np.array(plane.normal)
     cut = section(U, F, plane.offset * normal, normal)
     if not len(cut.segments):
-        return MeasurementResult((float("nan"), float("nan")), cut.segments)
+        return MeasurementResult((float("nan"),) * 3, cut.segments)
     A, B, C = U[F[cut.faces]].transpose(1, 0, 2)
     # Label far out in the plane: beside the shape, not in front of it.
     aside = 1.0 - normal.sum() * normal
     at = cut.segments[int(np.argmax(cut.segments[:, 0] @ aside))][0]
     within = cut.segments.mean(axis=(0, 1))
-    return MeasurementResult((cut.length, cut.area), cut.segments, np.cross(B - A, C - A), at, within)
+    values = cut.length, cut.area, cut.volume_below
+    return MeasurementResult(values, cut.segments, np.cross(B - A, C - A), at, within)
 
 
 def _polyline_segments(points: np.ndarray) -> np.ndarray:

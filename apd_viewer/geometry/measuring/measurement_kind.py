@@ -26,7 +26,7 @@ class MeasurementKind(Enum):
     @property
     def powers(self) -> tuple[int, ...]:
         """Power of the unit of length of each value; 0 for an angle in radians."""
-        return {MeasurementKind.ANGLE: (0,), MeasurementKind.SECTION: (1, 2)}.get(self, (1,))
+        return {MeasurementKind.ANGLE: (0,), MeasurementKind.SECTION: (1, 2, 3)}.get(self, (1,))
 
 
 _TITLES = {

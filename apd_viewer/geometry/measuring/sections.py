@@ -1,4 +1,4 @@
-"""Sections of a surface by a plane: contours, their length and the area inside."""
+"""Sections of a surface by a plane: contours, area inside, and volume below."""
 
 from typing import NamedTuple
 
@@ -25,6 +25,9 @@ class PlaneSection(NamedTuple):
     area : float
         Enclosed area, squared mesh units; that of holes and cavities is subtracted. NaN if a contour is open,
         or faces along it are flipped.
+    volume_below : float
+        Enclosed volume on the side opposite to the normal, cubic mesh units. NaN if the surface is open or
+        not manifold there, or faces are flipped.
     """
 
     segments: np.ndarray
@@ -32,6 +35,7 @@ class PlaneSection(NamedTuple):
     contours: int
     length: float
     area: float
+    volume_below: float
 
 
 def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray) -> PlaneSection:
@@ -64,8 +68,8 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     >>> import apd_viewer
     >>> mesh = apd_viewer.open_mesh("bottle.obj")
     >>> cut = apd_viewer.plane_section(mesh.V, mesh.F, point=(0, 10, 0), normal=(0, 1, 0))
-    >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}"
-    (1, '19.61', '30.59')
+    >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}", f"{cut.volume_below:.1f}"
+    (1, '19.61', '30.59', '300.0')
     """
     return section(*mesh_arrays(V, F), checked_point(point), checked_direction(normal))
 
@@ -75,8 +79,9 @@ def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray)
     height = V @ normal - float(np.dot(point, normal))
     faces = _crossed_triangles(height, F)
     above = (height >= 0.0)[F[faces]]
+    below = abs(volume_below(V, F, height, normal)) if is_closed_below(F, height) else float("nan")
     if not len(faces):
-        return PlaneSection(np.empty((0, 2, 3)), faces, 0, 0.0, 0.0)
+        return PlaneSection(np.empty((0, 2, 3)), faces, 0, 0.0, 0.0, below)
     down, up = (_crossed_edges(F[faces], above, falls) for falls in (True, False))
     crossed, ends = np.unique(np.vstack([down, up]), axis=0, return_inverse=True)
     share = height[crossed[:, 0]] / (height[crossed[:, 0]] - height[crossed[:, 1]])
@@ -86,8 +91,65 @@ def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray)
     segments, number = points[ends], vertex_components(ends[:, [0, 1, 1]], len(points))
     length = float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum())
     return PlaneSection(
-        segments, faces, int(number.max()) + 1, length, _enclosed_area(segments, ends, normal)
+        segments, faces, int(number.max()) + 1, length, _enclosed_area(segments, ends, normal), below
     )
+
+
+def is_closed_below(F: np.ndarray, height: np.ndarray) -> bool:
+    """True if each edge with an end below height 0 is used once in each direction.
+
+    Triangles with a corner twice do not count.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+    height : (n,) float array
+        Of the vertices.
+    """
+    a, b = F.ravel().astype(np.int64), np.roll(F, -1, axis=1).ravel().astype(np.int64)
+    below = height < 0.0
+    used = np.repeat((np.roll(F, -1, axis=1) != F).all(axis=1), 3) & (below[a] | below[b])
+    a, b, n = a[used], b[used], len(height)
+    forward = np.sort(a * n + b)
+    return bool((np.diff(forward) > 0).all() and np.array_equal(forward, np.sort(b * n + a)))
+
+
+def volume_below(V: np.ndarray, F: np.ndarray, height: np.ndarray, normal: np.ndarray) -> float:
+    """Signed volume inside a surface below height 0, where it is closed.
+
+    By the divergence theorem: the field ``height * normal`` has divergence 1, and vanishes in the plane.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+    F : (m, 3) int array
+    height : (n,) float array
+        Of the vertices, along ``normal``.
+    normal : (3,) float array
+        A unit vector.
+    """
+    T = F[(height < 0.0)[F].any(axis=1)]
+    across = np.cross(V[T[:, 1]] - V[T[:, 0]], V[T[:, 2]] - V[T[:, 0]]) @ normal
+    return -0.5 * float(across @ _mean_depths(-height[T]))
+
+
+def _mean_depths(depth: np.ndarray) -> np.ndarray:
+    """Integral of the positive part of linear functions over triangles, per area.
+
+    Parameters
+    ----------
+    depth : (k, 3) float array
+        Values at the corners, at least one of them positive.
+    """
+    most, middle, least = np.sort(depth, axis=1).T[::-1]
+    mean = (most + middle + least) / 3.0
+    tip = middle <= 0.0
+    a, b, c = most[tip], middle[tip], least[tip]
+    mean[tip] = a**3 / (3.0 * (a - b) * (a - c))
+    cut = (middle > 0.0) & (least < 0.0)
+    a, b, c = most[cut], middle[cut], least[cut]
+    mean[cut] -= c**3 / (3.0 * (c - a) * (c - b))
+    return mean
 
 
 @njit(cache=True, nogil=True)

@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.length_units import MICROMETRES
@@ -49,6 +50,17 @@ def parse_number(text: str, names: Mapping[str, float]) -> float:
     return _parse_value(text, names, None, DIMENSIONLESS, tr("a number such as 0.5"))
 
 
+def parse_volume(text: str, unit: Unit) -> float:
+    """Volume from a text such as ``250ml``, cubic mesh units as a bare number.
+
+    Raises
+    ------
+    InputError
+        If the text says no finite volume.
+    """
+    return _parse_value(text, {}, unit, _VOLUME, tr("a volume such as 250ml"))
+
+
 def _parse_value(
     text: str, names: Mapping[str, float], unit: Unit | None, powers: tuple[float, float], wanted: str
 ) -> float:
@@ -59,7 +71,8 @@ def _parse_value(
         raise InputError(
             tr("The entry is too long; enter at most {most} characters.").format(most=MOST_CHARACTERS)
         )
-    quantity = ExpressionParser(tokenize(text), names, unit).parsed_quantity()
+    litres = _LITRES if powers == _VOLUME else {}
+    quantity = ExpressionParser(tokenize(text), names, unit, litres).parsed_quantity()
     if quantity.powers not in (DIMENSIONLESS, powers):
         raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=quantity.kind, wanted=wanted))
     return quantity.value
@@ -68,14 +81,23 @@ def _parse_value(
 # Limit of nested parentheses, far below Python's recursion limit.
 _MOST_NESTED = 30
 _MICROMETRES = MICROMETRES | {"um": 1.0}
+_VOLUME = 3.0, 0.0
+_LITRES = {"ml": 1e-3, "cl": 1e-2, "l": 1.0}
 _DEGREES = {"deg": 1.0, "rad": math.degrees(1.0), "turn": 360.0}
 
 
 class ExpressionParser:
     """Recursive-descent parser of tokens."""
 
-    def __init__(self, tokens: list[str], names: Mapping[str, float], unit: Unit | None) -> None:
+    def __init__(
+        self,
+        tokens: list[str],
+        names: Mapping[str, float],
+        unit: Unit | None,
+        litres: Mapping[str, float] = MappingProxyType({}),
+    ) -> None:
         self._left = tokens[::-1]
+        self._litres = litres
         self._names = names
         self._unit = unit
         self._nested = 0
@@ -170,7 +192,7 @@ class ExpressionParser:
 
     def _unit_factor(self) -> Quantity:
         """Unit after a number; 1 if there is none."""
-        if self._token in self._names or self._token not in (*_MICROMETRES, *_DEGREES):
+        if self._token in self._names or self._token not in (*_MICROMETRES, *self._litres, *_DEGREES):
             return Quantity(1.0)
         return self._power(self._named_value(self._take()))
 
@@ -181,7 +203,7 @@ class ExpressionParser:
             return Quantity(math.pi)
         if word in _DEGREES:
             return Quantity(_DEGREES[word], angle=1.0)
-        if word in _MICROMETRES:
+        if word in _MICROMETRES or word in self._litres:
             return self._unit_of_length(word)
         raise InputError(
             tr(
@@ -198,6 +220,8 @@ class ExpressionParser:
             )
         if self._unit is Unit.NONE:
             raise NoUnitError(word)
+        if word in self._litres:
+            return Quantity(self._litres[word] / (self._unit.to_litres(1.0) or math.nan), length=3.0)
         return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.symbol], length=1.0)
 
     def _misplaced_error(self) -> InputError:

@@ -158,6 +158,4 @@ class NoUnitError(InputError):
         self.word = word
 
     def __str__(self) -> str:
-        return tr("The unit of the mesh is not set; choose it before entering a length in {word}.").format(
-            word=self.word
-        )
+        return tr("The unit of the mesh is not set; choose it before entering {word}.").format(word=self.word)

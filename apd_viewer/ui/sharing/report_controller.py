@@ -33,6 +33,7 @@ from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_o
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.state import State
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import View
 from apd_viewer.session.processes.shape_checker import ShapeQuery, check_shape_in_process
 from apd_viewer.session.session import Session
@@ -127,8 +128,12 @@ class ReportController:
         store, checks = self._session.store, self._session.shape_checks
         if store.state is None or checks.shape_check is None or checks.rest_check is None:
             return html_page.PageNote(tr("Measuring…"))
-        wall = self._view().wall
-        return volumes_block(store.state, store.unit, wall, (checks.rest_check, checks.shape_check))
+        both = checks.rest_check, checks.shape_check
+        return volumes_block(store.state, store.unit, self._view().wall, both, self._up_axis)
+
+    @property
+    def _up_axis(self) -> UpAxis:
+        return self._canvas.viewport.camera_controller.camera.up_axis
 
     def ask_for_report(self) -> None:
         """Ask for a file and write a report to it."""
@@ -167,12 +172,12 @@ class ReportController:
             datetime.now().astimezone(),
             session.measurement_readings.readings(state),
         )
-        chosen = self._looks.overlay.scales.get(Measure.AREA)
+        chosen, up_axis = self._looks.overlay.scales.get(Measure.AREA), self._up_axis
 
         def work() -> _ReportMeasurements:
             found, at_rest = _completed_checks(state, *checks)
             all_made = complete_readings(made, state)
-            subject = ReportSubject(state, unit, view.wall, found, at_rest, moment, all_made)
+            subject = ReportSubject(state, unit, view.wall, found, at_rest, moment, all_made, up_axis)
             return _measure(subject, view, chosen)
 
         title = tr("Measuring for {name}").format(name=path.name)

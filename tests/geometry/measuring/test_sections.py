@@ -91,3 +91,19 @@ def test_plane_section_does_not_change_by_rigid_motions():
     there = plane_section(V @ rotation.T + shift, F, rotation @ point + shift, rotation @ normal)
     assert there.length == pytest.approx(here.length)
     assert there.area == pytest.approx(here.area)
+
+
+def test_plane_section_has_the_volume_below_where_the_surface_is_closed_there():
+    V, F = box(2, 3, 4)
+    at, up = np.array([0.0, 0.0, 1.5]), np.array([0.0, 0.0, 1.0])
+    assert plane_section(V, F, at, up).volume_below == pytest.approx(2 * 3 * 1.5)
+    assert plane_section(V, F, at, -up).volume_below == pytest.approx(2 * 3 * 2.5)
+    assert plane_section(V, F[:, ::-1], at, up).volume_below == pytest.approx(2 * 3 * 1.5)
+    assert plane_section(V, F, 9 * up, up).volume_below == pytest.approx(24.0)
+    assert plane_section(V, F, -9 * up, up).volume_below == 0.0
+    lidless = F[~(V[F][:, :, 2] == 4).all(axis=1)]
+    assert plane_section(V, lidless, at, up).volume_below == pytest.approx(2 * 3 * 1.5)
+    assert np.isnan(plane_section(V, lidless, at, -up).volume_below)
+    flipped = F.copy()
+    flipped[0] = flipped[0][::-1]
+    assert np.isnan([plane_section(V, flipped, at, way).volume_below for way in (up, -up)]).any()

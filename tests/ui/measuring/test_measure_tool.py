@@ -139,9 +139,11 @@ def check_copy(window, section, row):
         "Distance 1",
         "Section 1, length",
         "Section 1, enclosed area",
+        "Section 1, volume below",
     ]
     assert lines[1][1] == row.reading.text()
     assert lines[3][1].endswith("mm²")
+    assert lines[4][1].endswith("mm³")
 
 
 def check_drawing(window, section):

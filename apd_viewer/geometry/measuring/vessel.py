@@ -1,0 +1,162 @@
+"""Upright vessel: its volume up to any level, and up to its brim."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.double_wall import inner_surface
+from apd_viewer.geometry.measuring.sections import volume_below
+from apd_viewer.geometry.mesh.arrays import as_float, checked_direction, checked_floats, checked_integers
+from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import (
+    boundary_vertices,
+    edge_defect_counts,
+    face_areas,
+    missing_volume_reason,
+    volume,
+)
+from apd_viewer.language import tr
+
+
+class Filling(NamedTuple):
+    """Level of a volume in an upright vessel.
+
+    Attributes
+    ----------
+    level : float
+        Height of the liquid above the lowest point, mesh units.
+    freeboard : float
+        Height of the brim above the liquid, mesh units.
+    spilled : float
+        Part of the volume that the vessel does not hold, cubic mesh units.
+    """
+
+    level: float
+    freeboard: float
+    spilled: float
+
+
+class Vessel:
+    """Upright shape with an unlimited supply of liquid.
+
+    The liquid rises to the same level everywhere inside, up to the lowest point of the openings. A closed
+    surface is filled to its top. In a double-walled vessel the inner surface holds the liquid.
+
+    Parameters
+    ----------
+    U : (n, 3) float array
+        Positions, mesh units.
+    F : (m, 3) int array
+        Triangles.
+    up : (3,) float array
+        Direction against gravity, of any length.
+
+    Attributes
+    ----------
+    bottom : float
+        Height of the lowest point along ``up``, from the origin, mesh units.
+    brim : float
+        Height of the lowest point of the openings, or of the top without any.
+    brimful : float
+        Volume up to the brim, cubic mesh units.
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used, or the shape holds nothing upright; the message says why.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> bottle = apd_viewer.open_mesh("bottle.obj")  # in centimetres
+    >>> vessel = apd_viewer.Vessel(bottle.V, bottle.F, up=(0, 1, 0))
+    >>> half_full = vessel.level(250.0)
+    >>> f"{vessel.brimful:.1f}", f"{half_full - vessel.bottom:.2f}", f"{vessel.volume(half_full):.1f}"
+    ('500.0', '8.84', '250.0')
+    """
+
+    def __init__(self, U: np.ndarray, F: np.ndarray, up: np.ndarray) -> None:
+        mesh = Mesh(checked_floats(U, tr("Vertices")), checked_integers(F, tr("Faces")))
+        V = mesh.V[mesh.weld.first]
+        self._stand(V, _wet_surface(V, mesh.weld.inverse[mesh.F]), checked_direction(up))
+
+    @classmethod
+    def from_open_surface(cls, U: np.ndarray, F: np.ndarray, up: np.ndarray) -> Vessel:
+        """Vessel of an open manifold surface without seams, and a unit vector ``up``."""
+        vessel = cls.__new__(cls)
+        vessel._stand(U, F, up)
+        return vessel
+
+    def _stand(self, V: np.ndarray, F: np.ndarray, up: np.ndarray) -> None:
+        self._V, self._F, self._up, self._height = V, F, up, V @ up
+        used, border = np.unique(F), boundary_vertices(F, len(V))
+        self.bottom = float(self._height[used].min())
+        self.brim = float(self._height[border].min() if len(border) else self._height[used].max())
+        self.brimful = self.volume(self.brim)
+        if not self.brimful > 0.0:
+            raise InputError(
+                tr("An opening is at the lowest point, so it holds nothing; choose another upward direction.")
+            )
+
+    def volume(self, level: float) -> float:
+        """Volume below a level, cubic mesh units.
+
+        Parameters
+        ----------
+        level : float
+            Height along ``up``, from the origin, mesh units; above the brim nothing is added.
+        """
+        level = min(as_float(level), self.brim)
+        return abs(volume_below(self._V - level * self._up, self._F, self._height - level, self._up))
+
+    def level(self, volume: float) -> float:
+        """Height along ``up`` to which a volume rises.
+
+        Parameters
+        ----------
+        volume : float
+            Cubic mesh units.
+
+        Raises
+        ------
+        InputError
+            Unless it is from 0 to the brimful volume.
+        """
+        if not 0.0 <= as_float(volume) <= self.brimful:
+            raise InputError(
+                tr("It holds {most:.5g} cubic mesh units; enter a volume from 0 to that.").format(
+                    most=self.brimful
+                )
+            )
+        size = self.brim - self.bottom
+        return float(brentq(lambda x: self.volume(x) - volume, self.bottom, self.brim, xtol=1e-12 * size))
+
+    def filling(self, volume: float) -> Filling:
+        """Level of a volume, as far as the vessel holds it.
+
+        Parameters
+        ----------
+        volume : float
+            Cubic mesh units, at least 0.
+        """
+        held = min(volume, self.brimful)
+        level = self.level(held)
+        return Filling(level - self.bottom, self.brim - level, volume - held)
+
+
+def _wet_surface(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Triangles (k, 3) that the liquid can wet; raises InputError if it leaks."""
+    border, crowded, one_way = edge_defect_counts(F, len(V))
+    if crowded or one_way:
+        why = missing_volume_reason(F, len(V))
+        raise InputError(tr("It cannot be filled: {why}; repair it first.").format(why=why))
+    if border:
+        return F
+    piece = vertex_components(F, len(V))[F[:, 0]]
+    inner = inner_surface(V, F, piece, face_areas(V, F), volume(V, F))
+    return F if inner is None else inner
