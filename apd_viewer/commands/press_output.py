@@ -173,6 +173,12 @@ def _conditions(step: PressStep, newtons: NewtonConversion, wall: Wall) -> str:
     return off or tr("if walls bend and hardly stretch")
 
 
+_GAVE_WAY = tr(
+    "        Beyond that, readings of a thin wall depend on small imperfections: press in other numbers of "
+    "steps to see by how much."
+)
+
+
 def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
     curve, lines = found.curve, []
     if curve.yield_load is not None:
@@ -182,6 +188,8 @@ def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
                 load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
             )
         )
+        if newtons is not None and newtons.matches_wall:
+            lines.append(_GAVE_WAY)
     if curve.apparent_stiffness is not None:
         slope = (
             ""

@@ -18,7 +18,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.solver import plate_press
+from apd_viewer.geometry.solver import plate_press, pressed_mesh
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
@@ -215,6 +215,22 @@ def test_press_command_takes_the_wall_itself_where_its_thickness_and_modulus_are
         assert last[f"load_{side}_newton"] == pytest.approx(5.742160 * rigidity * width / gap**2, rel=0.02)
     assert last["newton_factor"] == pytest.approx(1.0)
     assert last["load_excess_percent"] == 0.0
+
+
+def test_press_command_says_of_a_wall_that_gave_way_how_uncertain_it_is(press, tmp_path, monkeypatch):
+    V, F = tube(30, 2)
+    save_mesh(Mesh(V, F), 30.0 * V, tmp_path / "ring.obj")
+    words = "--axis", "x", "--to", "90%", "--steps", 2, "--unit", "mm", "--material", "pet-bottle"
+
+    def uncertain(*more):
+        status, said, _, _ = press(tmp_path / "ring.obj", *words, *more)
+        assert status == 0
+        return "depend on small imperfections" in said
+
+    assert not uncertain()  # the load of a ring rises
+    monkeypatch.setattr(pressed_mesh, "_first_maximum", lambda _: 1)
+    assert uncertain()
+    assert not uncertain("--method", "exact", "--stiffness", 0.01)
 
 
 @pytest.mark.parametrize(
