@@ -417,7 +417,7 @@ def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(
     np.testing.assert_array_equal(shown.shift, far[0])
     np.testing.assert_array_equal(shown.requested_shift, [0, 2, 0])
     row = section.list.rows[0]
-    assert row.reading.text() == "load 1.23"
+    assert row.reading.text() == "load 1.23 at stiffness 1"
     assert section.excess.isVisible()
     assert "loads mean little" in section.excess.text()
     window.session.settings.change(stiffness=0.01)
