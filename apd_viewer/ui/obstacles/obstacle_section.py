@@ -98,6 +98,7 @@ class ObstacleSection(Section):
         self.fields.setVisible(active is not None)
         if active is not None:
             self.fields.show_obstacle(state, active, values)
+            self.fields.show_unit(unit)
         self._show_idle_reason(state)
         self.heading.show_reading(f"{len(obstacles)}", only_folded=True)
 
@@ -209,6 +210,11 @@ class ObstacleFields(QWidget):
         for part in (self._labels[3], self.length):
             part.setVisible(kind is ObstacleKind.CYLINDER)
         self.reset.setEnabled(bool(obstacle.shift.any()))
+
+    def show_unit(self, unit: Unit) -> None:
+        """Show the unit of the lengths."""
+        for field in (self.place, self.radius, self.length, self.distance):
+            field.show_unit(unit.format_length("").strip())
 
     def show_error(self, sentence: str) -> None:
         """Show an input error below the edited field."""

@@ -27,6 +27,7 @@ from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
+    from apd_viewer.session.quantities.units import Unit
 
 _FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
 # Settings without a field here: stiffness has a slider, and thickness follows the wall fields.
@@ -142,6 +143,12 @@ class MethodSection(Section):
         self.tolerance.show_value(100.0 * settings.tolerance)
         self.stiffness.show_value(settings.stiffness)
         self.convergence.show_settings(document)
+
+    def show_unit(self, unit: Unit) -> None:
+        """Show the unit of the lengths."""
+        for name, field in self.numbers.items():
+            if SETTINGS[name].kind is SettingKind.LENGTH:
+                field.setSuffix(unit.format_length(""))
 
     def _describe(self, method: Method) -> None:
         self.heading.show_reading(method.title, only_folded=True)

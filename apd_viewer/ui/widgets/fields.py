@@ -17,6 +17,7 @@ from apd_viewer.ui.widgets.wheel import ignore_wheel
 _UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to users
 _MOST_IN_SIGHT = 24  # entries of a list
 _QUOTED = 20  # characters quoted from invalid input
+_SYMBOLS = '%°"′″'  # units that are no letters
 
 
 class ComboBox(QtWidgets.QComboBox):
@@ -235,6 +236,8 @@ class NumberField(QtWidgets.QDoubleSpinBox):
 class TextField(QtWidgets.QLineEdit):
     """Line edit; Esc restores its text and returns the focus.
 
+    A number without a unit can be followed by one that is no part of the text.
+
     Attributes
     ----------
     focus_gained, focus_lost : Signal()
@@ -246,7 +249,8 @@ class TextField(QtWidgets.QLineEdit):
 
     def __init__(self, **properties: Any) -> None:
         super().__init__(objectName="typed", **properties)
-        self._before = self.text()
+        self._before, self._unit = self.text(), ""
+        self.textChanged.connect(self._leave_room)
 
     def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
         """Store the text for Esc to restore."""
@@ -270,6 +274,34 @@ class TextField(QtWidgets.QLineEdit):
     def restore(self) -> None:
         """Restore the text from before the field got the focus."""
         self.setText(self._before)
+
+    def show_unit(self, symbol: str) -> None:
+        """Set the unit shown after numbers without one; none if empty."""
+        if symbol != self._unit:
+            self._unit = symbol
+            self.setAccessibleDescription(symbol)
+            self._leave_room()
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit after the text; empty if the text is no bare number."""
+        text = self.text()
+        is_bare = any(map(str.isdigit, text)) and not any(c.isalpha() or c in _SYMBOLS for c in text)
+        return self._unit if is_bare else ""
+
+    def _leave_room(self) -> None:
+        unit = self.shown_unit
+        self.setTextMargins(0, 0, self.fontMetrics().horizontalAdvance(unit) + _GAP if unit else 0, 0)
+        self.update()
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw the text, and the unit after it."""
+        super().paintEvent(event)
+        if unit := self.shown_unit:
+            painter = QtGui.QPainter(self)
+            painter.setPen(self.palette().placeholderText().color())
+            room = self.rect().adjusted(0, 0, -2 * _GAP, 0)
+            painter.drawText(room, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, unit)
 
 
 def percent_field(name: str, tip: str) -> NumberField:
