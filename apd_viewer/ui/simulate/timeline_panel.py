@@ -106,6 +106,7 @@ class TimelinePanel(QWidget):
         tip = tr("Where the plates end: a share of the extent such as 40 %, or a length such as 3cm")
         self.end = TextField(accessibleName=tr("Distance of the plates in the end"), toolTip=tip)
         self.end.setText(_AT_FIRST)
+        self.end.show_unit("%")
         self.end.setFixedWidth(72)
         self.end.returnPressed.connect(self.press_requested)
         self.problem = ErrorBubble(self.end)

@@ -1,5 +1,6 @@
 """Input fields for one value: combo box, check box, number and text field."""
 
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -251,6 +252,7 @@ class TextField(QtWidgets.QLineEdit):
         super().__init__(objectName="typed", **properties)
         self._before, self._unit = self.text(), ""
         self.textChanged.connect(self._leave_room)
+        self.editingFinished.connect(self._complete_percentage)
 
     def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
         """Store the text for Esc to restore."""
@@ -288,6 +290,15 @@ class TextField(QtWidgets.QLineEdit):
         text = self.text()
         is_bare = any(map(str.isdigit, text)) and not any(c.isalpha() or c in _SYMBOLS for c in text)
         return self._unit if is_bare else ""
+
+    def _complete_percentage(self) -> None:
+        """Write the sign after a bare percentage, unless it could be meant as a factor."""
+        if self.shown_unit != percentage.PERCENT_SIGN:
+            return
+        with suppress(InputError, ValueError):
+            number = unambiguous_text(self.text()).strip()
+            percentage.check_not_factor(float(number.replace(",", ".")))
+            self.setText(f"{number} {percentage.PERCENT_SIGN}")
 
     def _leave_room(self) -> None:
         unit = self.shown_unit

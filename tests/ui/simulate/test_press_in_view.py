@@ -83,6 +83,7 @@ def test_press_in_view_shows_the_load_after_four_inputs(qtbot, window):
     assert player(window).is_playing
     qtbot.waitUntil(lambda: not player(window).is_playing, timeout=WAIT)
     extent = np.ptp(BALL.V[:, 0])
+    assert panel.end.text() == "40 %"
     told = press(BALL.V, BALL.F, (1, 0, 0), 0.4 * extent, 2, stiffness=PROPOSED_STIFFNESS)
     value, note = reading(window, "Load")
     assert float(value.removesuffix(" at stiffness 1")) == pytest.approx(told.steps[-1].load_low, 0.01)
@@ -194,6 +195,20 @@ def test_press_in_view_opens_the_plates_and_keeps_the_crushed_shape(qtbot, windo
     assert steps(window)[3].state is crushed
     assert reading(window, "Load") == ("0", "")
     assert not panel.open.isEnabled(), "they are open"
+
+
+@pytest.mark.parametrize(
+    ("typed", "shown"),
+    [("60", "60 %"), ("62,5", "62,5 %"), ("60 %", "60 %"), ("30mm", "30mm"), ("0.5", "0.5"), ("x", "x")],
+)
+def test_press_in_view_writes_the_sign_after_a_percentage(qtbot, window, typed, shown):
+    qtbot.mouseClick(tool_button(window), Qt.MouseButton.LeftButton)
+    end = window.press.panel.end
+    qtbot.waitUntil(end.hasFocus)
+    QTest.keyClicks(end, typed)
+    QTest.keyClick(end, Qt.Key.Key_Tab)
+    assert end.text() == shown
+    assert end.shown_unit == ("%" if shown == "0.5" else ""), "it could be meant as a factor"
 
 
 def test_press_in_view_refuses_what_plates_cannot_do(qtbot, window):
