@@ -7,7 +7,7 @@ import numpy as np
 
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings, readings
-from apd_viewer.presentation.number_format import format_grouped, format_length, format_significant
+from apd_viewer.presentation.number_format import format_length, format_significant
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
@@ -59,7 +59,9 @@ def plate_reading_texts(
 
 def _of_wall(reading: ReadingText, shown: ReadingText) -> ReadingText:
     """Reading of the wall, with that of the displayed shape in its tip."""
-    note = tr("{change}, of the wall").format(change=reading.note) if reading.note else tr("of the wall")
+    note = (
+        tr("{percentage}, of the wall").format(percentage=reading.note) if reading.note else tr("of the wall")
+    )
     tip = tr("Of the wall itself; of the shape on screen {reading}").format(reading=_joined(shown))
     return reading._replace(note=note, tip=". ".join(filter(None, (tip, reading.tip))))
 
@@ -80,13 +82,13 @@ def _bend(state: State, unit: Unit, yield_radius: float | None) -> ReadingText:
 
 
 def _distance(state: State, unit: Unit) -> ReadingText:
-    pair, tip = plate_pair(state.document), tr("Distance of the plates, and its share of the extent at rest")
+    pair, tip = plate_pair(state.document), tr("Distance of the plates, and in percent of the extent at rest")
     if pair is None:
         return ReadingText(tr("Distance"), readings.NO_VALUE, "", tip)
     distance = pair.distance(state)
     length = unit.format_length(format_length(distance, float(max(state.inspection.size))))
-    fraction = format_grouped(100.0 * distance / pair.extent(state.document), 1)
-    return ReadingText(tr("Distance"), length, f"{fraction} %", tip)
+    percent = readings.rest_percent(distance, pair.extent(state.document))
+    return ReadingText(tr("Distance"), length, percent, tip)
 
 
 def _load(state: State, newtons: NewtonConversion | None) -> ReadingText:
@@ -111,12 +113,12 @@ def _joined(reading: ReadingText) -> str:
 
 
 def volume_reading(state: State, unit: Unit) -> ReadingText:
-    """Enclosed volume of a shape, and its change from rest."""
-    tip = tr("Enclosed volume, and its change from rest")
+    """Enclosed volume of a shape, and its percentage of that at rest."""
+    tip = tr("Enclosed volume, and in percent of that at rest")
     now, rest = readings.volumes(state.frame, state.inspection)
     if not rest or now is None:
         return ReadingText(tr("Volume"), readings.NO_VALUE, "", tip)
-    note = readings.change_percent(now, rest)
+    note = readings.rest_percent(now, rest)
     litres = unit.to_litres(now)
     if litres is None:
         return ReadingText(tr("Volume"), unit.format_volume(format_significant(now, 4)), note, tip)

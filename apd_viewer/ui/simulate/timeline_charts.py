@@ -8,9 +8,10 @@ import numpy as np
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, linear_axis, rounded_axis
-from apd_viewer.presentation.number_format import format_short, format_signed, format_significant
+from apd_viewer.presentation.number_format import format_grouped, format_short, format_significant
 from apd_viewer.presentation.obstacle_readings import LOAD_DIGITS, newtons_text
 from apd_viewer.presentation.plate_readings import PlateCurves, plate_curves
+from apd_viewer.presentation.readings import percent_text
 from apd_viewer.presentation.step_readings import StepCurves, step_curves
 from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.timeline import Timeline
@@ -67,7 +68,7 @@ class PressCharts:
         first, wall = self.names
         # Short titles: the legend has no room for longer ones.
         words = tr("Volume"), first, METHODS["wall"].short_title if wall else ""
-        return self._chart(words, points, "warm", y, lambda part: f"{format_significant(part, 4)} %")
+        return self._chart(words, points, "warm", y, percent_text)
 
     def _read_curves(self) -> tuple[PlateCurves, ...]:
         """Curves of the motions and of the Wall method, updated after changes."""
@@ -174,19 +175,20 @@ class StepCharts:
         return self._curves
 
     def size_chart(self) -> Chart:
-        """Chart of the changes of area and volume."""
+        """Chart of area and volume, in percent of rest."""
         found = self._read_curves()
         rows = (
-            (tr("area {change} %"), found.area, "accent"),
-            (tr("volume {change} %"), found.volume, "warm"),
+            (tr("area {percent} %"), found.area, "accent", 3),
+            (tr("volume {percent} %"), found.volume, "warm", 1),
         )
         number, said = self.shown_number, []
-        for words, values, color in rows:
+        for words, values, color, decimals in rows:
             if number is not None and np.isfinite(values[number]):
-                said.append((words.format(change=format_signed(float(values[number]), 2)), color))
-        known = np.concatenate([values[np.isfinite(values)] for _, values, _ in rows])
-        low, high = float(known.min(initial=-_LEAST_OF_STEPS)), float(known.max(initial=_LEAST_OF_STEPS))
-        curves = [(values, color) for _, values, color in reversed(rows)]
+                said.append((words.format(percent=format_grouped(float(values[number]), decimals)), color))
+        known = np.concatenate([values[np.isfinite(values)] for _, values, *_ in rows])
+        low = float(known.min(initial=100.0 - _LEAST_OF_STEPS))
+        high = float(known.max(initial=100.0 + _LEAST_OF_STEPS))
+        curves = [(values, color) for _, values, color, _ in reversed(rows)]
         return self._chart(curves, rounded_axis(low, high, " %"), said or [(tr("Area and volume"), "quiet")])
 
     def effort_chart(self) -> Chart:

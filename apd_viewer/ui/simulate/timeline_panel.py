@@ -26,7 +26,7 @@ _WIDE = 860  # px: width with room for both charts
 _ONE_STEP = SliderScale(1, float, float, 0)
 _LOAD = ChartTexts(tr("Load"), tr("Load over the way of the plates; not at rest is a cross"))
 _VOLUME = ChartTexts(tr("Volume"), tr("Volume over the way of the plates, percent of that at rest"))
-_SIZE_CHANGE = ChartTexts(tr("Area and volume"), tr("Their changes from rest, step by step"))
+_SIZE_CHANGE = ChartTexts(tr("Area and volume"), tr("In percent of rest, step by step"))
 _EFFORT = ChartTexts(
     tr("Energy or strain"), tr("Energy of each step, or the mean edge strain; not at rest is a cross")
 )
