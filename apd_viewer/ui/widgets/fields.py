@@ -339,6 +339,13 @@ def small_button(name: str, tip: str) -> QtWidgets.QToolButton:
     return QtWidgets.QToolButton(objectName="small", accessibleName=name, toolTip=tip, iconSize=QSize(16, 16))
 
 
+def keep_room(button: QtWidgets.QWidget) -> None:
+    """Keep the place of a button in its row while it is hidden."""
+    policy = button.sizePolicy()
+    policy.setRetainSizeWhenHidden(True)
+    button.setSizePolicy(policy)
+
+
 def _draw_field(painter: QtGui.QPainter, field: QtWidgets.QWidget) -> None:
     """Draw the field's background; the style's own is invisible on a dark panel."""
     palette = field.palette()
