@@ -233,7 +233,7 @@ class TimelinePanel(QWidget):
         self.open.setEnabled(may_open)
         for field in (self.direction, self.end, self.steps):
             field.setEnabled(not is_playing)
-        self.progress.show_text(said)
+        self.progress.setText(said)
 
     def show_steps(self, count: int, shown: int | None, is_replaying: bool) -> None:
         """Show the number of steps, and the position of the displayed one."""
