@@ -115,7 +115,8 @@ class SweepDialog(RunDialog):
 
     def _make_methods(self) -> QHBoxLayout:
         own = self._state.document.settings.method
-        self.methods = {name: CheckBox(METHODS[name].short_title) for name in COMPARED_METHODS}
+        names = filter(COMPARED_METHODS.__contains__, METHODS)  # in the order of the panel
+        self.methods = {name: CheckBox(METHODS[name].short_title) for name in names}
         for name, check in self.methods.items():
             slow = METHODS[name].is_slow
             may = METHODS[name].may_use_contact or not self._is_pushed
