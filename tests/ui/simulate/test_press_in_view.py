@@ -241,6 +241,7 @@ def test_press_in_view_exports_a_table_and_an_animation(qtbot, window, tmp_path,
     newtons = [float(row["load_high_newton"]) for row in rows]
     assert newtons == pytest.approx([factor * one.load_high for one in readings])
     assert {row["volume_capped"] for row in rows} == {""}, "the mesh is closed"
+    assert {row["unit"] for row in rows} == {"cm"}
     assert (tmp_path / "steps.glb").stat().st_size > 10_000
 
 
