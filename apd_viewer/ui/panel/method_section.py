@@ -207,6 +207,7 @@ class ConvergenceFields(QWidget):
             decimals=18,
         )
         self.seed = NumberField(
+            is_grouped=False,  # it is copied to the command line
             accessibleName=tr("Seed"),
             toolTip=tr(
                 "Direction of the disturbance: 0 for the steepest descent, others at random, since "

@@ -1,5 +1,6 @@
 """Input fields for one value: combo box, check box, number and text field."""
 
+import re
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -10,7 +11,7 @@ from PySide6.QtCore import QPoint, QPointF, QRectF, QSize, Qt, QTimer, Signal
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.goals import percentage
 from apd_viewer.language import tr
-from apd_viewer.notation import editable_number
+from apd_viewer.notation import editable_number, localized_number, notation
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
 from apd_viewer.ui.widgets.wheel import ignore_wheel
@@ -101,12 +102,16 @@ class NumberField(QtWidgets.QDoubleSpinBox):
         Whether zeros at the end are left out.
     is_percentage : bool
         Whether a small number, typed without a sign of its own, could be meant as a factor.
+    is_grouped : bool
+        Whether the digits of a whole number are grouped, as in readings.
     properties
         Of the spin box.
     """
 
-    def __init__(self, brief: bool = False, is_percentage: bool = False, **properties: Any) -> None:
-        self._brief, self._is_percentage = brief, is_percentage
+    def __init__(
+        self, brief: bool = False, is_percentage: bool = False, is_grouped: bool = True, **properties: Any
+    ) -> None:
+        self._brief, self._is_percentage, self._is_grouped = brief, is_percentage, is_grouped
         super().__init__(keyboardTracking=False, alignment=Qt.AlignmentFlag.AlignRight, **properties)
         self.setButtonSymbols(QtWidgets.QDoubleSpinBox.ButtonSymbols.NoButtons)
         self.setFixedSize(84, max(28, self.fontMetrics().height() + 12))
@@ -130,7 +135,9 @@ class NumberField(QtWidgets.QDoubleSpinBox):
         _draw_field(painter, self)
 
     def textFromValue(self, value: float) -> str:
-        """Ungrouped number with all digits, readable as input."""
+        """Number with all digits, readable as input; only those of a count are grouped."""
+        if self._is_count:
+            return localized_number(f"{value:,.0f}" if self._is_grouped else f"{value:.0f}")
         return editable_number(f"{value:.10g}" if self._brief else f"{value:.{self.decimals()}f}")
 
     def validate(self, text: str, position: int) -> tuple[QtGui.QValidator.State, str, int]:
@@ -148,7 +155,10 @@ class NumberField(QtWidgets.QDoubleSpinBox):
 
     def valueFromText(self, text: str) -> float:
         """Typed number, such as 1e-3 or 0,5."""
-        return self.value() if self._problem(text) else float(self._digits(text))
+        if self._problem(text):
+            return self.value()
+        value = float(self._digits(text))
+        return float(round(value)) if self._is_count else value
 
     def _digits(self, text: str) -> str:
         return self._number_text(text).replace(",", ".")
@@ -156,7 +166,13 @@ class NumberField(QtWidgets.QDoubleSpinBox):
     def _number_text(self, text: str) -> str:
         # The suffix remains after the typed text, which may repeat it.
         number = text.removesuffix(self.suffix()).strip().removesuffix(self.suffix().strip())
-        return number.strip(" %")
+        number = number.strip(" %")
+        grouped = re.fullmatch(rf"[1-9]\d{{0,2}}([{re.escape(notation().group)}\s]\d{{3}})+", number)
+        return re.sub(r"\D", "", number) if self._is_count and grouped else number
+
+    @property
+    def _is_count(self) -> bool:
+        return self.decimals() == 0
 
     def _problem(self, text: str) -> str:
         """Error message for an invalid text, with the allowed range; empty if valid."""
