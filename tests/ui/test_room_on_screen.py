@@ -201,9 +201,17 @@ def test_status_bar_cuts_no_text_beside_free_room(qtbot, bottle, width):
     assert is_cut or width > 1024
 
 
-def test_status_bar_says_a_cut_message_in_its_tip(bottle):
+def test_status_bar_says_a_cut_message_in_its_tip_and_leaves_the_pace_the_rest(qtbot, bottle):
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "10deg", 0)
+    idle(qtbot, bottle)
+    _, pace = bottle.status.findChildren(ElidedLabel)
+    bottle.status.show_hint("A hint that is longer than there is room. " * 5)
+    work_off()
+    assert pace.width() < pace.room_for(pace.text())
     bottle.status.showMessage("A prompt")
+    work_off()
     assert bottle.status.toolTip() == "A prompt"
+    assert pace.width() >= pace.room_for(pace.text())
     bottle.status.clearMessage()
     assert bottle.status.toolTip() == ""
 

@@ -66,7 +66,7 @@ class StatusBar(QStatusBar):
         self._right = *coming, self._pace, self.extent, badge
         for widget in self._right:
             self.addPermanentWidget(widget)
-        self.messageChanged.connect(self.setToolTip)
+        self.messageChanged.connect(self._follow_message)
         # Text only: an animated indicator would redraw the whole window 60 times a second.
         self._job.setText(tr("Starting…"))
         self._cancel.hide()
@@ -77,8 +77,13 @@ class StatusBar(QStatusBar):
         self.hint.setText(text)
         self._share_room()
 
+    def _follow_message(self, message: str) -> None:
+        """Show a temporary message in the tip as well; it takes the place of the hint."""
+        self.setToolTip(message)
+        self._share_room()
+
     def _share_room(self) -> None:
-        """Leave the pace the room that the hint does not need."""
+        """Leave the pace the room that the hint or message does not need."""
         row = self.layout()
         gap = 0 if row is None else row.spacing()
         taken = sum(
@@ -86,7 +91,9 @@ class StatusBar(QStatusBar):
             for each in self._right
             if each is not self._pace and not each.isHidden()
         )
-        left = self.width() - taken - self.hint.sizeHint().width() - 2 * gap
+        message = self.currentMessage()
+        needed = self.hint.room_for(message) if message else self.hint.sizeHint().width()
+        left = self.width() - taken - needed - 2 * gap
         self._pace.setMaximumWidth(max(self._pace.minimumWidth(), left))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
