@@ -32,6 +32,7 @@ from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.model import status_text
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, typed_mass
 
@@ -46,6 +47,8 @@ class ReportSubject:
         Of the shape, and of the mesh at rest.
     requested_at : datetime
         Time of the request.
+    newtons : NewtonConversion or None
+        Of the loads; None if newtons are unknown.
     """
 
     state: State
@@ -56,6 +59,7 @@ class ReportSubject:
     requested_at: datetime
     measurements: Sequence[MeasurementReading] = ()
     up_axis: UpAxis = UpAxis.PLUS_Y
+    newtons: NewtonConversion | None = None
 
 
 def report_page(
@@ -76,7 +80,7 @@ def report_page(
         PageSection(
             tr("Handles"), (PageTable(tuple(report_blocks.handle_rows(state, unit, subject.shape_check))),)
         ),
-        PageSection(tr("Obstacles"), tuple(report_blocks.obstacle_blocks(state, unit))),
+        PageSection(tr("Obstacles"), tuple(report_blocks.obstacle_blocks(state, unit, subject.newtons))),
         PageSection(tr("Regions"), tuple(report_blocks.region_blocks(state, unit))),
         PageSection(
             tr("Volume reduction"),
