@@ -122,7 +122,8 @@ def grey(n):
 
 
 def centre(view):
-    return QPointF(view.width() / 2, view.height() / 2)
+    """The middle of what no bar covers."""
+    return QPointF(*view.camera_controller.camera.middle)
 
 
 def idle(qtbot, window, timeout=60_000):

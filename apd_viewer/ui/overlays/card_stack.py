@@ -143,8 +143,7 @@ class CardStack(QWidget):
 
 def free_span(canvas: Viewport) -> tuple[int, int]:
     """Left end and width of the canvas part not covered by bars at its left edge."""
-    bars = [bar.geometry().right() + 1 for bar in canvas.findChildren(ModeBar) if not bar.isHidden()]
-    left = max(bars, default=0)
+    left = canvas.camera_controller.covered_left
     return left, canvas.width() - left
 
 
@@ -208,12 +207,14 @@ class ModeBar(ToolBar):
         self.setOrientation(Qt.Orientation.Vertical)
         self.move(QPoint(_MARGIN, _MARGIN))
         self.hide()
+        canvas.camera_controller.bars.append(self)
         canvas.resized.connect(self._fit)
 
     def show_bar(self, on: bool) -> None:
-        """Show the bar if the active tool has modes, or hide it."""
+        """Show the bar if the active tool has modes, or hide it; reframe the mesh."""
         self.setVisible(on)
         self._fit()
+        self._canvas.camera_controller.keep_framing()
 
     def _fit(self) -> None:
         """Shrink to the canvas height; the last modes move to the overflow menu."""
