@@ -17,7 +17,7 @@ from apd_viewer.session.model.status_text import self_intersection_warnings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
 from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
-from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
+from apd_viewer.ui.widgets.fields import CheckBox, NumberField, attach_menu, percent_field
 from apd_viewer.ui.widgets.folding_section import CHEVRON, Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartButtons, PartList, PartRow, Swatch
 from apd_viewer.ui.widgets.slider_field import SHARE, SliderField
@@ -56,9 +56,7 @@ class PartsSection(Section):
         self.add.setIconSize(QSize(16, 16))
         self.add.setToolTip(tr("Add another handle, region or obstacle"))
         self.add.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.add.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.add.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self.add.setMenu(QMenu(self.add, toolTipsVisible=True))
+        attach_menu(self.add, QMenu(self.add, toolTipsVisible=True))
         row_layout(STRETCH, self.add, CHEVRON + 8, parent=self.heading)
 
     def _make_base_row(self) -> QHBoxLayout:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from driving import LEFT, document, idle, on_screen, stroke
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QToolButton
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.palette import FREE_COLOR, HANDLE_COLORS
@@ -99,3 +100,18 @@ def test_part_commands_clear_the_active_parts_from_the_menu(qtbot, bottle):
     all_of_it.trigger()
     assert len(bottle.session.gestures.history.undo_states) == steps, "nothing is left to clear"
     idle(qtbot, bottle)
+
+
+def test_buttons_with_a_menu_keep_nothing_of_the_press_once_it_is_closed(qtbot, bottle):
+    buttons = [button for button in bottle.shell.findChildren(QToolButton) if button.menu() is not None]
+    ours = [button for button in buttons if not button.objectName().startswith("qt_")]
+    assert {bottle.panel.parts.add, bottle.panel.area.unit, bottle.plots.save} <= set(ours)
+    corner = bottle.shell.mapToGlobal(QPoint(5, 5))
+    for button in ours:
+        assert button.focusPolicy() is Qt.FocusPolicy.TabFocus
+        button.setAttribute(Qt.WidgetAttribute.WA_UnderMouse)  # as Qt leaves it when a menu takes the mouse
+        button.menu().popup(corner)
+        qtbot.waitUntil(button.menu().isVisible)
+        button.menu().close()
+        qtbot.waitUntil(lambda button=button: not button.underMouse())
+        assert not button.isDown()
