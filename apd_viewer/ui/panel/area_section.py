@@ -169,7 +169,7 @@ class AreaSection(QWidget):
 
     def show_activity(self, state: State, session: Session) -> None:
         """Show the solver's activity."""
-        activity = session.store.activity.value
+        activity = session.store.shown_activity.value
         text = _WORDS[activity]
         if session.store.is_previewing:
             text = tr("preview")
