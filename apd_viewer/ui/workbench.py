@@ -91,7 +91,8 @@ class Workbench(QObject):
         self.recovery = RecoveryBar(view)
         self.notice = Notice(view, (self.invitation, self.recovery))
         self.proposal = Notice(view, (self.invitation, self.recovery, self.notice))
-        self.findings = FindingsController(self.canvas, self.shell.badge, self.session)
+        say = self.notice.show_message
+        self.findings = FindingsController(self.canvas, self.shell.badge, self.session, say)
         self.empty_state = EmptyState(view, self.shell.requests)
         below = self.invitation, self.recovery, self.notice, self.proposal, self.findings.list
         self.display_options = DisplayOptions(self.canvas, self.preferences, below)
