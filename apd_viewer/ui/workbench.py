@@ -370,6 +370,7 @@ class Workbench(QObject):
         self.volume.show_mesh_wall(mesh)
         self.display_options.set_unit(self.session.store.unit)
         self.files.remember_mesh_files(state)
+        self.display_options.overlay.choose_measure(None)  # a session's own comes with its view
         self.actions_.file.fill_recent(self.preferences.recent_files)
         if (axis := self.canvas.likely_up_axis) is not None:
             sentence = tr("This mesh seems to lie on its side: it would stand with {axis} up.")
