@@ -346,6 +346,7 @@ class Workbench(QObject):
             self.findings.show_mesh_findings(new.inspection.findings)
             if old is None or old.document.mesh.F is not document.mesh.F:
                 self._show_opened(new)
+        self.panel.highlight_edited_part(self.canvas.tool, self.parts.obstacle)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         self.symmetry.refresh()
         if old is None or old.document is not document:
@@ -369,8 +370,8 @@ class Workbench(QObject):
         self.panel.handles.motion.clear()
         self.volume.show_mesh_wall(mesh)
         self.display_options.set_unit(self.session.store.unit)
-        self.files.remember_mesh_files(state)
         self.display_options.overlay.choose_measure(None)  # a session's own comes with its view
+        self.files.remember_mesh_files(state)
         self.actions_.file.fill_recent(self.preferences.recent_files)
         if (axis := self.canvas.likely_up_axis) is not None:
             sentence = tr("This mesh seems to lie on its side: it would stand with {axis} up.")

@@ -86,7 +86,7 @@ class PartsSection(Section):
 
 
 class HandleSection(Section):
-    """Motion of the active handle.
+    """Motion of the active handle; of an obstacle in the hand only the warnings.
 
     Attributes
     ----------
@@ -96,6 +96,8 @@ class HandleSection(Section):
         In percent of the longest side.
     crossing_signs : QLabel
         Warnings that the surface has passed through itself; hidden without any.
+    is_resting : bool
+        Whether an obstacle is in the hand instead of a handle.
     """
 
     reset_all_requested = Signal()
@@ -103,6 +105,7 @@ class HandleSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Motion"))
+        self.is_resting = False
         self.list = PartList(HANDLE_COLORS, self._row)
         self.crossing_signs = QLabel(
             objectName="lost", wordWrap=True, accessibleName=tr("Signs of self-penetration")
@@ -163,6 +166,14 @@ class HandleSection(Section):
         lost = self_intersection_warnings(state, check)
         self.crossing_signs.setText("\n".join(lost))
         self.crossing_signs.setVisible(bool(lost))
+        self.setVisible(bool(lost) or not self.is_resting)
+
+    def set_resting(self, on: bool) -> None:
+        """Hide all about the active handle while an obstacle is in the hand instead."""
+        self.is_resting = on
+        for part in (self.motion, self.symmetry, self.falloff, self.reset_handle, self.reset_all):
+            part.setVisible(not on)
+        self.setVisible(not on or bool(self.crossing_signs.text()))
 
     def show_readings(self, state: State, unit: Unit, active: int) -> None:
         """Show the active handle's motion."""
@@ -172,7 +183,8 @@ class HandleSection(Section):
         details = self.list.rows[active].details
         if isinstance(details, QLabel):
             details.setText(readings.motion(state, active, unit))
-        self.heading.show_reading(readings.motion(state, active, unit), only_folded=True)
+        motion = "" if self.is_resting else readings.motion(state, active, unit)
+        self.heading.show_reading(motion, only_folded=True)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
