@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.session.state_store import StateStore
 
-_WIDTH = 324  # px: fits a region with a target, so that adding one does not resize the view
+_WIDTH = 328  # px: fits a region with a target, so that adding one does not resize the view
 _ROW = 22  # px: height of a row of counts
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from driving import Mouse, document, drag, follow, idle, ring_grip, work_off
 from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLabel
 
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.self_intersections import crossings
@@ -471,9 +474,6 @@ def test_panel_cuts_off_nothing_at_the_side(qtbot, bottle, method):
     assert {BASE, HANDLE} <= set(document(bottle).labels)
 
 
-def test_method_section_offers_sr_arap_which_deforms(qtbot, bottle):
-    choose(bottle, "sr-arap")
-    drag(qtbot, bottle, ring_grip(bottle, 1), (40, 0))
 def test_panel_keeps_its_width_when_readings_get_longer(qtbot, sample):
     window, panel = sample, sample.panel
     window.shell.resize(1280, 720)
@@ -522,6 +522,9 @@ def test_label_in_the_panel_shows_the_dots_of_capital_umlauts(qtbot, bottle, nam
     label.deleteLater()
 
 
+def test_method_section_offers_sr_arap_which_deforms(qtbot, bottle):
+    choose(bottle, "sr-arap")
+    drag(qtbot, bottle, ring_grip(bottle, 1), (40, 0))
     idle(qtbot, bottle)
     assert document(bottle).settings.method == "sr-arap"
     assert bottle.session.store.activity is Activity.SETTLED
