@@ -148,13 +148,13 @@ def free_span(canvas: Viewport) -> tuple[int, int]:
 
 
 def spare_mesh(canvas: Viewport, on: bool) -> None:
-    """Keep hints and notices off a framed mesh, or place them as usual."""
+    """Drop hints that find no room beside a framed mesh, or let them cover it."""
     canvas.spares_mesh = on
     canvas.resized.emit()
 
 
 def covers_framed_mesh(rect: QRect, canvas: Viewport) -> bool:
-    """True if a rectangle covers the framed mesh, which is to be spared."""
+    """True if a rectangle covers the framed mesh."""
     mesh = _framed_mesh(canvas)
     return mesh is not None and mesh.intersects(rect)
 
@@ -169,9 +169,9 @@ def span_beside_mesh(canvas: Viewport) -> tuple[int, int]:
 
 
 def _framed_mesh(canvas: Viewport) -> QRect | None:
-    """Rectangle around a framed mesh that is to be spared; None otherwise."""
+    """Rectangle around a framed mesh; None if the camera was moved since."""
     look, box = canvas.camera_controller, () if canvas.box is None else canvas.box()
-    if not canvas.spares_mesh or not box or not look.is_framing:
+    if not box or not look.is_framing:
         return None
     at = look.camera.project(np.array(list(product(*np.reshape(box, (3, 2))))))
     (left, top), (right, bottom) = at.min(axis=0), at.max(axis=0)

@@ -511,7 +511,7 @@ def ink_height(label):
     return int(inked[-1] - inked[0])
 
 
-@pytest.mark.parametrize("name", ["heading", "quiet"])
+@pytest.mark.parametrize("name", ["heading", "title", "verdict"])
 def test_label_in_the_panel_shows_the_dots_of_capital_umlauts(qtbot, bottle, name):
     label = QLabel("ÖÄÜgj", bottle.panel.parts, objectName=name)
     label.ensurePolished()
