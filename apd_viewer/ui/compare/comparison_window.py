@@ -355,7 +355,7 @@ def _row_title(method: str, outcome: MethodOutcome, lacks_contact: bool) -> str:
 
 
 def _drawn_obstacles(document: Document, method: str, frame: Frame) -> list[DrawnObstacle]:
-    """Obstacles where a method has moved them; where it knows none, faint and where they should go."""
+    """Obstacles where a method has moved them; faint where it knows none."""
     acts = document.settings.contact and METHODS[method].may_use_contact
     reached = frame.shifts if acts and len(frame.shifts) == len(document.obstacles) else None
     return [
