@@ -190,7 +190,7 @@ FEATURES = {
     *("simulate", "studies", "settings_page"),
 }
 # Features that another one knows: the ends of a range are shown as ghosts.
-NEIGHBOURS = {"studies": {"posing"}}
+NEIGHBOURS = {"studies": {"posing"}, "compare": {"obstacles"}}
 
 
 def test_architecture_lets_a_feature_of_the_window_know_only_the_core():

@@ -32,6 +32,7 @@ class Solutions:
 
     def __init__(self) -> None:
         self._found: WeakKeyDictionary[Frame, Solution] = WeakKeyDictionary()
+        self._finished: WeakKeyDictionary[Frame, Document] = WeakKeyDictionary()
         self._is_from_rest = False
 
     def begin(self, state: State, is_jump: bool, from_initial_positions: bool, is_busy: bool) -> None:
@@ -67,6 +68,15 @@ class Solutions:
         """Add the last shape of a request, if it has converged."""
         if frame.converged and cost is not None:
             self._found[frame] = Solution(document, cost, self._is_from_rest)
+
+    def note_finished(self, state: State) -> None:
+        """Note that the solver has finished with the shape of a state, converged or not."""
+        self._finished[state.frame] = state.document
+
+    def is_finished(self, state: State) -> bool:
+        """True if the solver has finished with the shape for the document of a state."""
+        document = self._finished.get(state.frame)
+        return document is not None and are_same_keys(solution_key(document), solution_key(state.document))
 
     def solution_of(self, state: State) -> Solution | None:
         """Solution that a state displays; None if its document asks for another one."""

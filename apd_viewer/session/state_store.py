@@ -104,9 +104,19 @@ class StateStore:
         """Solution of the document by the displayed shape; None if it is none."""
         return None if self.state is None else self._solutions.solution_of(self.state)
 
+    @property
+    def shown_activity(self) -> Activity:
+        """Activity; for a restored shape the outcome of its solution."""
+        state = self.state
+        if self.activity is not Activity.IDLE or state is None or not self._solutions.is_finished(state):
+            return self.activity
+        return Activity.SETTLED if state.frame.converged else Activity.UNREACHED
+
     def set_state(self, state: State) -> None:
         """Replace the state without asking the solver."""
         old, self.state = self.state, state
+        if self.activity in (Activity.SETTLED, Activity.UNREACHED):
+            self._solutions.note_finished(state)
         self._listener.changed(old, state)
 
     def jump_to(self, state: State, from_initial_positions: bool = False) -> None:

@@ -91,7 +91,8 @@ class Workbench(QObject):
         self.recovery = RecoveryBar(view)
         self.notice = Notice(view, (self.invitation, self.recovery))
         self.proposal = Notice(view, (self.invitation, self.recovery, self.notice))
-        self.findings = FindingsController(self.canvas, self.shell.badge, self.session)
+        say = self.notice.show_message
+        self.findings = FindingsController(self.canvas, self.shell.badge, self.session, say)
         self.empty_state = EmptyState(view, self.shell.requests)
         below = self.invitation, self.recovery, self.notice, self.proposal, self.findings.list
         self.display_options = DisplayOptions(self.canvas, self.preferences, below)
@@ -348,6 +349,7 @@ class Workbench(QObject):
             self.findings.show_mesh_findings(new.inspection.findings)
             if old is None or old.document.mesh.F is not document.mesh.F:
                 self._show_opened(new)
+        self.panel.highlight_edited_part(self.canvas.tool, self.parts.obstacle)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         self.symmetry.refresh()
         if old is None or old.document is not document:
@@ -371,6 +373,7 @@ class Workbench(QObject):
         self.panel.handles.motion.clear()
         self.volume.show_mesh_wall(mesh)
         self.display_options.set_unit(self.session.store.unit)
+        self.display_options.overlay.choose_measure(None)  # a session's own comes with its view
         self.files.remember_mesh_files(state)
         self.actions_.file.fill_recent(self.preferences.recent_files)
         if (axis := self.canvas.likely_up_axis) is not None:

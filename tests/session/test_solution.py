@@ -6,6 +6,8 @@ import pytest
 from driven_session import BENT, pose
 
 from apd_viewer.geometry.pose.constraints import FREE
+from apd_viewer.session.model.view import View
+from apd_viewer.session.state_store import Activity
 
 
 @pytest.fixture
@@ -75,6 +77,29 @@ def test_solution_comes_back_with_its_shape_by_undo(bent):
     bent.handles.set_pose(BENT, 0, "bend")
     bent.settle()
     assert bent.store.solution.is_from_rest
+
+
+def test_shown_activity_comes_back_with_its_shape_by_undo_and_redo(bent):
+    store = bent.store
+    assert store.shown_activity is Activity.SETTLED
+    bent.gestures.undo()
+    assert store.shown_activity is Activity.IDLE, "as it was opened"
+    bent.gestures.redo()
+    assert store.shown_activity is Activity.SETTLED
+    assert store.activity is Activity.IDLE, "nothing is asked of the solver"
+    bent.handles.set_pose(pose(0.7), 0, "bend")
+    bent.settle()
+    bent.gestures.undo()
+    assert store.shown_activity is Activity.SETTLED
+
+
+def test_shown_activity_of_an_opened_shape_is_idle(bent, tmp_path):
+    bent.files.save(tmp_path / "a.apd", View(), True)
+    bent.settle()
+    bent.files.open(tmp_path / "a.apd")
+    bent.settle()
+    assert bent.store.state.frame.converged
+    assert bent.store.shown_activity is Activity.IDLE
 
 
 def test_solution_stays_where_a_change_of_the_document_moves_nothing(bent):

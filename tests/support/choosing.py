@@ -320,6 +320,7 @@ class Scene:
         if name != "bare":
             self._make_up(mesh)
         idle(qtbot, window)
+        window.tools.choose_tool(Tool.HANDLE)  # a tool with the bar that the mesh keeps clear of
         self.state, self.eye = window.session.store.state, self.view.camera_controller.camera
 
     def _make_up(self, mesh):

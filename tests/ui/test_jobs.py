@@ -179,8 +179,8 @@ def test_workbench_bends_a_head_with_the_body_still_in_six_inputs(opened):
 
 def test_workbench_keeps_the_area_of_a_region_in_five_inputs(qtbot, bottle):
     user = user_of(qtbot, bottle)
+    user.key(KEY.Key_R)  # whose bar the framed mesh keeps clear of
     label = facing(bottle, np.abs(document(bottle).mesh.V[:, 1] - 9.0) < 0.5)
-    user.key(KEY.Key_R)
     user.drag(*line(label - [40, 0], label + [40, 0]))
     (row,) = bottle.panel.regions.list.rows
     user.tick(row.details.box)

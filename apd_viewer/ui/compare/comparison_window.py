@@ -12,6 +12,7 @@ from apd_viewer.cases.comparison import Comparison, MethodOutcome, OutcomeOrigin
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import comma_separated, tr
@@ -22,12 +23,14 @@ from apd_viewer.presentation.method_readings import (
     write_outcomes,
 )
 from apd_viewer.presentation.scales import Scale
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.solution import Solution
 from apd_viewer.ui.compare.linked_views import LinkedViews, SharedScale
 from apd_viewer.ui.compare.method_table import PIXEL_RATIO, ComparisonShape, MethodTable, write_comparison
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.widgets.background_task import BackgroundTask
@@ -228,6 +231,7 @@ class ComparisonWindow(QWidget):
             outcome = comparison.outcomes.get(method, MethodOutcome())
             if outcome.frame is not None:
                 self.views[method].show_shape(outcome.frame.U)
+                self.views[method].show_obstacles(_drawn_obstacles(state.document, method, outcome.frame))
             said, tip, note = _status_texts(method, comparison)
             self.views[method].show_status(said, tip, note)
             missing = missing_contact(state, method)
@@ -348,6 +352,16 @@ def _row_title(method: str, outcome: MethodOutcome, lacks_contact: bool) -> str:
     if outcome.origin.has_same_path:
         return title
     return tr("{method}, as it stands in the window").format(method=title)
+
+
+def _drawn_obstacles(document: Document, method: str, frame: Frame) -> list[DrawnObstacle]:
+    """Obstacles where a method has moved them; faint where it knows none."""
+    acts = document.settings.contact and METHODS[method].may_use_contact
+    reached = frame.shifts if acts and len(frame.shifts) == len(document.obstacles) else None
+    return [
+        DrawnObstacle(each, each.shift if reached is None else reached[k], is_idle=not acts)
+        for k, each in enumerate(document.obstacles)
+    ]
 
 
 def _status_texts(method: str, comparison: Comparison) -> tuple[str, str, str]:

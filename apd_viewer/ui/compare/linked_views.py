@@ -16,6 +16,8 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle, ObstacleScene
+from apd_viewer.ui.obstacles.obstacle_shapes import ShapeExtent
 from apd_viewer.ui.overlays.legend import LegendColorBar
 from apd_viewer.ui.overlays.notice import CanvasHint
 from apd_viewer.ui.scene.camera import Camera
@@ -288,6 +290,8 @@ class MethodView(QWidget):
         row_layout(name, (self._state, 1), self._value, spacing=4, margins=(12, 0, 12, 0), parent=head)
         self.viewport = Viewport(self)
         self.surface = Surface(self.viewport)
+        self.obstacles = ObstacleScene(self.viewport)
+        self._extent: ShapeExtent | None = None
         self._note = CanvasHint(self.viewport)
         column_layout(head, (self.viewport, 1), spacing=0, parent=self)
         self.values: np.ndarray | None = None
@@ -306,11 +310,18 @@ class MethodView(QWidget):
         self.values, self._change = None, None
         self.surface.set_color_map(None)
         self.surface.set_mesh(state.surface_index, document.mesh.V, colors_of(document))
+        self._extent = ShapeExtent.from_points(document.mesh.V[np.unique(document.mesh.F)])
+        self.show_obstacles([DrawnObstacle(each, np.zeros(3)) for each in document.obstacles])
 
     def show_shape(self, U: np.ndarray) -> None:
         """Show a new shape (n, 3)."""
         if U is not self.surface.shape:
             self.surface.set_points(U)
+
+    def show_obstacles(self, obstacles: Sequence[DrawnObstacle]) -> None:
+        """Show the obstacles where they are beside the shape."""
+        assert self._extent is not None
+        self.obstacles.show_obstacles(obstacles, self._extent)
 
     def set_deviation(self, deviation: Deviation) -> None:
         """Colour the shape by its local area change from the rest shape."""

@@ -143,19 +143,18 @@ class CardStack(QWidget):
 
 def free_span(canvas: Viewport) -> tuple[int, int]:
     """Left end and width of the canvas part not covered by bars at its left edge."""
-    bars = [bar.geometry().right() + 1 for bar in canvas.findChildren(ModeBar) if not bar.isHidden()]
-    left = max(bars, default=0)
+    left = canvas.camera_controller.covered_left
     return left, canvas.width() - left
 
 
 def spare_mesh(canvas: Viewport, on: bool) -> None:
-    """Keep hints and notices off a framed mesh, or place them as usual."""
+    """Drop hints that find no room beside a framed mesh, or let them cover it."""
     canvas.spares_mesh = on
     canvas.resized.emit()
 
 
 def covers_framed_mesh(rect: QRect, canvas: Viewport) -> bool:
-    """True if a rectangle covers the framed mesh, which is to be spared."""
+    """True if a rectangle covers the framed mesh."""
     mesh = _framed_mesh(canvas)
     return mesh is not None and mesh.intersects(rect)
 
@@ -170,9 +169,9 @@ def span_beside_mesh(canvas: Viewport) -> tuple[int, int]:
 
 
 def _framed_mesh(canvas: Viewport) -> QRect | None:
-    """Rectangle around a framed mesh that is to be spared; None otherwise."""
+    """Rectangle around a framed mesh; None if the camera was moved since."""
     look, box = canvas.camera_controller, () if canvas.box is None else canvas.box()
-    if not canvas.spares_mesh or not box or not look.is_framing:
+    if not box or not look.is_framing:
         return None
     at = look.camera.project(np.array(list(product(*np.reshape(box, (3, 2))))))
     (left, top), (right, bottom) = at.min(axis=0), at.max(axis=0)
@@ -208,12 +207,14 @@ class ModeBar(ToolBar):
         self.setOrientation(Qt.Orientation.Vertical)
         self.move(QPoint(_MARGIN, _MARGIN))
         self.hide()
+        canvas.camera_controller.bars.append(self)
         canvas.resized.connect(self._fit)
 
     def show_bar(self, on: bool) -> None:
-        """Show the bar if the active tool has modes, or hide it."""
+        """Show the bar if the active tool has modes, or hide it; reframe the mesh."""
         self.setVisible(on)
         self._fit()
+        self._canvas.camera_controller.keep_framing()
 
     def _fit(self) -> None:
         """Shrink to the canvas height; the last modes move to the overflow menu."""

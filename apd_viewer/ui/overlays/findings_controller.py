@@ -1,6 +1,6 @@
 """Controller, list and marks of the findings of the open mesh."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
@@ -21,6 +21,11 @@ from apd_viewer.ui.widgets.fields import CheckBox, small_button
 from apd_viewer.ui.widgets.theme import Theme, icon, set_style_property
 from apd_viewer.ui.widgets.wheel import block_mouse_events
 
+_NONE_FOUND = tr(
+    "No issues. Checked: file, size and position, vertices, faces, edges, holes, orientation "
+    "and loose components."
+)
+
 
 class ListedFinding(NamedTuple):
     """Row of the list: a finding, and the loose components it concerns."""
@@ -34,11 +39,16 @@ class FindingsController(QObject):
 
     The camera can be moved while the list is open. The list closes, and the marks are removed, on Esc, on a
     click beside it, at the first stroke or drag of a handle, and on loss of the keyboard focus.
+
+    Parameters
+    ----------
+    say : callable
+        Shows a sentence over the canvas.
     """
 
-    def __init__(self, canvas: Canvas, badge: Badge, session: Session) -> None:
+    def __init__(self, canvas: Canvas, badge: Badge, session: Session, say: Callable[[str], object]) -> None:
         super().__init__(canvas)
-        self._canvas, self._session = canvas, session
+        self._canvas, self._session, self._say = canvas, session, say
         self._of_mesh: tuple[Finding, ...] = ()
         self._findings: tuple[Finding, ...] = ()
         self._listed: list[ListedFinding] = []
@@ -78,8 +88,11 @@ class FindingsController(QObject):
             self.list.rows[-1].setFocus()
 
     def toggle_list(self) -> None:
-        """Open the list if there are findings, or close it."""
-        self.badge.click()
+        """Open the list or close it; say so where there is nothing to list."""
+        if self._findings:
+            self.badge.click()
+        elif self._session.store.state is not None:
+            self._say(_NONE_FOUND)
 
     def close(self) -> bool:
         """Close the list and remove the marks; True if it was open."""

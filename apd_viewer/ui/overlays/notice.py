@@ -38,7 +38,7 @@ _CLOSE = 34  # px: size of a notice's close button
 SECTION_PROPERTY = "manualSection"  # property that names the manual section of a detached widget
 _UNBOUNDED = 16_777_215  # QWIDGETSIZE_MAX, Qt's largest widget size
 _INVITATION_PADDING = 20
-_NARROWEST = 120  # px: smallest width of a sentence
+_NARROWEST = 104  # px: smallest width of a sentence
 _AROUND_TEXT = 80  # px beside the sentence of a notice
 _LEAST_SPAN = _NARROWEST + _AROUND_TEXT + 2 * _MARGIN  # px; for a notice
 _READING_TIME = 7000  # ms a message is shown; failures stay until dismissed
@@ -237,7 +237,8 @@ def _open_with_system(path: Path) -> None:
 class CanvasHint(QLabel):
     """Hint at the bottom of the canvas.
 
-    It is dropped where a mesh is to be spared and no room is left beside it.
+    It is beside a framed mesh that it would cover. Where no room is left there, it covers the mesh, or is
+    dropped where that is to be spared.
     """
 
     def __init__(self, canvas: Viewport) -> None:
@@ -259,12 +260,15 @@ class CanvasHint(QLabel):
         if not self.text():
             self.hide()
             return
-        self._place_in(0, self._canvas.width())
+        whole, beside = free_span(self._canvas), span_beside_mesh(self._canvas)
+        self._place_in(*whole)
         covers = covers_framed_mesh(self.geometry(), self._canvas)
-        if covers:
-            self._place_in(*span_beside_mesh(self._canvas))
+        if covers and beside[1] >= _NARROWEST + 2 * _MARGIN:
+            self._place_in(*beside)
             covers = covers_framed_mesh(self.geometry(), self._canvas)
-        self.setVisible(not covers)
+        if covers and not self._canvas.spares_mesh:
+            self._place_in(*whole)
+        self.setVisible(not (covers and self._canvas.spares_mesh))
 
     def _place_in(self, start: int, span: int) -> None:
         """Place the hint in a part of the canvas."""

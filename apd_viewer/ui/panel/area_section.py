@@ -46,9 +46,14 @@ def reading_grid(rows: Sequence[tuple[str, str]]) -> tuple[QGridLayout, list[QLa
     values = []
     for row, (title, tip) in enumerate(rows):
         values.append(QLabel(readings.NO_VALUE, accessibleName=title, toolTip=tip))
-        grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
+        grid.addWidget(reading_title(title, tip), row, 0)
         grid.addWidget(values[-1], row, 1, Qt.AlignmentFlag.AlignRight)
     return grid, values
+
+
+def reading_title(title: str, tip: str) -> QLabel:
+    """Title of a reading, wrapping beside a long value."""
+    return QLabel(title, objectName="quiet", toolTip=tip, wordWrap=True)
 
 
 class StatusDot(QWidget):
@@ -169,7 +174,7 @@ class AreaSection(QWidget):
 
     def show_activity(self, state: State, session: Session) -> None:
         """Show the solver's activity."""
-        activity = session.store.activity.value
+        activity = session.store.shown_activity.value
         text = _WORDS[activity]
         if session.store.is_previewing:
             text = tr("preview")

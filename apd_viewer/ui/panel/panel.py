@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.session.state_store import StateStore
 
-_WIDTH = 324  # px: fits a region with a target, so that adding one does not resize the view
+_WIDTH = 328  # px: fits a region with a target, so that adding one does not resize the view
 _ROW = 22  # px: height of a row of counts
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
@@ -205,11 +205,12 @@ class Panel(QWidget):
         self.regions.show_settings(state, region)
 
     def highlight_edited_part(self, tool: Tool, obstacle: int | None) -> None:
-        """Highlight the active row in the list of the parts that a tool edits."""
+        """Highlight the active row of the parts that a tool edits; show its motion."""
         moves_obstacle = tool is Tool.MOVE and obstacle is not None
         self.obstacles.list.set_highlighted(moves_obstacle)
         self.regions.list.set_highlighted(tool is Tool.REGION)
         self.handles.list.set_highlighted(not moves_obstacle and tool is not Tool.REGION)
+        self.handles.set_resting(moves_obstacle)
 
     def cancel_slider_drag(self) -> bool:
         """Cancel a slider drag in progress; True if there was one."""
@@ -238,8 +239,8 @@ class Panel(QWidget):
         self._previews = store.is_previewing
 
     def focus_motion_field(self) -> None:
-        """Unfold the handle section and focus the motion field."""
-        field = self.handles.motion.amount
+        """Focus the motion field of the handle or obstacle in the hand."""
+        field = self.obstacles.fields.distance if self.handles.is_resting else self.handles.motion.amount
         reveal_widget(field)
         field.setFocus(Qt.FocusReason.ShortcutFocusReason)
         field.selectAll()

@@ -17,7 +17,14 @@ from apd_viewer.session.model.status_text import self_intersection_warnings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
 from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
-from apd_viewer.ui.widgets.fields import CheckBox, NumberField, keep_room, percent_field, small_button
+from apd_viewer.ui.widgets.fields import (
+    CheckBox,
+    NumberField,
+    attach_menu,
+    keep_room,
+    percent_field,
+    small_button,
+)
 from apd_viewer.ui.widgets.folding_section import CHEVRON, Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartButtons, PartList, PartRow, Swatch
 from apd_viewer.ui.widgets.slider_field import SHARE, SliderField
@@ -58,9 +65,7 @@ class PartsSection(Section):
         self.add.setIconSize(QSize(16, 16))
         self.add.setToolTip(tr("Add another handle, region or obstacle"))
         self.add.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.add.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.add.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self.add.setMenu(QMenu(self.add, toolTipsVisible=True))
+        attach_menu(self.add, QMenu(self.add, toolTipsVisible=True))
         row_layout(STRETCH, self.add, CHEVRON + 8, parent=self.heading)
 
     def _make_base_row(self) -> QHBoxLayout:
@@ -93,7 +98,7 @@ class PartsSection(Section):
 
 
 class HandleSection(Section):
-    """Motion of the active handle.
+    """Motion of the active handle; of an obstacle in the hand only the warnings.
 
     Attributes
     ----------
@@ -103,6 +108,8 @@ class HandleSection(Section):
         In percent of the longest side.
     crossing_signs : QLabel
         Warnings that the surface has passed through itself; hidden without any.
+    is_resting : bool
+        Whether an obstacle is in the hand instead of a handle.
     """
 
     reset_all_requested = Signal()
@@ -110,6 +117,7 @@ class HandleSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Motion"))
+        self.is_resting = False
         self.list = PartList(HANDLE_COLORS, self._row)
         self.crossing_signs = QLabel(
             objectName="lost", wordWrap=True, accessibleName=tr("Signs of self-penetration")
@@ -170,6 +178,14 @@ class HandleSection(Section):
         lost = self_intersection_warnings(state, check)
         self.crossing_signs.setText("\n".join(lost))
         self.crossing_signs.setVisible(bool(lost))
+        self.setVisible(bool(lost) or not self.is_resting)
+
+    def set_resting(self, on: bool) -> None:
+        """Hide all about the active handle while an obstacle is in the hand instead."""
+        self.is_resting = on
+        for part in (self.motion, self.symmetry, self.falloff, self.reset_handle, self.reset_all):
+            part.setVisible(not on)
+        self.setVisible(not on or bool(self.crossing_signs.text()))
 
     def show_readings(self, state: State, unit: Unit, active: int) -> None:
         """Show the active handle's motion."""
@@ -179,7 +195,8 @@ class HandleSection(Section):
         details = self.list.rows[active].details
         if isinstance(details, QLabel):
             details.setText(readings.motion(state, active, unit))
-        self.heading.show_reading(readings.motion(state, active, unit), only_folded=True)
+        motion = "" if self.is_resting else readings.motion(state, active, unit)
+        self.heading.show_reading(motion, only_folded=True)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

@@ -13,6 +13,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, typed_mass
+from apd_viewer.ui.panel.area_section import reading_title
 from apd_viewer.ui.panel.wall_fields import WallFields
 from apd_viewer.ui.widgets.box_layouts import add_parts
 from apd_viewer.ui.widgets.folding_section import Section, quiet_label
@@ -41,7 +42,7 @@ class SizeSection(Section):
         self._found: ShapeCheck | None = None
         self._at_rest: ShapeCheck | None = None
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
-        self._grid.setColumnStretch(1, 1)
+        self._grid.setColumnStretch(0, 1)
         later = tr("measured when the shape stops moving")
         self.extent = self._row(
             tr("Bounding box"), tr("Extent along x, y and z; {later}").format(later=later), wide=True
@@ -77,7 +78,7 @@ class SizeSection(Section):
         reading = QLabel(
             readings.NO_VALUE, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight
         )
-        self._grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
+        self._grid.addWidget(reading_title(title, tip), row, 0)
         self._grid.addWidget(reading, row, 1, 1, 2 if wide else 1)
         return reading
 

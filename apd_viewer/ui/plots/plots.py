@@ -28,6 +28,7 @@ from apd_viewer.ui.plots import reading_charts
 from apd_viewer.ui.plots.chart_drawing import Chart, ChartArea, draw_chart
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
+from apd_viewer.ui.widgets.fields import attach_menu
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
@@ -105,9 +106,7 @@ class Plots(QWidget):
         self.save.setObjectName("choice")
         self.save.setIconSize(ICON_SIZE * 0.8)
         self.save.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.save.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self.save.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.save.setMenu(self._make_menu())
+        attach_menu(self.save, self._make_menu())
 
     def _make_menu(self) -> QMenu:
         menu = QMenu(self.save)

@@ -13,6 +13,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
+from apd_viewer.ui.widgets.fields import attach_menu
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
 _CHEVRON, _PADDING = 16, 6
@@ -31,8 +32,7 @@ class UnitButton(QToolButton):
     chosen = Signal(object)
 
     def __init__(self) -> None:
-        super().__init__(toolTip=_TIP, focusPolicy=Qt.FocusPolicy.StrongFocus)
-        self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        super().__init__(toolTip=_TIP)
         self._theme = LIGHT
         self._unit = Unit.NONE
         menu = QMenu(self)
@@ -45,7 +45,7 @@ class UnitButton(QToolButton):
             group.addAction(action)
         # Preselected, so that Enter or a second click confirms a guess.
         menu.aboutToShow.connect(lambda: menu.setActiveAction(group.checkedAction()))
-        self.setMenu(menu)
+        attach_menu(self, menu)
         self.show_unit(Unit.NONE)
 
     def show_unit(self, unit: Unit) -> None:

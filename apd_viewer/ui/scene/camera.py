@@ -44,6 +44,8 @@ class Camera:
         Lengths in logical pixels, unless noted.
     up_axis : UpAxis
         Of the mesh: level when the camera orbits.
+    left : float
+        Width of what covers the left edge; the focal point is in the middle of the rest.
     """
 
     position: np.ndarray
@@ -53,6 +55,7 @@ class Camera:
     width: float
     height: float
     up_axis: UpAxis = UpAxis.PLUS_Y
+    left: float = 0.0
 
     @cached_property
     def axes(self) -> np.ndarray:
@@ -89,7 +92,12 @@ class Camera:
     @property
     def key(self) -> tuple[float, ...]:
         """Hashable key of the view, equal for cameras with identical pictures."""
-        return (*self.position, *self.focal, *self.up, self.angle, self.width, self.height)
+        return (*self.position, *self.focal, *self.up, self.angle, self.width, self.height, self.left)
+
+    @property
+    def middle(self) -> np.ndarray:
+        """Pixel position (2,) of the focal point."""
+        return np.array([(self.left + self.width) / 2, self.height / 2])
 
     def depth(self, points: np.ndarray) -> np.ndarray:
         """Signed distance of points in front of the camera plane."""
@@ -97,15 +105,16 @@ class Camera:
 
     def ray(self, x: float, y: float) -> tuple[np.ndarray, np.ndarray]:
         """Origin and unit direction of the ray through a pixel position."""
-        right, up, forward = self.axes
-        aside = self.pixel_height * ((x - self.width / 2) * right + (self.height / 2 - y) * up)
+        (right, up, forward), (across, along) = self.axes, self.middle
+        aside = self.pixel_height * ((x - across) * right + (along - y) * up)
         return self.position, unit_vector(forward + aside)
 
     def project(self, points: np.ndarray) -> np.ndarray:
         """Pixel positions (k, 2) of points (k, 3); undefined behind the camera."""
         local = (points - self.position) @ self.axes.T
         scale = 1.0 / (self.pixel_height * np.maximum(local[:, 2], 1e-12 * self.distance))
-        return np.column_stack([self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale])
+        across, along = self.middle
+        return np.column_stack([across + local[:, 0] * scale, along - local[:, 1] * scale])
 
     def world_per_pixel(self, point: np.ndarray) -> float:
         """Length of one pixel, in mesh units, at the depth of a point."""
@@ -158,29 +167,34 @@ class Camera:
     def framed(self, points: np.ndarray, padding: np.ndarray | float = 0.0) -> Camera:
         """Camera framing all points as large as possible, in an unchanged direction.
 
-        ``padding``, (k,) or one for all, is how many pixels must be free around each of the (k, 3) points.
+        Their picture is in the middle of what is not covered. ``padding``, (k,) or one for all, is how many
+        pixels must be free around each of the (k, 3) points.
         """
         rooms = np.broadcast_to(padding, len(points))
-        least = float(rooms.min())
-        # Extents of all points along the axes and beyond the frustum sides, in one matrix product.
-        reach = np.vstack([np.eye(3), self._sides(least)]) @ points.T
-        lowest, most = reach[:3].min(axis=1), reach.max(axis=1)
-        centre = (lowest + most[:3]) / 2
-        away = float((most[3:] - self._sides(least) @ centre).max())
-        for k in np.flatnonzero(rooms > least):
-            away = max(away, float((self._sides(float(rooms[k])) @ (points[k] - centre)).max()))
-        if np.array_equal(lowest, most[:3]):
-            away = 1.0  # a single point fits at any distance
-        return replace(self, position=centre - away * self.axes[2], focal=centre)
+        least, local = float(rooms.min()), points @ self.axes.T
+        lowest, most = local.min(axis=0), local.max(axis=0)
+        if np.array_equal(lowest, most):
+            at = lowest - [0.0, 0.0, 1.0]  # a single point fits at any distance
+        else:
+            slopes = self._slopes(least)
+            # How far the points reach beyond the sides of a view from the origin.
+            aside, ahead = slopes * local[:, :2], local[:, 2:]
+            over, under = (aside - ahead).max(axis=0), (-aside - ahead).max(axis=0)
+            aside, depth = (over - under) / (2.0 * slopes), float(-(over + under).max() / 2.0)
+            for k in np.flatnonzero(rooms > least):
+                reach = self._slopes(float(rooms[k])) * np.abs(local[k, :2] - aside)
+                depth = min(depth, float(local[k, 2] - reach.max()))
+            at = np.append(_centred_aside(local, aside, depth), depth)
+        position = at @ self.axes
+        away = (lowest[2] + most[2]) / 2 - at[2]
+        return replace(self, position=position, focal=position + away * self.axes[2])
 
-    def _sides(self, room: float) -> np.ndarray:
-        """Scaled outward normals (4, 3) of the frustum sides, reduced by ``room`` pixels."""
-        half = np.tan(self.angle / 2)
+    def _slopes(self, room: float) -> np.ndarray:
+        """Depth (2,) at which points 1 off the middle fit with ``room`` pixels."""
+        half, free = np.tan(self.angle / 2), max(self.width - self.left, 1.0)
         # A tiny viewport cannot hold the padding; the points then get a tenth of its size.
-        across, along = (max(1.0 - 2.0 * room / size, 0.1) for size in (self.width, self.height))
-        wide = MARGIN / (half * self.width / self.height * across) * self.axes[0]
-        tall = MARGIN / (half * along) * self.axes[1]
-        return np.stack([wide, -wide, tall, -tall]) - self.axes[2]
+        across, along = (max(1.0 - 2.0 * room / size, 0.1) for size in (free, self.height))
+        return MARGIN / (half * np.array([free / self.height * across, along]))
 
     def standard_view(self, name: str) -> Camera:
         """Camera in the 'front', 'side' or 'top' view; prefix '-' gives the opposite."""
@@ -193,6 +207,20 @@ class Camera:
         """Camera in a direction (3,) from the focal point, level if ``up`` is None."""
         up = self.up_axis.direction if up is None else up
         return replace(self, position=self.focal + self.distance * direction, up=up)
+
+
+def _centred_aside(local: np.ndarray, aside: np.ndarray, depth: float) -> np.ndarray:
+    """Lateral position (2,) that centres the picture of points (k, 3).
+
+    ``aside`` is one to begin with, ``depth`` that of the camera.
+    """
+    nearness = 1.0 / (local[:, 2:] - depth)
+    for _ in range(4):  # each step centres the outermost points of the step before
+        picture = (local[:, :2] - aside) * nearness
+        ends = np.stack([picture.argmin(axis=0), picture.argmax(axis=0)])
+        near = nearness[ends, 0]
+        aside = (local[ends, [0, 1]] * near).sum(axis=0) / near.sum(axis=0)
+    return aside
 
 
 def unit_vector(v: np.ndarray) -> np.ndarray:

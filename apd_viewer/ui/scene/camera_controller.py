@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QPointF
+from PySide6.QtWidgets import QWidget
 from pyvistaqt import QtInteractor
+from vtkmodules.vtkRenderingCore import vtkCamera
 
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.scene.camera import ORTHOGRAPHIC, PERSPECTIVE, Camera
@@ -29,12 +31,15 @@ class CameraController:
         Of other viewports with the same camera; see :func:`link_cameras`.
     on_framed : list of callables
         Called after each framing.
+    bars : list of QWidget
+        At the left edge of the viewport; what is framed keeps clear of them.
     """
 
     def __init__(self, viewport: QtInteractor, pick: Callable[[QPointF], np.ndarray | None]) -> None:
         self._viewport, self._pick = viewport, pick
         self.linked: Sequence[CameraController] = ()
         self.on_framed: list[Callable[[], object]] = []
+        self.bars: list[QWidget] = []
         self._up_axis = UpAxis.PLUS_Y
         self._extent = 1.0  # height of the framed view, mesh units
         # Framed points, padding and overlays around them, and resulting camera position.
@@ -54,15 +59,12 @@ class CameraController:
             width=max(self._viewport.width(), 1),
             height=max(self._viewport.height(), 1),
             up_axis=self._up_axis,
+            left=max(0.0, -camera.GetWindowCenter()[0] * self._viewport.width()),
         )
 
     @camera.setter
     def camera(self, eye: Camera) -> None:
-        camera = self._viewport.renderer.GetActiveCamera()
-        camera.SetPosition(*eye.position)
-        camera.SetFocalPoint(*eye.focal)
-        camera.SetViewUp(*eye.up)
-        camera.SetViewAngle(np.rad2deg(eye.angle))
+        place_camera(self._viewport.renderer.GetActiveCamera(), eye)
         # Update all viewports together, so that Qt composes the window once instead of once for each.
         for look in (self, *self.linked):
             look._up_axis = eye.up_axis
@@ -76,7 +78,7 @@ class CameraController:
         ``overlays`` are the radii of what is drawn around the points, in pixels of a large view.
         """
         if len(points):
-            points, eye = np.asarray(points), self.camera
+            points, eye = np.asarray(points), replace(self.camera, left=self.covered_left)
             padding, overlays = (np.broadcast_to(room, len(points)) for room in (padding, overlays))
             self.camera = eye.framed(points, padding + eye.overlay_scale * overlays)
             self._extent = self.camera.span
@@ -84,8 +86,13 @@ class CameraController:
             for follow in self.on_framed:
                 follow()
 
+    @property
+    def covered_left(self) -> int:
+        """Width of the viewport's part covered by bars at its left edge."""
+        return max((bar.geometry().right() + 1 for bar in self.bars if not bar.isHidden()), default=0)
+
     def keep_framing(self) -> None:
-        """Reframe the points after a resize, unless the camera was moved."""
+        """Reframe the points in a view of another size, unless the camera was moved."""
         if self._framed is not None and self.is_framing:
             self.frame(*self._framed[:3])
 
@@ -119,6 +126,7 @@ class CameraController:
         """Release the linked viewports and the framed points."""
         self.linked, self._framed = (), None
         self.on_framed.clear()
+        self.bars.clear()
 
     def zoom_at(self, position: QPointF, factor: float) -> None:
         """Zoom by a factor about the point at a position in the viewport."""
@@ -128,6 +136,15 @@ class CameraController:
         closer = eye.zoomed(point, factor)
         if CLOSEST_ZOOM <= closer.span / self._extent <= FARTHEST_ZOOM:
             self.camera = closer
+
+
+def place_camera(camera: vtkCamera, eye: Camera) -> None:
+    """Place a camera of VTK."""
+    camera.SetPosition(*eye.position)
+    camera.SetFocalPoint(*eye.focal)
+    camera.SetViewUp(*eye.up)
+    camera.SetViewAngle(np.rad2deg(eye.angle))
+    camera.SetWindowCenter(-eye.left / eye.width, 0.0)
 
 
 def link_cameras(controllers: Sequence[CameraController]) -> None:

@@ -18,6 +18,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
+from apd_viewer.ui.scene.camera_controller import place_camera
 from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.surface_shading import Shading
@@ -169,9 +170,13 @@ def _draw_only(window: vtkRenderWindow, scene: vtkRenderer) -> Iterator[None]:
 
 @contextmanager
 def _widened_view(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None]:
-    """Widen the camera angle for a narrower picture within the context."""
+    """Widen the camera angle for a narrower picture within the context.
+
+    What is in the middle of the view's free part comes into the middle of the picture.
+    """
     camera = scene.GetActiveCamera()
-    angle = camera.GetViewAngle()
+    angle, centre = camera.GetViewAngle(), camera.GetWindowCenter()
+    camera.SetWindowCenter(0.0, 0.0)
     narrower = (seen.width() * size.height()) / max(seen.height() * size.width(), 1)
     if narrower > 1.0:
         camera.SetViewAngle(math.degrees(2.0 * math.atan(narrower * math.tan(math.radians(angle) / 2.0))))
@@ -179,6 +184,7 @@ def _widened_view(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None
         yield
     finally:
         camera.SetViewAngle(angle)
+        camera.SetWindowCenter(*centre)
 
 
 @contextmanager
@@ -272,13 +278,9 @@ class OffscreenScene:
         size = (
             QSize(_LONGER, round(_LONGER / ratio)) if ratio > 1.0 else QSize(round(_LONGER * ratio), _LONGER)
         )
-        eye = replace(eye, width=size.width(), height=size.height())
+        eye = replace(eye, width=size.width(), height=size.height(), left=0.0)
         eye = eye.framed(points, np.full(len(points), _ROOM * _LONGER))
-        camera = self._set.renderer.GetActiveCamera()
-        camera.SetPosition(*eye.position)
-        camera.SetFocalPoint(*eye.focal)
-        camera.SetViewUp(*eye.up)
-        camera.SetViewAngle(np.rad2deg(eye.angle))
+        place_camera(self._set.renderer.GetActiveCamera(), eye)
         return size
 
     def painted_picture(self, U: np.ndarray) -> QImage:

@@ -47,7 +47,7 @@ class Viewport(QtInteractor):
     is_dark : bool
         Whether the background is dark.
     spares_mesh : bool
-        Whether hints and notices keep off a framed mesh, as in the low view above a timeline.
+        Whether hints without room beside a framed mesh are dropped, as in the low view above a timeline.
     opengl_info : str
         Vendor, renderer and version, the driver's among them; empty before the first draw.
     opengl_found : Signal()

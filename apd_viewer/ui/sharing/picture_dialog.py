@@ -290,11 +290,11 @@ class PictureRenderer:
         scale = picture_scale(view.size(), settings.size)
         with QPainter(image) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            # Origin at the centre, as the view is centred in the picture.
+            # Origin at the centre, as the free part of the view is centred in the picture.
             painter.translate(QPointF(settings.size.width(), settings.size.height()) / 2)
             painter.scale(scale, scale)
             painter.save()
-            painter.translate(-QPointF(view.width(), view.height()) / 2)
+            painter.translate(-QPointF(*view.camera_controller.camera.middle))
             self._looks.ground.paint(painter)
             if settings.gizmo:
                 self._canvas.inactive_handles.paint(painter)

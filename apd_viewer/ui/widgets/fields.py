@@ -362,6 +362,21 @@ def keep_room(button: QtWidgets.QWidget) -> None:
     button.setSizePolicy(policy)
 
 
+def attach_menu(button: QtWidgets.QToolButton, menu: QtWidgets.QMenu) -> None:
+    """Open a menu at a press of a button; nothing of the press stays on it afterwards."""
+    button.setPopupMode(QtWidgets.QToolButton.ToolButtonPopupMode.InstantPopup)
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keyboard focus where it is
+    button.setMenu(menu)
+    menu.aboutToHide.connect(lambda: QTimer.singleShot(0, button, partial(_forget_cursor, button)))
+
+
+def _forget_cursor(button: QtWidgets.QToolButton) -> None:
+    """Unset the hover state of a button whose cursor left under its menu."""
+    if not button.rect().contains(button.mapFromGlobal(QtGui.QCursor.pos())):
+        button.setAttribute(Qt.WidgetAttribute.WA_UnderMouse, False)
+        button.update()
+
+
 def _draw_field(painter: QtGui.QPainter, field: QtWidgets.QWidget) -> None:
     """Draw the field's background; the style's own is invisible on a dark panel."""
     palette = field.palette()

@@ -122,6 +122,28 @@ def measured(side, change):
     return all(np.array_equal(v.values, change.area_change(v.surface.shape)) for v in side.views.values())
 
 
+def test_comparison_window_draws_the_obstacles_of_the_main_view_beside_each_shape(qtbot, bar):
+    session, main = bar.session, bar.obstacles.scene
+    session.obstacles.add_floor(np.array([0.0, 0.0, 1.0]), None)
+    session.obstacles.move(0, np.array([0.0, 0.0, -0.25]))
+    idle(qtbot, bar)
+    side = opened(qtbot, bar)
+    for view in side.views.values():
+        (each,) = view.obstacles.drawn_obstacles
+        assert each.obstacle is main.drawn_obstacles[0].obstacle
+    without = next(method for method in side.views if not METHODS[method].may_use_contact)
+
+    def drawn(method):
+        return side.views[method].obstacles.drawn_obstacles[0]
+
+    qtbot.waitUntil(lambda: drawn("exact").shift.any() and drawn(without).is_idle, timeout=60_000)
+    assert not drawn("exact").is_idle
+    for method in ("exact", without):
+        np.testing.assert_allclose(drawn(method).shift, document(bar).obstacles[0].shift, atol=1e-9)
+    actors = side.views["exact"].viewport.renderer.GetActors()
+    assert any(actor.GetVisibility() and actor.GetForceTranslucent() for actor in actors)
+
+
 def cells(side):
     """The table by method and title of the column."""
     table = side.table

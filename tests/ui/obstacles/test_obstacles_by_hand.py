@@ -364,6 +364,45 @@ def test_nudge_moves_the_obstacle_in_the_hand_by_arrow_keys(qtbot, floored):
     assert there(window)[0].shift[0] == 0.0
 
 
+def test_handle_section_is_gone_while_an_obstacle_is_in_the_hand(qtbot, held):
+    window, section = held, held.panel.handles
+    assert section.isVisible()
+    window.actions_.simulate.obstacles.kinds[SPHERE].trigger()
+    click(window, middle(window))
+    assert window.parts.obstacle == 0
+    assert window.obstacles.gizmo.visible
+    assert not section.isVisible()
+    assert window.panel.obstacles.fields.isVisible()
+    qtbot.keyClick(window.shell, Qt.Key.Key_M, Qt.KeyboardModifier.ControlModifier)
+    assert window.panel.obstacles.fields.distance.hasFocus()
+    window.parts.choose_handle(0)
+    assert section.isVisible()
+    assert section.motion.isVisible()
+    window.parts.choose_obstacle(0)
+    assert not section.isVisible()
+    window.tools.choose_tool(Tool.HANDLE)
+    assert section.isVisible()
+    window.tools.choose_tool(Tool.MOVE)
+    assert not section.isVisible()
+    window.actions_.undo.trigger()
+    assert there(window) == ()
+    assert section.isVisible()
+    assert window.panel.handles.list.rows[0].property("resting") is False
+
+
+def test_handle_section_warns_of_crossings_while_an_obstacle_is_in_the_hand(floored):
+    section = floored.panel.handles
+    assert not section.isVisible()
+    section.set_resting(True)
+    state = floored.session.store.state
+    section.crossing_signs.setText("Crossing")
+    section.set_resting(True)
+    assert section.isVisible()
+    assert not section.motion.isVisible()
+    section.show_check(state, None)
+    assert not section.isVisible()
+
+
 def test_tool_hint_names_the_obstacle_while_one_is_in_the_hand(floored):
     window = floored
     assert window.status.hint.text().startswith("Move obstacle:")

@@ -84,8 +84,10 @@ def test_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
     assert not badge.isEnabled()
     assert badge.text() == badge.accessibleName() == "No issues"
     qtbot.mouseClick(badge, LEFT)
+    assert not window.notice.isVisible()
     window.actions_.view.findings.trigger()
     assert not window.findings.list.isVisible()
+    assert window.notice.text.startswith("No issues. Checked: file, size")
 
 
 def test_badge_counts_what_the_list_says(qtbot, ill):

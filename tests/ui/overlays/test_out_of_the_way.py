@@ -94,6 +94,37 @@ def test_notice_and_hint_spare_the_foot_of_the_mesh_above_an_open_timeline(qtbot
     assert abs(bottle.invitation.geometry().center().x() - bottle.canvas.viewport.rect().center().x()) <= 1
 
 
+@pytest.mark.parametrize("size", [(800, 640), (1024, 700), (1280, 800)])
+def test_canvas_hint_and_notice_keep_off_a_framed_mesh_whatever_their_length(qtbot, bottle, size):
+    bottle.shell.resize(*size)
+    work_off()
+    view = bottle.canvas.viewport
+    bottle.tools.choose_tool(Tool.BASE)
+    bottle.actions_.view.camera.directions["front"].trigger()
+    for words in (6, 20):
+        bottle.invitation.show_text(" ".join(["Bereichsauswahl"] * words))
+        bottle.notice.show_message(" ".join(["Bereichsauswahl"] * words))
+        work_off()
+        points = view.camera_controller.camera.project(document(bottle).mesh.V)
+        for over in (bottle.notice, bottle.invitation):
+            room = over.geometry()
+            assert over.isVisible()
+            assert view.rect().contains(room)
+            inside = [room.contains(QPointF(x, y).toPoint()) for x, y in points]
+            assert not any(inside) or size == (800, 640)
+        assert not bottle.notice.geometry().intersects(bottle.invitation.geometry())
+        assert not bottle.invitation.geometry().intersects(bottle.mode_bar.geometry())
+
+
+def test_canvas_hint_stays_over_a_mesh_that_leaves_no_room_beside_it(bottle):
+    view, V = bottle.canvas.viewport, document(bottle).mesh.V
+    view.camera_controller.frame(V.mean(axis=0) + 0.3 * (V - V.mean(axis=0)))
+    bottle.invitation.show_text("Drag something")
+    assert bottle.invitation.isVisible()
+    assert abs(bottle.invitation.geometry().center().x() - view.rect().center().x()) <= 1
+    bottle.canvas.frame_mesh()
+
+
 def test_canvas_hint_is_dropped_where_no_room_is_left_beside_the_mesh(qtbot, bottle):
     view = bottle.canvas.viewport
     view.spares_mesh = True

@@ -185,9 +185,13 @@ def test_deviation_overlay_waits_with_what_takes_longer_until_the_shape_rests(qt
     assert not globe.display_options.legend.note.isVisible()
 
 
-def test_deviation_overlay_compares_another_mesh_with_its_own_rest_shape(qtbot, area):
+def test_deviation_overlay_is_off_and_compares_another_mesh_with_its_own_rest_shape(qtbot, area):
     area.session.files.open_sample("bottle")
     idle(qtbot, area)
+    assert area.display_options.overlay.measure is None
+    assert not area.display_options.legend.isVisible()
+    assert area.actions_.display.no_overlay.isChecked()
+    area.actions_.display.measures[Measure.AREA].trigger()
     qtbot.waitUntil(
         lambda: (
             area.display_options.overlay.reading.values is not None

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from driving import Mouse, document, drag, follow, idle, ring_grip, work_off
 from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLabel
 
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.self_intersections import crossings
@@ -469,6 +472,54 @@ def test_panel_cuts_off_nothing_at_the_side(qtbot, bottle, method):
         assert page.widget().width() <= page.viewport().width()
         assert panel.area.percent.isVisible()
     assert {BASE, HANDLE} <= set(document(bottle).labels)
+
+
+def test_panel_keeps_its_width_when_readings_get_longer(qtbot, sample):
+    window, panel = sample, sample.panel
+    window.shell.resize(1280, 720)
+    work_off()
+    width = panel.width()
+    window.choose_unit(Unit.MILLIMETRE)
+    window.parts.add_region()
+    window.parts.add_handle()
+    window.parts.choose_handle(0)
+    field = panel.handles.motion
+    field.choice.setCurrentIndex(field.choice.findData("TWIST"))
+    QTest.keyClicks(field.amount, "160deg")
+    qtbot.keyClick(field.amount, Qt.Key.Key_Return)
+    idle(qtbot, window)
+    window.actions_.simulate.obstacles.floor.trigger()
+    idle(qtbot, window)
+    assert panel.area.percent.isVisible()
+    for page in (panel.measurements, panel.deform):
+        panel.pages.setCurrentWidget(page)
+        work_off()
+        assert panel.width() == width
+        assert page.widget().width() <= page.viewport().width()
+    panel.measures.box.setText("123 456 789 123.4 mm³")  # of a large mesh in small units
+    panel.pages.setCurrentWidget(panel.measurements)
+    work_off()
+    assert panel.width() == width
+
+
+def ink_height(label):
+    """Rows from the first to the last with ink."""
+    image = label.grab().toImage().convertToFormat(QImage.Format.Format_Grayscale8)
+    rows = np.frombuffer(image.constBits(), dtype=np.uint8).reshape(image.height(), image.bytesPerLine())
+    rows = rows[:, : image.width()].astype(int)
+    inked = np.flatnonzero((np.abs(rows - rows[-1, -1]) > 24).any(axis=1))
+    return int(inked[-1] - inked[0])
+
+
+@pytest.mark.parametrize("name", ["heading", "title", "verdict"])
+def test_label_in_the_panel_shows_the_dots_of_capital_umlauts(qtbot, bottle, name):
+    label = QLabel("ÖÄÜgj", bottle.panel.parts, objectName=name)
+    label.ensurePolished()
+    label.resize(label.sizeHint())
+    whole = ink_height(label)
+    label.resize(label.width(), 3 * label.height())
+    assert whole == ink_height(label)
+    label.deleteLater()
 
 
 def test_method_section_offers_sr_arap_which_deforms(qtbot, bottle):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from driving import LEFT, document, idle, on_screen, stroke
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QLabel
+from PySide6.QtWidgets import QLabel, QToolButton
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.palette import FREE_COLOR, HANDLE_COLORS
@@ -122,3 +122,18 @@ def test_parts_section_aligns_names_and_readings_of_all_rows(qtbot, bottle, hand
 
     qtbot.waitUntil(lambda: len(ends()) == 1)
     assert all(row.remove.mapTo(panel, QPoint(0, 0)).x() > max(ends()) for row in rows)
+
+
+def test_buttons_with_a_menu_keep_nothing_of_the_press_once_it_is_closed(qtbot, bottle):
+    buttons = [button for button in bottle.shell.findChildren(QToolButton) if button.menu() is not None]
+    ours = [button for button in buttons if not button.objectName().startswith("qt_")]
+    assert {bottle.panel.parts.add, bottle.panel.area.unit, bottle.plots.save} <= set(ours)
+    corner = bottle.shell.mapToGlobal(QPoint(5, 5))
+    for button in ours:
+        assert button.focusPolicy() is Qt.FocusPolicy.TabFocus
+        button.setAttribute(Qt.WidgetAttribute.WA_UnderMouse)  # as Qt leaves it when a menu takes the mouse
+        button.menu().popup(corner)
+        qtbot.waitUntil(button.menu().isVisible)
+        button.menu().close()
+        qtbot.waitUntil(lambda button=button: not button.underMouse())
+        assert not button.isDown()

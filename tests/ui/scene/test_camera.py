@@ -84,6 +84,28 @@ def test_framed_shows_all_and_wastes_little(camera):
         np.testing.assert_allclose(framed.axes, camera.axes, atol=1e-12)
 
 
+@pytest.mark.parametrize("left", [0.0, 53.0, 300.0])
+def test_framed_puts_the_picture_into_the_middle_of_what_is_free(camera, left):
+    eye = replace(camera, left=left)
+    for cloud in (points(), points() * [5, 0.1, 1], points() * [0.1, 1, 3], points() + [4, 0, 0]):
+        framed = eye.framed(cloud)
+        xy = framed.project(cloud)
+        middle, free = np.array([(left + 800) / 2, 300]), np.array([800 - left, 600])
+        assert np.abs(((xy.min(axis=0) + xy.max(axis=0)) / 2 - middle) / free).max() < 0.002
+        assert ((np.abs(xy - middle) / free).max(axis=0) < 0.5).all()
+        np.testing.assert_allclose(framed.project(framed.focal[None]), [middle])
+        assert framed.focal @ framed.axes[2] == pytest.approx(
+            ((cloud @ framed.axes[2]).min() + (cloud @ framed.axes[2]).max()) / 2
+        ), "the camera orbits about a point as deep as the middle of all"
+
+
+def test_ray_and_project_agree_beside_what_is_covered(camera):
+    eye = replace(camera, left=120.0)
+    for point, (x, y) in zip(points(), eye.project(points()), strict=True):
+        np.testing.assert_allclose(eye.ray(x, y)[1], unit_vector(point - eye.position), atol=1e-12)
+    np.testing.assert_allclose(eye.project(eye.focal[None]), [[460, 300]])
+
+
 def test_framed_takes_a_single_point(camera):
     framed = camera.framed(np.ones((1, 3)))
     np.testing.assert_allclose(framed.project(np.ones((1, 3))), [[400, 300]])

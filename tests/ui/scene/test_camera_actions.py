@@ -3,13 +3,15 @@
 import meshes
 import numpy as np
 import pytest
-from driving import document, idle, on_screen, settle
+from driving import document, idle, on_screen, settle, work_off
 from PySide6.QtCore import QPointF, Qt
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.ui.preferences.preferences import Preferences, UpAxes
+from apd_viewer.ui.tools.tool_modes import Tool
 
 
 def camera(window):
@@ -66,6 +68,47 @@ def test_camera_actions_show_the_whole_mesh_in_axis_views(bottle):
         assert 0 < x.min() < x.max() < view.width(), axis
         assert 0 < y.min() < y.max() < view.height(), axis
         assert max(np.ptp(x) / view.width(), np.ptp(y) / view.height()) > 0.5, axis
+
+
+@pytest.mark.parametrize("size", [(800, 640), (1024, 700), (1366, 768)])
+def test_camera_actions_put_the_mesh_into_the_middle_beside_the_bar_of_a_tool(qtbot, bottle, size):
+    bottle.shell.resize(*size)
+    work_off()
+    view = bottle.canvas.viewport
+    for tool in (Tool.MOVE, Tool.HANDLE, Tool.MEASURE):
+        bottle.tools.choose_tool(tool)
+        bars = [bar.geometry().right() + 1 for bar in (bottle.mode_bar, bottle.kind_bar) if bar.isVisible()]
+        left = max(bars, default=0)
+        assert (left > 0) == (tool is not Tool.MOVE)
+        for axis in ("front", "side", "top"):
+            actions(bottle).directions[axis].trigger()
+            at = camera(bottle).project(bottle.canvas.surface.U)
+            ends, free = np.array([at.min(axis=0), at.max(axis=0)]), [view.width() - left, view.height()]
+            middle = [left + free[0] / 2, free[1] / 2]
+            assert (np.abs(ends.mean(axis=0) - middle) < 0.02 * np.array(free)).all()
+            assert left <= ends[0, 0] < ends[1, 0] <= view.width()
+
+
+def test_mode_bar_moves_no_view_that_was_moved_by_hand(qtbot, bottle):
+    view = bottle.canvas.viewport
+    view.camera_controller.camera = view.camera_controller.camera.panned(40, 30)
+    before = camera(bottle).key
+    bottle.tools.choose_tool(Tool.HANDLE)
+    assert camera(bottle).key == before
+
+
+def test_viewport_draws_the_mesh_where_it_is_picked_beside_a_bar(qtbot, bottle):
+    bottle.tools.choose_tool(Tool.HANDLE)
+    actions(bottle).directions["front"].trigger()
+    view = bottle.canvas.viewport
+    settle(qtbot, view)
+    assert camera(bottle).left > 0
+    drawn = np.asarray(view.screenshot(return_img=True)).astype(int)
+    orange = (drawn[:, :, 0] > drawn[:, :, 2] + 60) & (drawn[:, :, 0] > drawn[:, :, 1] + 30)
+    columns = np.flatnonzero(orange.any(axis=0))
+    cap = bottle.canvas.surface.U[document(bottle).labels == HANDLE]
+    x = camera(bottle).project(cap)[:, 0]
+    assert [columns[0], columns[-1]] == pytest.approx([x.min(), x.max()], abs=4)
 
 
 def test_up_axes_remember_an_axis_with_its_file(kept_window, opened, settings):

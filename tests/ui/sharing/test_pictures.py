@@ -36,9 +36,9 @@ def pixels(image):
 
 
 def box(covered):
-    """Where something is: first and last column and row."""
+    """Where something is: its left and right, upper and lower ends."""
     rows, columns = np.flatnonzero(covered.any(axis=1)), np.flatnonzero(covered.any(axis=0))
-    return np.array([columns[0], columns[-1], rows[0], rows[-1]])
+    return np.array([columns[0], columns[-1] + 1, rows[0], rows[-1] + 1])
 
 
 def inner(covered):
