@@ -46,15 +46,23 @@ def plate_reading_texts(
     yield_radius : float, optional
         Radius below which the wall keeps a crease, mesh units.
     """
-    load, volume, bend = _load(state, newtons), volume_reading(state, unit), _bend(state, unit, yield_radius)
+    distance, load, volume, area = main_plate_readings(state, unit, newtons)
+    bend = _bend(state, unit, yield_radius)
     if wall is not None:
         shape, force = wall
         tip = obstacle_readings.HAND_TIP
         load = _of_wall(ReadingText(load.title, obstacle_readings.newtons_text(force), tip=tip), load)
         volume = _of_wall(volume_reading(shape, unit), volume)
         bend = _of_wall(_bend(shape, unit, None), bend)
+    return distance, load, volume, area, bend
+
+
+def main_plate_readings(
+    state: State, unit: Unit, newtons: NewtonConversion | None
+) -> tuple[ReadingText, ReadingText, ReadingText, ReadingText]:
+    """Distance, load, volume and area of a shape between plates."""
     area = ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest"))
-    return _distance(state, unit), load, volume, area, bend
+    return _distance(state, unit), _load(state, newtons), volume_reading(state, unit), area
 
 
 def _of_wall(reading: ReadingText, shown: ReadingText) -> ReadingText:

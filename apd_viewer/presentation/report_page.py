@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,18 +24,30 @@ from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
 from apd_viewer.geometry.measuring.vessel import Vessel
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import measurement_text, readings, report_blocks
 from apd_viewer.presentation.number_format import format_length, format_short
+from apd_viewer.presentation.plate_readings import main_plate_readings
 from apd_viewer.presentation.report_blocks import ReportReadings
+from apd_viewer.presentation.step_readings import step_reading_texts, step_verdict
 from apd_viewer.presentation.volume_text import volume_rows
 from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.model import status_text
+from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, typed_mass
+
+
+class ReportStep(NamedTuple):
+    """Step of a motion: its number from 0, and the conversion of its loads."""
+
+    number: int
+    state: State
+    newtons: NewtonConversion | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +73,7 @@ class ReportSubject:
     measurements: Sequence[MeasurementReading] = ()
     up_axis: UpAxis = UpAxis.PLUS_Y
     newtons: NewtonConversion | None = None
+    steps: Sequence[ReportStep] = ()
 
 
 def report_page(
@@ -74,6 +88,7 @@ def report_page(
         PageSection(tr("Area"), (PageTable(tuple(_area(state, unit))),)),
         PageSection(tr("Volume"), (PageTable(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
+        *_steps(subject),
         *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(report_blocks.settings_blocks(state, unit))),
@@ -194,6 +209,26 @@ def _compactness(state: State) -> tuple[str, str]:
     if value == readings.NO_VALUE and why:
         return value, tr("There is no volume: {why}.").format(why=why)
     return value, change
+
+
+def _steps(subject: ReportSubject) -> Iterator[PageSection]:
+    """Section on the steps of the motion that the shape belongs to, if there are any."""
+    if len(subject.steps) < 2:
+        return
+    pressed = all(plate_pair(step.state.document) is not None for step in subject.steps)
+    unit, rows = subject.unit, []
+    for step in subject.steps:
+        texts = (
+            main_plate_readings(step.state, unit, step.newtons)
+            if pressed
+            else step_reading_texts(step.state, unit)
+        )
+        method = METHODS[step.state.document.settings.method].short_title
+        cells = ((each.value, each.note) for each in texts)
+        row = (str(step.number), method), *cells, (step_verdict(step.state)[0], "")
+        rows.append(tuple((cell,) for cell in row))
+    titles = tr("Step"), *(each.title for each in texts), tr("State")
+    yield PageSection(tr("Steps"), (PageGrid(titles, tuple(rows)),), is_wide=True)
 
 
 def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> Iterator[PageSection]:

@@ -29,7 +29,7 @@ from apd_viewer.presentation.legend_svg import legend_svg
 from apd_viewer.presentation.plate_readings import FindConversion
 from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_blocks import ReportReadings
-from apd_viewer.presentation.report_page import ReportSubject, report_page, volumes_block
+from apd_viewer.presentation.report_page import ReportStep, ReportSubject, report_page, volumes_block
 from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
@@ -177,18 +177,31 @@ class ReportController:
             session.measurement_readings.readings(state),
         )
         chosen, up_axis = self._looks.overlay.scales.get(Measure.AREA), self._up_axis
-        newtons = self._newtons(state)
+        newtons, steps = self._newtons(state), self._steps_to(state)
 
         def work() -> _ReportMeasurements:
             found, at_rest = _completed_checks(state, *checks)
             all_made = complete_readings(made, state)
             subject = ReportSubject(
-                state, unit, view.wall, found, at_rest, moment, all_made, up_axis, newtons
+                state, unit, view.wall, found, at_rest, moment, all_made, up_axis, newtons, steps
             )
             return _measure(subject, view, chosen)
 
         title = tr("Measuring for {name}").format(name=path.name)
         session.jobs.run(title, work, partial(self._finish, path))
+
+    def _steps_to(self, state: State) -> list[ReportStep]:
+        """Steps of the run that a state is in, by each method that has solved them."""
+        timeline = self._session.player.timeline
+        if (k := timeline.index_of(state)) is None:
+            return []
+        run = timeline.run_of(k)
+        return [
+            ReportStep(i - run.start, each, self._newtons(each))
+            for i in run
+            for each in (timeline.steps[i].non_wall_state, timeline.steps[i].wall_state)
+            if each is not None
+        ]
 
     def _finish(self, path: Path, measured: _ReportMeasurements) -> None:
         """Render the pictures on this thread, and write the page in the background."""

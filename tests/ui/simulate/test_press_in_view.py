@@ -1,6 +1,7 @@
 """A press in a real window: with counted inputs, paused, gone back in, opened again and exported."""
 
 import csv
+import re
 
 import numpy as np
 import pytest
@@ -243,6 +244,23 @@ def test_press_in_view_exports_a_table_and_an_animation(qtbot, window, tmp_path,
     assert {row["volume_capped"] for row in rows} == {""}, "the mesh is closed"
     assert {row["unit"] for row in rows} == {"cm"}
     assert (tmp_path / "steps.glb").stat().st_size > 10_000
+
+
+def test_press_in_view_has_its_steps_in_the_report(qtbot, window, tmp_path):
+    pressed(qtbot, window, "80", 2)
+    path = tmp_path / "report.html"
+    window.reports.write_report(path)
+    qtbot.waitUntil(path.exists, timeout=WAIT)
+    table = path.read_text(encoding="utf-8").partition("<h2>Steps</h2>")[2].partition("</table>")[0]
+    lines = [
+        [re.sub("<[^>]*>", " ", cell).split() for cell in re.findall("<t[hd].*?</t[hd]>", row, re.DOTALL)]
+        for row in re.findall("<tr>.*?</tr>", table, re.DOTALL)
+    ]
+    assert [line[0] for line in lines] == [["Step"], ["0", "Exact"], ["1", "Exact"], ["2", "Exact"]]
+    for title, cell in zip(lines[0], lines[-1], strict=True):
+        if title[0] not in ("Step", "State"):
+            assert cell == " ".join(reading(window, title[0])).split()
+    assert lines[-1][-1] == ["At", "rest."]
 
 
 def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch):
