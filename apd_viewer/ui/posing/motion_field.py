@@ -9,7 +9,7 @@ from apd_viewer.session.posing.motion import LINE, MOTIONS, AmountKind, Motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, TextField, return_focus
-from apd_viewer.ui.widgets.folding_section import quiet_label
+from apd_viewer.ui.widgets.folding_section import name_label, quiet_label
 
 _LINE_TIP = tr("Click two points of the mesh: the bend is about the line through them")
 _MOST_STEPS = 1000
@@ -177,7 +177,7 @@ class SymmetryRow(QWidget):
         self.axis = ComboBox(accessibleName=tr("Axis of symmetry"), toolTip=_AXIS)
         for number, letter in enumerate("xyz"):
             self.axis.addItem(tr("along {axis}").format(axis=letter), number)
-        self.partner = quiet_label(tr("Mirror partner of the handle"))
+        self.partner = name_label(tr("Mirror partner of the handle"))
         self.partner.hide()
         self.paint = QPushButton(
             tr("Paint mirror handle"),

@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.box_layouts import add_parts
-from apd_viewer.ui.widgets.folding_section import Section, quiet_label
+from apd_viewer.ui.widgets.folding_section import Section, name_label
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.target_shape import TargetDistance
@@ -37,7 +37,7 @@ class TargetSection(Section):
         self._unit, self._size = Unit.NONE, 1.0
         self._found: TargetDistance | None = None
         self._shown: tuple[object, ...] = (None, None, None)
-        self.name = quiet_label(tr("File of the target shape"))
+        self.name = name_label(tr("File of the target shape"))
         self.column.addWidget(self.name)
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         self._grid.setColumnStretch(0, 1)
@@ -83,6 +83,7 @@ class TargetSection(Section):
             self.name.setText(target.mesh.name)
         elif missing is not None:
             self.name.setText(missing.reason)
+        self.name.setToolTip(self.name.text())
         corresponds = target is not None and target.has_same_triangles(document.mesh)
         for row in range(self._grid.rowCount()):
             for column, wanted in enumerate((target is not None, target is not None, corresponds)):

@@ -4,7 +4,7 @@ from functools import partial
 
 from PySide6.QtCore import QEvent, QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QFont, QPainter, QPaintEvent
-from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QTabWidget, QWidget
+from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QSizePolicy, QTabWidget, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout
@@ -148,6 +148,15 @@ class PanelPage(QScrollArea):
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             QTimer.singleShot(0, self, self.updateGeometry)
+
+
+def name_label(name: str) -> QLabel:
+    """Quiet label for names given by users; a long word is cut off."""
+    label = quiet_label(name)
+    policy = label.sizePolicy()
+    policy.setHorizontalPolicy(QSizePolicy.Policy.Ignored)
+    label.setSizePolicy(policy)
+    return label
 
 
 def quiet_label(name: str, text: str = "", style: str = "quiet", indent: int = -1) -> QLabel:

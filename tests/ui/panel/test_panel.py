@@ -502,6 +502,22 @@ def test_panel_keeps_its_width_when_readings_get_longer(qtbot, sample):
     assert panel.width() == width
 
 
+def test_panel_keeps_its_width_beside_a_long_name(qtbot, bottle):
+    panel, width = bottle.panel, bottle.panel.width()
+    labels = panel.target.name, panel.handles.symmetry.partner
+    for page, label in zip((panel.measurements, panel.deform), labels, strict=True):
+        panel.target.show()
+        panel.pages.setCurrentWidget(page)
+        label.setText("a_name_without_a_space_" * 5)
+        label.show()
+        work_off()
+        assert label.width() > 200
+        assert panel.width() == width
+        label.setText("")
+    panel.target.hide()
+    panel.handles.symmetry.partner.hide()
+
+
 def ink_height(label):
     """Rows from the first to the last with ink."""
     image = label.grab().toImage().convertToFormat(QImage.Format.Format_Grayscale8)
