@@ -174,6 +174,7 @@ class KeptWindow:
         looks.show_file_colors(False)
         looks.show_textures(False)
         looks.show_target(True)
+        window.canvas.surface.shows_edges = False  # as a test may set it beside its switch
         looks.overlay.scales.clear()
         Mouse(window.display_options.legend).double_click((0, 0))  # puts the cards back
         window.actions_.display.no_overlay.trigger()
