@@ -104,8 +104,25 @@ def _view_parser() -> Parser:
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))
     add_option(parser, "--clicked", tr("for desktops: open the window, and show errors of FILE in it"))
+    _describe_environment(parser)
     parser.set_defaults(run=lambda options: apd_viewer.show_window(options.file, options.clicked))
     return parser
+
+
+# As in the manual, reference/settings.md.
+VARIABLES = {
+    "APD_VIEWER_LANGUAGE": tr("language of the window and of the command line; goes before the settings"),
+    "APD_VIEWER_LANGUAGES": tr("another folder of translations"),
+    "APD_VIEWER_LOGS": tr("another folder for logs"),
+    "NUMBA_NUM_THREADS": tr("the most cores for the kernels"),
+}
+
+
+def _describe_environment(parser: Parser) -> None:
+    """Append the environment variables to the help."""
+    group = parser.add_argument_group(tr("environment variables"))
+    for name, about in VARIABLES.items():
+        group._group_actions.append(argparse.Action([name], name, nargs=0, help=about))
 
 
 def _command_parser(command: str) -> Parser:

@@ -5,6 +5,7 @@ import json
 import re
 import zipfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -42,6 +43,7 @@ from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
 from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.session.storage.timeline_file import write_timeline
 
 
 @pytest.fixture(scope="module")
@@ -115,6 +117,11 @@ PRESS = (
     "press bar.off --axis z --to 90% --steps 1 --release --iterations 4 --stiffness 0.01 --unit mm"
     " --material pet-bottle -o pressed.off"
 )
+
+
+def timeline_table(folder, capsys):
+    write_timeline(Timeline().with_state(initial_state(open_mesh("bar.off"))), Path("t.csv"), [(1.0, 1.0)])
+    return columns(folder / "t.csv")
 
 
 def press_curve(folder, capsys):
@@ -239,6 +246,11 @@ KEYS = {
     """,
     triangles: """
         triangle a b c apd_label apd_region area_rest area area_change largest_stretch smallest_stretch
+    """,
+    timeline_table: """
+        step distance deflection load_low load_high volume volume_capped area_error settled load_low_newton
+            load_high_newton wall_distance wall_deflection wall_load_low wall_load_high wall_volume
+            wall_volume_capped wall_area_error wall_settled wall_load_low_newton wall_load_high_newton unit
     """,
     press_curve: """
         distance load_low load_high load_excess_percent stretching_percent energy volume volume_capped

@@ -11,6 +11,7 @@ from babel.messages.pofile import read_po
 from pseudo import LANGUAGE, MARKED, ROOT, fields, messages, write_catalogue
 
 from apd_viewer import language
+from apd_viewer.__main__ import VARIABLES
 from apd_viewer.files.mesh_formats import MESH_FORMATS
 from apd_viewer.language import catalogue, preferred_languages
 
@@ -191,8 +192,8 @@ def test_main_speaks_the_language_in_its_help(spoken):
     done = run(spoken, "--help")
     assert done.returncode == 0
     words = {word.strip("-,") for word in unmarked(done.stdout).split()}
-    formats = {each.name for each in MESH_FORMATS.values()}
-    assert words <= {"FILE", "h", "help", "version", "clicked", "log-level", "LEVEL", "", ":"} | formats
+    names = {each.name for each in MESH_FORMATS.values()} | set(VARIABLES)
+    assert words <= {"FILE", "h", "help", "version", "clicked", "log-level", "LEVEL", "", ":"} | names
 
 
 def test_deform_speaks_the_language_in_its_help(spoken):

@@ -103,7 +103,10 @@ def draw_sweep_curves(
         del charts[1]
     width = len(charts)
     charts += [
-        (tr("Load on {name}").format(name=title), [step.loads[k] if step.loads else np.nan for step in steps])
+        (
+            tr("Load on {name}, at stiffness 1").format(name=title),
+            [step.loads[k] if step.loads else np.nan for step in steps],
+        )
         for k, title in enumerate(obstacles)
     ]
     rows = -(-len(charts) // width)

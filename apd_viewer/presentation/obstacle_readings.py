@@ -21,15 +21,19 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.model.named_obstacle import NamedObstacle
     from apd_viewer.session.model.state import State
+    from apd_viewer.session.quantities.newton_conversion import NewtonConversion
     from apd_viewer.session.quantities.units import Unit
 
 # Tolerance for a reached obstacle position, relative to the longest side of the mesh.
 _THERE = 1e-4
 # Largest negligible load, relative to the longest side and for a stiffness of 1: the barrier's tail.
 NO_LOAD = 1e-9
+LOAD_DIGITS = 3  # significant digits of loads
 _DIGITS = 8  # digits of numbers for repeating the deformation
 _ESTIMATED = 2  # digits of estimates
 _ALWAYS = 0.95  # factors between this and its inverse are not reported
+LOAD_TIP = tr("Force on the obstacle, of a material of stiffness 1; in newtons where the wall is known")
+HAND_TIP = tr("A hand grips with at most 500\u00a0N (men) or 304\u00a0N (women), in the median")
 
 
 def inactive_reason(state: State) -> str:
@@ -40,7 +44,24 @@ def inactive_reason(state: State) -> str:
     return "" if state.document.settings.contact else tr("Contact is off: obstacles push nothing.")
 
 
-def load_text(state: State, k: int) -> str:
+def newtons_text(force: float) -> str:
+    """Text of a force in newtons."""
+    return tr("{force} N").format(force=format_significant(force, LOAD_DIGITS))
+
+
+def force_text(load: float, newtons: NewtonConversion | None) -> str:
+    """Text of a load of the model, in newtons if they are known."""
+    if newtons is not None:
+        return newtons_text(newtons.newtons_per_load * load)
+    return tr("{load} at stiffness 1").format(load=format_significant(load, LOAD_DIGITS))
+
+
+def force_tip(newtons: NewtonConversion | None, *sentences: str) -> str:
+    """Tip of a load from sentences; a load in newtons is set beside the force of a hand."""
+    return ". ".join((*sentences, *([] if newtons is None else [HAND_TIP])))
+
+
+def load_text(state: State, k: int, newtons: NewtonConversion | None) -> str:
     """Text of the load on obstacle ``k``; empty without a load."""
     loads = state.frame.loads
     if not state.is_contact_active or len(loads) != len(state.document.obstacles):
@@ -50,7 +71,7 @@ def load_text(state: State, k: int) -> str:
         return ""
     if not state.frame.settled:  # before convergence the force may be hundreds of times larger
         return tr("touched")
-    return tr("load {force}").format(force=format_significant(force, 3))
+    return tr("load {force}").format(force=force_text(force, newtons))
 
 
 def excess_phrase(excess: float | None) -> str:
@@ -71,13 +92,19 @@ def error_factor_phrase(factor: float) -> str:
     return ""
 
 
-def load_excess_text(state: State) -> str:
-    """Sentence about the expected excess of converged loads; empty if there is none."""
-    pressed = any(load_text(state, k) for k in range(len(state.document.obstacles)))
+def load_excess_text(state: State, newtons: NewtonConversion | None) -> str:
+    """Sentence about the expected error of converged loads; empty if there is none."""
+    pressed = any(load_text(state, k, newtons) for k in range(len(state.document.obstacles)))
     if not pressed or not state.frame.settled:
         return ""
-    phrase = excess_phrase(state.load_excess)
+    phrase = _error_phrase(state, newtons)
     return phrase[0].upper() + phrase[1:]
+
+
+def _error_phrase(state: State, newtons: NewtonConversion | None) -> str:
+    """Phrase about the expected excess of loads, and about newtons that may be too low."""
+    off = "" if newtons is None else error_factor_phrase(newtons.underestimate_factor())
+    return "; ".join(filter(None, (excess_phrase(state.load_excess), off)))
 
 
 def motion_text(state: State, k: int, unit: Unit) -> str:
@@ -108,13 +135,15 @@ def coordinates_text(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) ->
     return between.join(parts)
 
 
-def obstacle_report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
+def obstacle_report_rows(
+    state: State, unit: Unit, newtons: NewtonConversion | None
+) -> Iterator[tuple[str, str, str]]:
     """Report rows of the obstacles with displacements, positions and loads."""
     size = float(max(state.inspection.size))
     for k, obstacle in enumerate(state.document.obstacles):
         details = [obstacle.kind.title, *_shape(obstacle, unit, size)]
-        if text := load_text(state, k):
-            details.append(f"{text}, {excess_phrase(state.load_excess)}" if state.frame.settled else text)
+        if text := load_text(state, k, newtons):
+            details.append(f"{text}, {_error_phrase(state, newtons)}" if state.frame.settled else text)
         yield obstacle.name, motion_text(state, k, unit), "; ".join(details)
 
 

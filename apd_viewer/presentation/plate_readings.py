@@ -7,15 +7,17 @@ import numpy as np
 
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings, readings
-from apd_viewer.presentation.number_format import format_grouped, format_length, format_significant
+from apd_viewer.presentation.number_format import format_length, format_significant
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
 
+FindConversion = Callable[[State], NewtonConversion | None]
 _LOAD_TIP = tr("Mean force on the plates, of a material of stiffness 1; in newtons where the wall is known")
 _EXCESS_TIP = tr("By how much the load is too high, as the cells of the mesh bend, too")
+_CRUMPLING_TIP = tr("Without stiffness, walls crumple and loads mean little")
 
 
 class ReadingText(NamedTuple):
@@ -47,7 +49,8 @@ def plate_reading_texts(
     load, volume, bend = _load(state, newtons), volume_reading(state, unit), _bend(state, unit, yield_radius)
     if wall is not None:
         shape, force = wall
-        load = _of_wall(ReadingText(load.title, newtons_text(force)), load)
+        tip = obstacle_readings.HAND_TIP
+        load = _of_wall(ReadingText(load.title, obstacle_readings.newtons_text(force), tip=tip), load)
         volume = _of_wall(volume_reading(shape, unit), volume)
         bend = _of_wall(_bend(shape, unit, None), bend)
     area = ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest"))
@@ -56,9 +59,11 @@ def plate_reading_texts(
 
 def _of_wall(reading: ReadingText, shown: ReadingText) -> ReadingText:
     """Reading of the wall, with that of the displayed shape in its tip."""
-    note = tr("{change}, of the wall").format(change=reading.note) if reading.note else tr("of the wall")
+    note = (
+        tr("{percentage}, of the wall").format(percentage=reading.note) if reading.note else tr("of the wall")
+    )
     tip = tr("Of the wall itself; of the shape on screen {reading}").format(reading=_joined(shown))
-    return reading._replace(note=note, tip=f"{tip}.")
+    return reading._replace(note=note, tip=". ".join(filter(None, (tip, reading.tip))))
 
 
 def _bend(state: State, unit: Unit, yield_radius: float | None) -> ReadingText:
@@ -77,35 +82,30 @@ def _bend(state: State, unit: Unit, yield_radius: float | None) -> ReadingText:
 
 
 def _distance(state: State, unit: Unit) -> ReadingText:
-    pair, tip = plate_pair(state.document), tr("Distance of the plates, and its share of the extent at rest")
+    pair, tip = plate_pair(state.document), tr("Distance of the plates, and in percent of the extent at rest")
     if pair is None:
         return ReadingText(tr("Distance"), readings.NO_VALUE, "", tip)
     distance = pair.distance(state)
     length = unit.format_length(format_length(distance, float(max(state.inspection.size))))
-    fraction = format_grouped(100.0 * distance / pair.extent(state.document), 1)
-    return ReadingText(tr("Distance"), length, f"{fraction} %", tip)
+    percent = readings.rest_percent(distance, pair.extent(state.document))
+    return ReadingText(tr("Distance"), length, percent, tip)
 
 
 def _load(state: State, newtons: NewtonConversion | None) -> ReadingText:
-    pair = plate_pair(state.document)
+    pair, tip = plate_pair(state.document), obstacle_readings.force_tip(newtons, _LOAD_TIP)
     if pair is None or not state.frame.settled:
-        return ReadingText(tr("Load"), readings.NO_VALUE if pair is None else readings.PENDING, "", _LOAD_TIP)
+        return ReadingText(tr("Load"), readings.NO_VALUE if pair is None else readings.PENDING, "", tip)
     load, excess = pair.reading(state).load, state.load_excess
     if load <= obstacle_readings.NO_LOAD * float(max(state.inspection.size)):
-        return ReadingText(tr("Load"), "0", "", _LOAD_TIP)
+        return ReadingText(tr("Load"), "0", "", tip)
+    text = obstacle_readings.force_text(load, newtons)
     if excess is None:
-        return ReadingText(tr("Load"), format_significant(load, 4), tr("without stiffness"), _LOAD_TIP)
+        tip = obstacle_readings.force_tip(newtons, _LOAD_TIP, _CRUMPLING_TIP)
+        return ReadingText(tr("Load"), text, tr("means little"), tip)
     note = tr("excess {percent} %").format(percent=format_significant(100.0 * excess, 2))
-    if newtons is None:
-        return ReadingText(tr("Load"), format_significant(load, 4), note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
-    text = newtons_text(newtons.newtons_per_load * load)
-    off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor())
-    return ReadingText(tr("Load"), text, off or note, f"{_LOAD_TIP}. {_EXCESS_TIP}.")
-
-
-def newtons_text(force: float) -> str:
-    """Text of a force in newtons."""
-    return tr("{force} N").format(force=format_significant(force, 3))
+    off = "" if newtons is None else obstacle_readings.error_factor_phrase(newtons.underestimate_factor())
+    tip = obstacle_readings.force_tip(newtons, _LOAD_TIP, _EXCESS_TIP)
+    return ReadingText(tr("Load"), text, off or note, tip)
 
 
 def _joined(reading: ReadingText) -> str:
@@ -113,12 +113,12 @@ def _joined(reading: ReadingText) -> str:
 
 
 def volume_reading(state: State, unit: Unit) -> ReadingText:
-    """Enclosed volume of a shape, and its change from rest."""
-    tip = tr("Enclosed volume, and its change from rest")
+    """Enclosed volume of a shape, and its percentage of that at rest."""
+    tip = tr("Enclosed volume, and in percent of that at rest")
     now, rest = readings.volumes(state.frame, state.inspection)
     if not rest or now is None:
         return ReadingText(tr("Volume"), readings.NO_VALUE, "", tip)
-    note = readings.change_percent(now, rest)
+    note = readings.rest_percent(now, rest)
     litres = unit.to_litres(now)
     if litres is None:
         return ReadingText(tr("Volume"), unit.format_volume(format_significant(now, 4)), note, tip)
@@ -167,9 +167,7 @@ class PlateCurves(NamedTuple):
     settled: np.ndarray
 
 
-def plate_curves(
-    states: Sequence[State | None], newtons: Callable[[State], NewtonConversion | None]
-) -> PlateCurves:
+def plate_curves(states: Sequence[State | None], newtons: FindConversion) -> PlateCurves:
     """Curves of load and volume over states; None makes a gap."""
     rows = [_NO_ROW if state is None else _curve_row(state, newtons(state)) for state in states]
     deflection, load, volume, settled = np.array(rows).reshape(-1, 4).T

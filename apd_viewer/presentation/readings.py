@@ -199,6 +199,16 @@ def box_volume(volume: float | None, rest_volume: float | None, unit: Unit) -> t
     return written, "" if rest_volume is None else change_percent(volume, rest_volume)
 
 
+def rest_percent(now: float, rest: float) -> str:
+    """Value in percent of that at rest."""
+    return percent_text(100.0 * now / rest)
+
+
+def percent_text(percent: float) -> str:
+    """Text of a percentage of a value at rest."""
+    return f"{format_grouped(percent, 1)} %"
+
+
 def change_percent(now: float, rest: float) -> str:
     """Change from rest in percent; empty if unknown."""
     if not rest > 0.0 or math.isnan(now):

@@ -28,6 +28,7 @@ from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import held_turn_phrase
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
 
 _LIBRARIES = (
@@ -228,12 +229,12 @@ def _vector(x: np.ndarray, size: float = 1.0) -> str:
     return f"({obstacle_readings.coordinates_text(x, size)})".replace("-", "−")
 
 
-def obstacle_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
+def obstacle_blocks(state: State, unit: Unit, newtons: NewtonConversion | None = None) -> Iterator[PageBlock]:
     """Blocks on the obstacles with their motions and loads."""
     if not state.document.obstacles:
         yield PageNote(tr("There are no obstacles."))
         return
-    yield PageTable(tuple(obstacle_readings.obstacle_report_rows(state, unit)))
+    yield PageTable(tuple(obstacle_readings.obstacle_report_rows(state, unit, newtons)))
     if why := obstacle_readings.inactive_reason(state):
         yield PageNote(why)
 

@@ -27,6 +27,7 @@ from apd_viewer.presentation.volume_text import volume_rows
 from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.model import status_text
 from apd_viewer.session.model.state import State
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, typed_mass
 
@@ -41,6 +42,8 @@ class ReportSubject:
         Of the shape, and of the mesh at rest.
     requested_at : datetime
         Time of the request.
+    newtons : NewtonConversion or None
+        Of the loads; None if newtons are unknown.
     """
 
     state: State
@@ -50,6 +53,7 @@ class ReportSubject:
     rest_check: ShapeCheck
     requested_at: datetime
     measurements: Sequence[MeasurementReading] = ()
+    newtons: NewtonConversion | None = None
 
 
 def report_page(
@@ -70,7 +74,7 @@ def report_page(
         PageSection(
             tr("Handles"), (PageTable(tuple(report_blocks.handle_rows(state, unit, subject.shape_check))),)
         ),
-        PageSection(tr("Obstacles"), tuple(report_blocks.obstacle_blocks(state, unit))),
+        PageSection(tr("Obstacles"), tuple(report_blocks.obstacle_blocks(state, unit, subject.newtons))),
         PageSection(tr("Regions"), tuple(report_blocks.region_blocks(state, unit))),
         PageSection(
             tr("Volume reduction"), (volumes_block(state, unit, subject.wall, checks),), is_wide=True

@@ -38,7 +38,7 @@ class StepCurves(NamedTuple):
     Attributes
     ----------
     area, volume : float array
-        Change from rest, percent.
+        Percent of rest.
     energy : float array
         Squared lengths.
     strain : float array
@@ -63,6 +63,12 @@ def step_curves(timeline: Timeline) -> StepCurves:
 def _curve_row(state: State) -> tuple[float, ...]:
     frame = state.frame
     now, rest = readings.volumes(frame, state.inspection)
-    volume = 100.0 * (now / rest - 1.0) if rest and now is not None else np.nan
+    volume = 100.0 * now / rest if rest and now is not None else np.nan
     energy = np.nan if frame.energy is None else frame.energy
-    return 100.0 * frame.area_error, volume, energy, 100.0 * frame.mean_edge_strain, float(frame.settled)
+    return (
+        100.0 * (1.0 + frame.area_error),
+        volume,
+        energy,
+        100.0 * frame.mean_edge_strain,
+        float(frame.settled),
+    )

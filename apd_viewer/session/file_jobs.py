@@ -180,13 +180,13 @@ class FileJobs:
         ``newtons`` are newtons per load at each step, of the press and of the wall, NaN if unknown;
         ``of_wall`` takes the shapes of the wall.
         """
-        path = Path(path)
+        path, unit = Path(path), self._store.unit
 
         def write() -> str:
             # Imported here so that the first picture does not wait for numba.
             from apd_viewer.session.storage.timeline_file import write_timeline
 
-            write_timeline(timeline, path, newtons, of_wall)
+            write_timeline(timeline, path, newtons, of_wall, unit)
             return tr("Saved {name}.").format(name=path.name)
 
         self._write(path, write)

@@ -126,6 +126,7 @@ class Workbench(QObject):
             self.tools.choose_tool,
             self.edits.cancel_drag,
             self.volume.contact_distance,
+            lambda state: self.press.known_wall.newtons_of_displayed(state),
         )
         self.edits.nudge_obstacle = self.obstacles.nudge
         self.edits.stop_placing = self.obstacles.placer.cancel
@@ -152,7 +153,8 @@ class Workbench(QObject):
             card.keep_above(self.edits.text_entries.cards)
         self.runs = RunController(shell, memory, session, self.files, self._study_input, notice.show_failure)
         self.panel.measures.wall_fields.entered.connect(self.runs.show_wall)
-        self.panel.measures.wall_fields.entered.connect(self.press.refresh)
+        for show in (self.press.refresh, self.obstacles.refresh):
+            self.panel.measures.wall_fields.entered.connect(show)
         self.runs.motion_played.connect(self.press.show_timeline)
         self.runs.wall_requested.connect(self.docks["readings"].show)
         self.runs.wall_requested.connect(self.panel.focus_wall_fields)
@@ -161,8 +163,9 @@ class Workbench(QObject):
             shell, dock, memory, session, self.files, self._study_input, notice, ghost
         )
         self.comparison = CompareController(canvas, self.display_options, memory, notice, session.store)
+        newtons = self.press.known_wall.newtons_of_displayed
         self.reports = ReportController(
-            shell, canvas, self.display_options, self.view, memory, notice, session
+            shell, canvas, self.display_options, self.view, memory, notice, session, newtons
         )
 
     def _make_actions(self) -> None:

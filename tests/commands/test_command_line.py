@@ -14,7 +14,7 @@ import trimesh
 from meshes import box, ends, grid, rotation, sphere, tube
 
 import apd_viewer
-from apd_viewer.__main__ import main
+from apd_viewer.__main__ import main, parse_arguments
 from apd_viewer.commands import deform_command
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
@@ -1055,3 +1055,17 @@ def test_deform_sets_and_reports_convergence(bar, command):
     assert status == 2
     assert err.startswith("error: The tolerances of convergence")
     assert not bar.out.exists()
+
+
+def test_main_names_the_environment_variables_of_the_manual(capsys):
+    manual = (
+        Path(__file__).parents[2].joinpath("docs", "reference", "settings.md").read_text(encoding="utf-8")
+    )
+    named = dict(re.findall(r"^\| `([A-Z_]+)` \| (.+?) \|$", manual, re.MULTILINE))
+    assert "APD_VIEWER_LANGUAGE" in named
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    *_, said = capsys.readouterr().out.partition("environment variables:")
+    found = dict(re.findall(r"^  ([A-Z_]+) +(.+(?:\n {4,}.+)*)$", said, re.MULTILINE))
+    assert {name: " ".join(about.split()) for name, about in found.items()} == named
+    assert vars(parse_arguments([])).keys() == {"file", "log_level", "clicked", "run"}, "they are no options"

@@ -12,6 +12,7 @@ from apd_viewer.presentation import obstacle_readings as readings
 from apd_viewer.presentation.report_blocks import obstacle_blocks
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
 
 
@@ -31,15 +32,28 @@ def state(contact=True, **of_frame):
 
 def test_load_text_is_said_where_something_presses_and_only_at_rest():
     loads = np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]])
-    assert [readings.load_text(state(loads=loads), k) for k in (0, 1)] == ["load 1.23", ""]
-    assert [readings.load_text(state(loads=loads, settled=False), k) for k in (0, 1)] == ["touched", ""]
-    assert readings.load_text(state(loads=loads, contact=False), 0) == ""
-    assert readings.load_text(state(), 0) == ""
-    barely = np.array([[0.0, 0.0, -4e-23], [0.0, 0.0, 0.0]])
-    assert [readings.load_text(state(loads=barely, settled=settled), 0) for settled in (True, False)] == [
-        "",
+    assert [readings.load_text(state(loads=loads), k, None) for k in (0, 1)] == [
+        "load 1.23 at stiffness 1",
         "",
     ]
+    unsettled = state(loads=loads, settled=False)
+    assert [readings.load_text(unsettled, k, None) for k in (0, 1)] == ["touched", ""]
+    assert readings.load_text(state(loads=loads, contact=False), 0, None) == ""
+    assert readings.load_text(state(), 0, None) == ""
+    barely = np.array([[0.0, 0.0, -4e-23], [0.0, 0.0, 0.0]])
+    for settled in (True, False):
+        assert readings.load_text(state(loads=barely, settled=settled), 0, None) == ""
+
+
+def test_load_text_is_in_newtons_where_they_are_known():
+    pressed = state(loads=np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]]))
+    same = NewtonConversion(20.0, 1e-3, stiffness=0.01, pressed_stiffness=0.01, curvature=3.0)
+    assert readings.load_text(pressed, 0, same) == "load 24.7 N"
+    thinner = replace(same, stiffness=0.0025)
+    (table,) = obstacle_blocks(pressed, Unit.NONE, thinner)
+    for said in (readings.load_excess_text(pressed, thinner), table.rows[0][2]):
+        assert said.endswith("; up to 2.0 times too low")
+    assert "too low" not in readings.load_excess_text(pressed, same)
 
 
 def test_load_excess_text_is_said_with_loads_at_rest():
@@ -48,14 +62,18 @@ def test_load_excess_text_is_said_with_loads_at_rest():
     pressed = state(loads=loads)
     stiff = replace(pressed, document=pressed.document.with_settings(stiffness=0.01, method="exact"))
     known = 100.0 * 0.75 / (2.0 * 0.01 * stiff.inspection.area)
-    said = float(re.fullmatch(r"Expected excess of loads ([\d.]+) %", readings.load_excess_text(stiff))[1])
+    said = float(
+        re.fullmatch(r"Expected excess of loads ([\d.]+) %", readings.load_excess_text(stiff, None))[1]
+    )
     assert said == pytest.approx(known, rel=0.3)
     (table,) = obstacle_blocks(stiff, Unit.NONE)
-    assert table.rows[0][2].endswith(f"; load 1.23, {readings.load_excess_text(stiff).lower()}")
+    assert table.rows[0][2].endswith(
+        f"; load 1.23 at stiffness 1, {readings.load_excess_text(stiff, None).lower()}"
+    )
     assert "excess" not in table.rows[1][2]
-    assert readings.load_excess_text(pressed).endswith("loads mean little"), "without stiffness"
+    assert readings.load_excess_text(pressed, None).endswith("loads mean little"), "without stiffness"
     for nothing in (state(), state(loads=loads, settled=False), state(loads=loads, contact=False)):
-        assert readings.load_excess_text(nothing) == ""
+        assert readings.load_excess_text(nothing, None) == ""
 
 
 def test_motion_text_is_said_with_what_contact_has_not_let():

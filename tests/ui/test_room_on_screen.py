@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QDialog, QToolButton, QWidget
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
+from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 from apd_viewer.ui.widgets.thin_bar import ElidedLabel
@@ -183,3 +184,44 @@ def test_status_bar_shows_the_hint_before_the_pace_in_a_narrow_window(qtbot, bot
     assert pace.width() < pace.sizeHint().width()
     assert pace.toolTip() == pace.text()
     assert hint.width() > pace.width()
+
+
+@pytest.mark.parametrize("width", [960, 1024, 1366])
+def test_status_bar_cuts_no_text_beside_free_room(qtbot, bottle, width):
+    bottle.shell.resize(width, 680)
+    hint, pace = bottle.status.findChildren(ElidedLabel)
+    for n in range(20, 140, 10):
+        bottle.status.show_hint("n" * n)
+        work_off()
+        right = min(label.x() for label in (bottle.status.extent, pace) if label.isVisible())
+        is_cut = hint.width() < hint.room_for(hint.text())
+        assert not is_cut or right - hint.geometry().right() < 10, "there is room to the right"
+        assert not is_cut or pace.width() <= pace.minimumWidth(), "the pace gives way first"
+        assert hint.toolTip() == hint.text()
+    assert is_cut or width > 1024
+
+
+def test_status_bar_says_a_cut_message_in_its_tip_and_leaves_the_pace_the_rest(qtbot, bottle):
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "10deg", 0)
+    idle(qtbot, bottle)
+    _, pace = bottle.status.findChildren(ElidedLabel)
+    bottle.status.show_hint("A hint that is longer than there is room. " * 5)
+    work_off()
+    assert pace.width() < pace.room_for(pace.text())
+    bottle.status.showMessage("A prompt")
+    work_off()
+    assert bottle.status.toolTip() == "A prompt"
+    assert pace.width() >= pace.room_for(pace.text())
+    bottle.status.clearMessage()
+    assert bottle.status.toolTip() == ""
+
+
+def test_elided_label_has_room_for_its_text_where_nothing_takes_it(qtbot):
+    window, label = QWidget(), ElidedLabel()
+    row_layout(label, STRETCH, parent=window)
+    qtbot.addWidget(window)
+    label.setText("Wall 0.3 mm: step 3 of 16, about 2 minutes left")
+    window.resize(900, 40)
+    window.show()
+    assert label.width() >= label.room_for(label.text())
+    assert label.toolTip() == label.text()

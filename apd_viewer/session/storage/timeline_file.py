@@ -8,10 +8,11 @@ import numpy as np
 
 from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation, write_animation
 from apd_viewer.files.animations.animation_shapes import Animation
-from apd_viewer.files.tables import write_table
+from apd_viewer.files.tables import Cell, write_table
 from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.quantities.units import Unit
 
 # Named like the columns of the ``press`` command.
 _COLUMNS = (
@@ -24,7 +25,11 @@ TIMELINE_FORMATS = (_TABLE, *ANIMATION_FORMATS)
 
 
 def write_timeline(
-    timeline: Timeline, path: Path, newtons: Sequence[tuple[float, float]], of_wall: bool = False
+    timeline: Timeline,
+    path: Path,
+    newtons: Sequence[tuple[float, float]],
+    of_wall: bool = False,
+    unit: Unit = Unit.NONE,
 ) -> None:
     """Write readings or shapes of all steps, in the format of the suffix.
 
@@ -34,6 +39,8 @@ def write_timeline(
         Newtons per load at each step, for its state and for that of the Wall method; NaN if unknown.
     of_wall : bool
         Write the shapes solved by the Wall method, if there are any; a table has the readings of both.
+    unit : Unit
+        Unit of length of the mesh, a column of a table.
 
     Raises
     ------
@@ -42,10 +49,11 @@ def write_timeline(
     """
     if path.suffix.lower() == _TABLE:
         pairs = zip(timeline.steps, newtons, strict=True)
-        rows = [
-            [k, *_row(step.state, a), *_row(step.wall_state, b)] for k, (step, (a, b)) in enumerate(pairs)
+        rows: list[list[Cell]] = [
+            [k, *_row(step.state, a), *_row(step.wall_state, b), unit.symbol]
+            for k, (step, (a, b)) in enumerate(pairs)
         ]
-        write_table(path, (*_COLUMNS, *_OF_WALL), rows)
+        write_table(path, (*_COLUMNS, *_OF_WALL, "unit"), rows)
         return
     check_animation(path)
     last = timeline.steps[-1].state.document

@@ -9,6 +9,7 @@ from PySide6.QtGui import QMouseEvent
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.language import tr
+from apd_viewer.presentation.plate_readings import FindConversion
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.state import State
 from apd_viewer.session.session import Session
@@ -45,6 +46,8 @@ class ObstacleController(QObject):
         Function to cancel the current drag.
     wall_thickness : callable
         Thickness of the walls as typed, mesh units, or None.
+    newtons : callable
+        Conversion of the loads of a state into newtons, or None.
 
     Attributes
     ----------
@@ -66,8 +69,10 @@ class ObstacleController(QObject):
         choose_tool: Callable[[Tool], object],
         cancel_drag: Callable[[], bool],
         wall_thickness: Callable[[], float | None],
+        newtons: FindConversion,
     ) -> None:
         super().__init__(canvas)
+        self._newtons = newtons
         self._canvas, self._section, self._session, self._parts = canvas, section, session, parts
         self._take, self._give_up, self._thickness = choose_tool, cancel_drag, wall_thickness
         self._hot: int | None = None
@@ -242,7 +247,8 @@ class ObstacleController(QObject):
         self.availability_changed.emit(
             active is not None, active is not None and bool(obstacles[active].shift.any())
         )
-        self._section.show_state(state, self._session.store.unit, active, self._session.typed_values)
+        unit, values = self._session.store.unit, self._session.typed_values
+        self._section.show_state(state, unit, active, values, self._newtons(state))
 
     def _drawn_obstacle(self, state: State, k: int, in_hand: bool) -> DrawnObstacle:
         obstacle, shift = state.document.obstacles[k], state.obstacle_shifts[k]

@@ -27,6 +27,7 @@ from apd_viewer.ui.widgets.theme import Theme, icon
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
+    from apd_viewer.session.quantities.newton_conversion import NewtonConversion
     from apd_viewer.session.typed_values import TypedValues
 
 TIPS = {
@@ -74,20 +75,30 @@ class ObstacleSection(Section):
         row.buttons.hide()
         return row
 
-    def show_state(self, state: State, unit: Unit, active: int | None, values: TypedValues) -> None:
-        """Show the obstacles of a state, and the fields of the active one."""
+    def show_state(
+        self,
+        state: State,
+        unit: Unit,
+        active: int | None,
+        values: TypedValues,
+        newtons: NewtonConversion | None = None,
+    ) -> None:
+        """Show obstacles with their loads, and the fields of the active one."""
         obstacles = state.document.obstacles
+        tip = obstacle_readings.force_tip(newtons, obstacle_readings.LOAD_TIP)
         self.list.show_names([each.name for each in obstacles], active)
         for k, row in enumerate(self.list.rows):
-            row.reading.setText(obstacle_readings.load_text(state, k))
+            row.reading.setText(obstacle_readings.load_text(state, k, newtons))
+            row.reading.setToolTip(tip)
             if k == active and isinstance(row.details, QLabel):
                 row.details.setText(obstacle_readings.motion_text(state, k, unit))
         self.setVisible(bool(obstacles))
-        self.excess.setText(obstacle_readings.load_excess_text(state))
+        self.excess.setText(obstacle_readings.load_excess_text(state, newtons))
         self.excess.setVisible(bool(self.excess.text()))
         self.fields.setVisible(active is not None)
         if active is not None:
             self.fields.show_obstacle(state, active, values)
+            self.fields.show_unit(unit)
         self._show_idle_reason(state)
         self.heading.show_reading(f"{len(obstacles)}", only_folded=True)
 
@@ -199,6 +210,11 @@ class ObstacleFields(QWidget):
         for part in (self._labels[3], self.length):
             part.setVisible(kind is ObstacleKind.CYLINDER)
         self.reset.setEnabled(bool(obstacle.shift.any()))
+
+    def show_unit(self, unit: Unit) -> None:
+        """Show the unit of the lengths."""
+        for field in (self.place, self.radius, self.length, self.distance):
+            field.show_unit(unit.format_length("").strip())
 
     def show_error(self, sentence: str) -> None:
         """Show an input error below the edited field."""

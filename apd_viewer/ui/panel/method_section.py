@@ -27,6 +27,7 @@ from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
+    from apd_viewer.session.quantities.units import Unit
 
 _FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
 # Settings without a field here: stiffness has a slider, and thickness follows the wall fields.
@@ -143,6 +144,12 @@ class MethodSection(Section):
         self.stiffness.show_value(settings.stiffness)
         self.convergence.show_settings(document)
 
+    def show_unit(self, unit: Unit) -> None:
+        """Show the unit of the lengths."""
+        for name, field in self.numbers.items():
+            if SETTINGS[name].kind is SettingKind.LENGTH:
+                field.setSuffix(unit.format_length(""))
+
     def _describe(self, method: Method) -> None:
         self.heading.show_reading(method.title, only_folded=True)
         self._keeps.setText(method.keeps_sentence)
@@ -200,6 +207,7 @@ class ConvergenceFields(QWidget):
             decimals=18,
         )
         self.seed = NumberField(
+            is_grouped=False,  # it is copied to the command line
             accessibleName=tr("Seed"),
             toolTip=tr(
                 "Direction of the disturbance: 0 for the steepest descent, others at random, since "

@@ -190,6 +190,8 @@ class Panel(QWidget):
     def unit(self, unit: Unit) -> None:
         self._unit = unit
         self.area.unit.show_unit(unit)
+        self.method.show_unit(unit)
+        self.handles.motion.show_unit(unit)
 
     def show_in_unit(self, unit: Unit, state: State, handle: int, region: int) -> None:
         """Show the readings of a state in another unit."""

@@ -17,7 +17,7 @@ from apd_viewer.session.model.status_text import self_intersection_warnings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField, SymmetryRow
 from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
-from apd_viewer.ui.widgets.fields import CheckBox, NumberField, percent_field
+from apd_viewer.ui.widgets.fields import CheckBox, NumberField, keep_room, percent_field, small_button
 from apd_viewer.ui.widgets.folding_section import CHEVRON, Section, quiet_label
 from apd_viewer.ui.widgets.part_row import PartButtons, PartList, PartRow, Swatch
 from apd_viewer.ui.widgets.slider_field import SHARE, SliderField
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
+
+_NAME_INDENT = 2  # px before the text of a name field
 
 
 class PartsSection(Section):
@@ -65,8 +67,11 @@ class PartsSection(Section):
         tip = tr("Vertices of the base")
         self._base_count = QLabel(objectName="quiet", accessibleName=tip, toolTip=tip)
         self.base = PartButtons()
-        name = QLabel(tr("Base")), 1
-        return row_layout(Swatch(BASE_COLOR), name, self._base_count, self.base, margins=(9, 4, 5, 0))
+        name, no_remove = QLabel(tr("Base"), indent=_NAME_INDENT), small_button("", "")
+        keep_room(no_remove)
+        no_remove.hide()
+        parts = Swatch(BASE_COLOR), (name, 1), self.base, self._base_count, no_remove
+        return row_layout(*parts, margins=(9, 4, 5, 0))
 
     def add_actions(self, *groups: Sequence[QAction]) -> None:
         """Add actions to the menu of the add button, with a separator between groups."""

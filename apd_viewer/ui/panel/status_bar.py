@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from apd_viewer.language import tr, trn
@@ -54,27 +55,18 @@ class StatusBar(QStatusBar):
         self._cancel.clicked.connect(self.cancel_requested)
         self.pause = QToolButton(text=tr("Pause"), clicked=self._press_pause)
         self._silence = ""
-        policy = self.pause.sizePolicy()
-        # The button keeps its space while hidden, so that the bar does not shift at every drag.
-        policy.setRetainSizeWhenHidden(True)
-        self.pause.setSizePolicy(policy)
         self.compiling = CompilingProgress()
         self.progress = ConvergenceProgress(is_waiting=self.compiling.isVisible)
         self._job, self._pace, self.extent = QLabel(), ElidedLabel(), QLabel()
         # Both may be elided, as their tooltips have the full texts; the pace gives way first.
         self.hint.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self.addWidget(self.hint)
-        for widget in (
-            self._job,
-            self._cancel,
-            self.compiling,
-            self.progress,
-            self._pace,
-            self.pause,
-            self.extent,
-            badge,
-        ):
+        # What comes and goes takes the room of the hint alone, so that the rest does not shift at every drag.
+        coming = self._job, self._cancel, self.compiling, self.progress, self.pause
+        self._right = *coming, self._pace, self.extent, badge
+        for widget in self._right:
             self.addPermanentWidget(widget)
+        self.messageChanged.connect(self._follow_message)
         # Text only: an animated indicator would redraw the whole window 60 times a second.
         self._job.setText(tr("Starting…"))
         self._cancel.hide()
@@ -82,7 +74,32 @@ class StatusBar(QStatusBar):
 
     def show_hint(self, text: str) -> None:
         """Show the hint of the current tool."""
-        self.hint.show_text(text)
+        self.hint.setText(text)
+        self._share_room()
+
+    def _follow_message(self, message: str) -> None:
+        """Show a temporary message in the tip as well; it takes the place of the hint."""
+        self.setToolTip(message)
+        self._share_room()
+
+    def _share_room(self) -> None:
+        """Leave the pace the room that the hint or message does not need."""
+        row = self.layout()
+        gap = 0 if row is None else row.spacing()
+        taken = sum(
+            each.sizeHint().width() + gap
+            for each in self._right
+            if each is not self._pace and not each.isHidden()
+        )
+        message = self.currentMessage()
+        needed = self.hint.room_for(message) if message else self.hint.sizeHint().width()
+        left = self.width() - taken - needed - 2 * gap
+        self._pace.setMaximumWidth(max(self._pace.minimumWidth(), left))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Share the room anew."""
+        super().resizeEvent(event)
+        self._share_room()
 
     def show_brush_size(self, brush: BrushSize, unit: Unit) -> None:
         """Briefly show the brush size."""
@@ -116,10 +133,11 @@ class StatusBar(QStatusBar):
         measured = tr("iteration {iteration:,}, {pace:.1f} ms per iteration")
         count = tr("iteration {iteration:,}").format(iteration=iteration) if iteration else ""
         text = measured.format(iteration=iteration, pace=pace) if iteration and pace else count
-        self._pace.show_text(text)
-        room = self._pace.fontMetrics().horizontalAdvance(f"{count}…") + 16 if count else 0
+        self._pace.setText(text)
+        room = self._pace.room_for(f"{count}…") if count else 0
         if room > self._pace.minimumWidth() or not count:  # it never jumps while it counts
             self._pace.setMinimumWidth(room)
+        self._share_room()
 
     def _press_pause(self) -> None:
         (self.restart_requested if self._silence else self.pause_requested).emit()

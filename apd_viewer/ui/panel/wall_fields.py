@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QLineEdit, QWidget
+from PySide6.QtWidgets import QLabel, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable, format_short
@@ -18,6 +18,7 @@ from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import Heading, quiet_label
 from apd_viewer.ui.widgets.theme import Theme
 
+_UNITS = "g/cm³", "GPa", ""  # of density, Young's modulus and Poisson's ratio
 _DIGITS, _WIDTH = 3, 120  # digits of a computed radius; px of a field
 
 
@@ -91,6 +92,7 @@ class WallFields(QWidget):
         """Show a wall, with its lengths in the unit of the mesh."""
         is_other = wall.material is not self._typed.material or wall == NO_WALL
         self._typed, self._unit, self._kept = wall, unit, ""
+        self._show_symbols()
         self.material.setCurrentIndex(self.material.findData(wall.material))
         self.thickness.setText(wall.thickness)
         for field, text in zip(self._own, wall[1:-1], strict=True):
@@ -104,6 +106,13 @@ class WallFields(QWidget):
         if unit is not self._unit:
             self._unit = unit
             self._show_properties()
+            self._show_symbols()
+
+    def _show_symbols(self) -> None:
+        """Show the units of bare numbers."""
+        length = self._unit.format_length("").strip()
+        for field, symbol in zip((self.thickness, *self._own), (length, *_UNITS, length), strict=True):
+            field.show_unit(symbol)
 
     def _show_properties(self) -> None:
         """Show the properties of the chosen material and their source."""
@@ -117,7 +126,7 @@ class WallFields(QWidget):
         typed = self.value.usable_thickness(self._unit)
         across, symbol = (known.thickness, "mm") if typed is None else (typed, self._unit.symbol)
         amounts = known.density, known.young, known.poisson, known.yield_radius(across)
-        for field, amount, unit in zip(self._own, amounts, ("g/cm³", "GPa", "", symbol), strict=True):
+        for field, amount, unit in zip(self._own, amounts, (*_UNITS, symbol), strict=True):
             digits = _DIGITS if field is self.yield_radius else 6
             field.setText("" if amount is None else f"{format_editable(amount, digits)} {unit}".strip())
 
@@ -152,13 +161,13 @@ class WallFields(QWidget):
         self.heading.set_theme(theme)
 
 
-def _entry(name: str, tip: str, usual: str = "") -> QLineEdit:
+def _entry(name: str, tip: str, usual: str = "") -> TextField:
     field = TextField(toolTip=tip, placeholderText=usual, accessibleName=name)
     field.setFixedWidth(_WIDTH)
     return field
 
 
-def _row(title: str, field: QLineEdit) -> QWidget:
+def _row(title: str, field: TextField) -> QWidget:
     row = QWidget()
     label = QLabel(title, objectName="quiet", toolTip=field.toolTip(), buddy=field)
     row_layout((label, 1), field, parent=row)

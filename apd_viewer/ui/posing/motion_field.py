@@ -5,7 +5,8 @@ from PySide6.QtWidgets import QLabel, QPushButton, QWidget
 
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.notation import editable_number
-from apd_viewer.session.posing.motion import LINE, MOTIONS, Motion
+from apd_viewer.session.posing.motion import LINE, MOTIONS, AmountKind, Motion
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import quiet_label
@@ -68,7 +69,7 @@ class MotionField(QWidget):
         self.problem = quiet_label(tr("Error in the amount"), style="unreached")
         self.problem.hide()
         self._later = QTimer(self, singleShot=True, interval=_PAUSE, timeout=self._show_problem)
-        self._kind = self.motion.kind.amount
+        self._kind, self._unit = self.motion.kind.amount, Unit.NONE
         word = QLabel(trn("step", "steps", 1))
         word.setMinimumWidth(word.fontMetrics().horizontalAdvance(trn("step", "steps", 2)))
         self.steps.valueChanged.connect(lambda count: word.setText(trn("step", "steps", round(count))))
@@ -138,7 +139,18 @@ class MotionField(QWidget):
         if self.motion.kind.amount is not self._kind:
             self._kind = self.motion.kind.amount
             self.amount.clear()
+        self._show_symbol()
         self.problem.hide()
+
+    def show_unit(self, unit: Unit) -> None:
+        """Show the unit of the mesh after lengths."""
+        self._unit = unit
+        self._show_symbol()
+
+    def _show_symbol(self) -> None:
+        length, kind = self._unit.format_length("").strip(), self.motion.kind.amount
+        symbols = {AmountKind.ANGLE: "°", AmountKind.LENGTH: length, AmountKind.LENGTH_OR_PERCENT: length}
+        self.amount.show_unit(symbols.get(kind, ""))
 
 
 _TIP = tr("Move each handle together with its mirror image on the other side of the mesh")

@@ -1,6 +1,6 @@
 """Unit of length of each mesh: its button, and the choice stored per file."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
@@ -37,8 +37,8 @@ class UnitButton(QToolButton):
         self._unit = Unit.NONE
         menu = QMenu(self)
         group = QActionGroup(menu)
-        for unit, name in UNIT_NAMES.items():
-            action = menu.addAction(name.replace("(", "(&") if unit.symbol else f"&{name}")
+        for unit, name in with_mnemonics(UNIT_NAMES).items():
+            action = menu.addAction(name)
             action.setCheckable(True)
             action.setData(unit.value)
             action.triggered.connect(lambda _checked=False, unit=unit: self.chosen.emit(unit))
@@ -83,6 +83,26 @@ class UnitButton(QToolButton):
         chevron = QRect(room.right() + 1 - _CHEVRON, (room.height() - _CHEVRON) // 2, _CHEVRON, _CHEVRON)
         mode = QIcon.Mode.Normal if self.isEnabled() else QIcon.Mode.Disabled
         icon("unfolded", theme).paint(painter, chevron, Qt.AlignmentFlag.AlignCenter, mode)
+
+
+def with_mnemonics(names: Mapping[Unit, str]) -> dict[Unit, str]:
+    """Names with different mnemonics, the first letters of their symbols if possible."""
+    found, taken = dict(names), set[str]()
+
+    def place(unit: Unit, places: Iterable[int]) -> None:
+        name = names[unit]
+        for k in places:
+            letter = name[k].lower()
+            if found[unit] is name and letter.isascii() and letter.isalpha() and letter not in taken:
+                taken.add(letter)
+                found[unit] = f"{name[:k]}&{name[k:]}"
+
+    # A symbol of one letter comes first, as it has no other.
+    for unit in sorted(names, key=lambda unit: len(unit.symbol)):
+        place(unit, [names[unit].rfind(unit.symbol[:1]) if unit.symbol else 0])
+    for unit, name in names.items():
+        place(unit, range(len(name)))
+    return found
 
 
 class Units:

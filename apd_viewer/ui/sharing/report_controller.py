@@ -26,6 +26,7 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
 from apd_viewer.log import redacted_text
 from apd_viewer.presentation.legend_svg import legend_svg
+from apd_viewer.presentation.plate_readings import FindConversion
 from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_blocks import ReportReadings
 from apd_viewer.presentation.report_page import ReportSubject, report_page, volumes_block
@@ -74,6 +75,8 @@ class ReportController:
         Over which to ask.
     view : callable
         Returns the camera, the wall and the overlay.
+    newtons : callable
+        Conversion of the loads of a state into newtons, or None.
     """
 
     def __init__(
@@ -85,10 +88,11 @@ class ReportController:
         preferences: Preferences,
         notice: Notice,
         session: Session,
+        newtons: FindConversion,
     ) -> None:
         self._window, self._canvas, self._looks = window, canvas, display_options
         self._view, self._memory, self._notice = view, preferences, notice
-        self._session = session
+        self._session, self._newtons = session, newtons
         self.pictures = PictureRenderer(canvas, display_options, notice, session.jobs)
         self._wish: PictureSettings | None = None
         self.volumes: VolumesDialog | None = None
@@ -167,12 +171,13 @@ class ReportController:
             datetime.now().astimezone(),
             session.measurement_readings.readings(state),
         )
+        newtons = self._newtons(state)
         chosen = self._looks.overlay.scales.get(Measure.AREA)
 
         def work() -> _ReportMeasurements:
             found, at_rest = _completed_checks(state, *checks)
             all_made = complete_readings(made, state)
-            subject = ReportSubject(state, unit, view.wall, found, at_rest, moment, all_made)
+            subject = ReportSubject(state, unit, view.wall, found, at_rest, moment, all_made, newtons)
             return _measure(subject, view, chosen)
 
         title = tr("Measuring for {name}").format(name=path.name)

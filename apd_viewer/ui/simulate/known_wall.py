@@ -14,6 +14,7 @@ from apd_viewer.geometry.solver.methods import check_wall_size, wall_material
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_short
+from apd_viewer.presentation.plate_readings import FindConversion
 from apd_viewer.presentation.time_left import progress_text
 from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
@@ -57,6 +58,13 @@ class KnownWall:
         """Conversion of the loads of a state into newtons; None if unknown."""
         wall = self.value
         return None if wall is None else self._conversion(state, wall)
+
+    def newtons_of_displayed(self, state: State) -> NewtonConversion | None:
+        """Conversion for the displayed state, as pressed if it is of a run by Wall."""
+        steps, k = self._session.player.timeline.steps, self._session.player.shown_step
+        is_of_run = bool(steps) and k is not None and steps[k].wall_result is not None
+        of_wall = is_of_run and state.document.settings.traits.is_wall
+        return self.newtons_as_pressed(state) if of_wall else self.newtons(state)
 
     def newtons_as_pressed(self, state: State) -> NewtonConversion | None:
         """Conversion for the wall thickness of a state solved by the Wall method."""
@@ -195,6 +203,6 @@ class WallRunController:
         return None if np.isnan(force) else max(0.0, force)
 
 
-def _per_load(state: State | None, newtons: Callable[[State], NewtonConversion | None]) -> float:
+def _per_load(state: State | None, newtons: FindConversion) -> float:
     found = None if state is None else newtons(state)
     return np.nan if found is None else found.newtons_per_load

@@ -328,7 +328,7 @@ class PressController(QObject):
         elif k is not None and wall_result is None and self._session.player.shows_wall and not method.is_wall:
             said, is_calm = tr("The wall is not solved here: this is {method}."), False
             said = said.format(method=method.short_title)
-        newtons = (self.known_wall.newtons_as_pressed if is_of_wall else self.known_wall.newtons)(state)
+        newtons = self.known_wall.newtons_of_displayed(state)
         force = None if is_of_wall else self._wall_run_controller.force(wall_result)
         bend = state.document.settings.yield_radius or self.known_wall.yield_radius
         wall = None if wall_result is None or force is None else (wall_result, force)

@@ -1,14 +1,17 @@
 """Charts of a timeline: loads and volume of a press, or readings by step."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, linear_axis, rounded_axis
-from apd_viewer.presentation.number_format import format_short, format_signed, format_significant
+from apd_viewer.presentation.number_format import format_grouped, format_short, format_significant
+from apd_viewer.presentation.obstacle_readings import LOAD_DIGITS, newtons_text
 from apd_viewer.presentation.plate_readings import PlateCurves, plate_curves
+from apd_viewer.presentation.readings import percent_text
 from apd_viewer.presentation.step_readings import StepCurves, step_curves
 from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.timeline import Timeline
@@ -50,7 +53,9 @@ class PressCharts:
         if not np.isfinite(loads).any():
             return Chart("", empty_text=tr("Press to see the load here."))
         y = rounded_axis(0.0, float(np.nanmax(loads)) or 1.0, suffix)
-        return self._chart((tr("Load"), *self.names), points, "accent", y, suffix)
+        title = tr("Load") if suffix else tr("Load, at stiffness 1")
+        said = newtons_text if suffix else partial(format_significant, digits=LOAD_DIGITS)
+        return self._chart((title, *self.names), points, "accent", y, said)
 
     def volume_chart(self) -> Chart:
         """Chart of the volume against the deflection, in percent of rest."""
@@ -63,7 +68,7 @@ class PressCharts:
         first, wall = self.names
         # Short titles: the legend has no room for longer ones.
         words = tr("Volume"), first, METHODS["wall"].short_title if wall else ""
-        return self._chart(words, points, "warm", y, " %")
+        return self._chart(words, points, "warm", y, percent_text)
 
     def _read_curves(self) -> tuple[PlateCurves, ...]:
         """Curves of the motions and of the Wall method, updated after changes."""
@@ -77,11 +82,16 @@ class PressCharts:
         return self._curves
 
     def _chart(
-        self, words: tuple[str, str, str], points: Sequence[np.ndarray], color: str, y: Axis, suffix: str
+        self,
+        words: tuple[str, str, str],
+        points: Sequence[np.ndarray],
+        color: str,
+        y: Axis,
+        said: Callable[[float], str],
     ) -> Chart:
         """Chart of curves (s, 2), broken between runs, with the displayed step.
 
-        ``words`` are its title and the names of the curves.
+        ``words`` are its title and the names of the curves, ``said`` formats their values.
         """
         title, *names = words
         state = self._session.store.state
@@ -102,7 +112,7 @@ class PressCharts:
         reach = np.nanmax([*np.vstack(points)[:, 0].tolist(), way, self.reach, 0.0])
         return Chart(
             "",
-            ((title, "quiet"), *self._legend(names, points, number, color, suffix)),
+            ((title, "quiet"), *self._legend(names, points, number, color, said)),
             linear_axis(0.0, float(reach) or 1.0, self._session.store.unit.format_length("")),
             y,
             tuple(drawn),
@@ -112,15 +122,19 @@ class PressCharts:
 
     @staticmethod
     def _legend(
-        names: Sequence[str], points: Sequence[np.ndarray], number: int | None, color: str, suffix: str
+        names: Sequence[str],
+        points: Sequence[np.ndarray],
+        number: int | None,
+        color: str,
+        said: Callable[[float], str],
     ) -> list[tuple[str, str]]:
         """Value of each curve at a step, with names if there are two curves."""
         (first, wall), found = names, []
         names = (first, f"\u25cf\u00a0{wall}") if first and wall else ("", "")
         for rows, name, its_color in zip(points, names, (color, "ink"), strict=True):
             value = np.nan if number is None else rows[number, 1]
-            said = f"{format_significant(value, 4)}{suffix}" if np.isfinite(value) else ""
-            found.append((f"{name}: {said}" if name and said else name or said, its_color))
+            text = said(value) if np.isfinite(value) else ""
+            found.append((f"{name}: {text}" if name and text else name or text, its_color))
         return [row for row in found if row[0]]
 
     @property
@@ -161,19 +175,20 @@ class StepCharts:
         return self._curves
 
     def size_chart(self) -> Chart:
-        """Chart of the changes of area and volume."""
+        """Chart of area and volume, in percent of rest."""
         found = self._read_curves()
         rows = (
-            (tr("area {change} %"), found.area, "accent"),
-            (tr("volume {change} %"), found.volume, "warm"),
+            (tr("area {percent} %"), found.area, "accent", 3),
+            (tr("volume {percent} %"), found.volume, "warm", 1),
         )
         number, said = self.shown_number, []
-        for words, values, color in rows:
+        for words, values, color, decimals in rows:
             if number is not None and np.isfinite(values[number]):
-                said.append((words.format(change=format_signed(float(values[number]), 2)), color))
-        known = np.concatenate([values[np.isfinite(values)] for _, values, _ in rows])
-        low, high = float(known.min(initial=-_LEAST_OF_STEPS)), float(known.max(initial=_LEAST_OF_STEPS))
-        curves = [(values, color) for _, values, color in reversed(rows)]
+                said.append((words.format(percent=format_grouped(float(values[number]), decimals)), color))
+        known = np.concatenate([values[np.isfinite(values)] for _, values, *_ in rows])
+        low = float(known.min(initial=100.0 - _LEAST_OF_STEPS))
+        high = float(known.max(initial=100.0 + _LEAST_OF_STEPS))
+        curves = [(values, color) for _, values, color, _ in reversed(rows)]
         return self._chart(curves, rounded_axis(low, high, " %"), said or [(tr("Area and volume"), "quiet")])
 
     def effort_chart(self) -> Chart:

@@ -26,7 +26,7 @@ _WIDE = 860  # px: width with room for both charts
 _ONE_STEP = SliderScale(1, float, float, 0)
 _LOAD = ChartTexts(tr("Load"), tr("Load over the way of the plates; not at rest is a cross"))
 _VOLUME = ChartTexts(tr("Volume"), tr("Volume over the way of the plates, percent of that at rest"))
-_SIZE_CHANGE = ChartTexts(tr("Area and volume"), tr("Their changes from rest, step by step"))
+_SIZE_CHANGE = ChartTexts(tr("Area and volume"), tr("In percent of rest, step by step"))
 _EFFORT = ChartTexts(
     tr("Energy or strain"), tr("Energy of each step, or the mean edge strain; not at rest is a cross")
 )
@@ -106,6 +106,7 @@ class TimelinePanel(QWidget):
         tip = tr("Where the plates end: a share of the extent such as 40 %, or a length such as 3cm")
         self.end = TextField(accessibleName=tr("Distance of the plates in the end"), toolTip=tip)
         self.end.setText(_AT_FIRST)
+        self.end.show_unit("%")
         self.end.setFixedWidth(72)
         self.end.returnPressed.connect(self.press_requested)
         self.problem = ErrorBubble(self.end)
@@ -232,7 +233,7 @@ class TimelinePanel(QWidget):
         self.open.setEnabled(may_open)
         for field in (self.direction, self.end, self.steps):
             field.setEnabled(not is_playing)
-        self.progress.show_text(said)
+        self.progress.setText(said)
 
     def show_steps(self, count: int, shown: int | None, is_replaying: bool) -> None:
         """Show the number of steps, and the position of the displayed one."""

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QPushButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.cases.case import DEFAULT_ITERATIONS, MOST_STEPS, Case, case_of, cases_by_method
 from apd_viewer.errors import InputError
@@ -25,7 +25,7 @@ from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field
 from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
-from apd_viewer.ui.widgets.fields import CheckBox, ComboBox
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
 
 _POSED, _TWIST = "posed", "twist"
 ANIMATION_FORMATS: Mapping[str, str] = {
@@ -88,8 +88,9 @@ class SweepDialog(RunDialog):
         self.motion.setMinimumWidth(260)
         if not pushed or document.label_counts[HANDLE + self._handle]:
             self.motion.addItem(tr("twist of “{name}” by").format(name=name), _TWIST)
-        self.twist = QLineEdit("180deg", objectName="typed", maximumWidth=100)
-        self.twist.setAccessibleName(tr("Angle of the twist"))
+        self.twist = TextField(accessibleName=tr("Angle of the twist"), maximumWidth=100)
+        self.twist.setText("180deg")
+        self.twist.show_unit("°")
         self.motion.currentIndexChanged.connect(self._show_motion)
         self._show_motion()
         return row_layout(self.motion, self.twist, STRETCH)
@@ -114,7 +115,8 @@ class SweepDialog(RunDialog):
 
     def _make_methods(self) -> QHBoxLayout:
         own = self._state.document.settings.method
-        self.methods = {name: CheckBox(METHODS[name].short_title) for name in COMPARED_METHODS}
+        names = filter(COMPARED_METHODS.__contains__, METHODS)  # in the order of the panel
+        self.methods = {name: CheckBox(METHODS[name].short_title) for name in names}
         for name, check in self.methods.items():
             slow = METHODS[name].is_slow
             may = METHODS[name].may_use_contact or not self._is_pushed

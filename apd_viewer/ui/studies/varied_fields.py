@@ -237,6 +237,7 @@ class VariedFields(QWidget):
                 field.textChanged.connect(self._edit)
                 field.focus_gained.connect(partial(self.end_focused.emit, name, upper))
                 field.focus_lost.connect(self.focus_lost)
+                field.show_unit(_symbol(row.quantity, unit))
             row.set_enabled(False)
         first = SHARE_COLUMN if SHARE_COLUMN in self.rows else "twist"
         if first in self.rows:
@@ -310,6 +311,13 @@ class VariedFields(QWidget):
             if row.low.hasFocus() or row.high.hasFocus():
                 raise
             return None
+
+
+def _symbol(quantity: VariedQuantity, unit: Unit) -> str:
+    """Unit of a bare number typed for a quantity."""
+    if quantity.unit == PERCENT and quantity.is_motion:
+        return unit.format_length("").strip()
+    return "°" if quantity.unit == DEGREES else quantity.unit
 
 
 def _end_field(name: str, text: str, tip: str) -> TextField:

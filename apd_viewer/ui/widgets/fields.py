@@ -1,5 +1,7 @@
 """Input fields for one value: combo box, check box, number and text field."""
 
+import re
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -9,7 +11,7 @@ from PySide6.QtCore import QPoint, QPointF, QRectF, QSize, Qt, QTimer, Signal
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.goals import percentage
 from apd_viewer.language import tr
-from apd_viewer.notation import editable_number
+from apd_viewer.notation import editable_number, localized_number, notation
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
 from apd_viewer.ui.widgets.wheel import ignore_wheel
@@ -17,6 +19,7 @@ from apd_viewer.ui.widgets.wheel import ignore_wheel
 _UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to users
 _MOST_IN_SIGHT = 24  # entries of a list
 _QUOTED = 20  # characters quoted from invalid input
+_SYMBOLS = '%°"′″'  # units that are no letters
 
 
 class ComboBox(QtWidgets.QComboBox):
@@ -99,12 +102,16 @@ class NumberField(QtWidgets.QDoubleSpinBox):
         Whether zeros at the end are left out.
     is_percentage : bool
         Whether a small number, typed without a sign of its own, could be meant as a factor.
+    is_grouped : bool
+        Whether the digits of a whole number are grouped, as in readings.
     properties
         Of the spin box.
     """
 
-    def __init__(self, brief: bool = False, is_percentage: bool = False, **properties: Any) -> None:
-        self._brief, self._is_percentage = brief, is_percentage
+    def __init__(
+        self, brief: bool = False, is_percentage: bool = False, is_grouped: bool = True, **properties: Any
+    ) -> None:
+        self._brief, self._is_percentage, self._is_grouped = brief, is_percentage, is_grouped
         super().__init__(keyboardTracking=False, alignment=Qt.AlignmentFlag.AlignRight, **properties)
         self.setButtonSymbols(QtWidgets.QDoubleSpinBox.ButtonSymbols.NoButtons)
         self.setFixedSize(84, max(28, self.fontMetrics().height() + 12))
@@ -128,7 +135,9 @@ class NumberField(QtWidgets.QDoubleSpinBox):
         _draw_field(painter, self)
 
     def textFromValue(self, value: float) -> str:
-        """Ungrouped number with all digits, readable as input."""
+        """Number with all digits, readable as input; only those of a count are grouped."""
+        if self._is_count:
+            return localized_number(f"{value:,.0f}" if self._is_grouped else f"{value:.0f}")
         return editable_number(f"{value:.10g}" if self._brief else f"{value:.{self.decimals()}f}")
 
     def validate(self, text: str, position: int) -> tuple[QtGui.QValidator.State, str, int]:
@@ -146,7 +155,10 @@ class NumberField(QtWidgets.QDoubleSpinBox):
 
     def valueFromText(self, text: str) -> float:
         """Typed number, such as 1e-3 or 0,5."""
-        return self.value() if self._problem(text) else float(self._digits(text))
+        if self._problem(text):
+            return self.value()
+        value = float(self._digits(text))
+        return float(round(value)) if self._is_count else value
 
     def _digits(self, text: str) -> str:
         return self._number_text(text).replace(",", ".")
@@ -154,7 +166,13 @@ class NumberField(QtWidgets.QDoubleSpinBox):
     def _number_text(self, text: str) -> str:
         # The suffix remains after the typed text, which may repeat it.
         number = text.removesuffix(self.suffix()).strip().removesuffix(self.suffix().strip())
-        return number.strip(" %")
+        number = number.strip(" %")
+        grouped = re.fullmatch(rf"[1-9]\d{{0,2}}([{re.escape(notation().group)}\s]\d{{3}})+", number)
+        return re.sub(r"\D", "", number) if self._is_count and grouped else number
+
+    @property
+    def _is_count(self) -> bool:
+        return self.decimals() == 0
 
     def _problem(self, text: str) -> str:
         """Error message for an invalid text, with the allowed range; empty if valid."""
@@ -235,6 +253,8 @@ class NumberField(QtWidgets.QDoubleSpinBox):
 class TextField(QtWidgets.QLineEdit):
     """Line edit; Esc restores its text and returns the focus.
 
+    A number without a unit can be followed by one that is no part of the text.
+
     Attributes
     ----------
     focus_gained, focus_lost : Signal()
@@ -246,7 +266,9 @@ class TextField(QtWidgets.QLineEdit):
 
     def __init__(self, **properties: Any) -> None:
         super().__init__(objectName="typed", **properties)
-        self._before = self.text()
+        self._before, self._unit = self.text(), ""
+        self.textChanged.connect(self._leave_room)
+        self.editingFinished.connect(self._complete_percentage)
 
     def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
         """Store the text for Esc to restore."""
@@ -271,6 +293,43 @@ class TextField(QtWidgets.QLineEdit):
         """Restore the text from before the field got the focus."""
         self.setText(self._before)
 
+    def show_unit(self, symbol: str) -> None:
+        """Set the unit shown after numbers without one; none if empty."""
+        if symbol != self._unit:
+            self._unit = symbol
+            self.setAccessibleDescription(symbol)
+            self._leave_room()
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit after the text; empty if the text is no bare number."""
+        text = self.text()
+        is_bare = any(map(str.isdigit, text)) and not any(c.isalpha() or c in _SYMBOLS for c in text)
+        return self._unit if is_bare else ""
+
+    def _complete_percentage(self) -> None:
+        """Write the sign after a bare percentage, unless it could be meant as a factor."""
+        if self.shown_unit != percentage.PERCENT_SIGN:
+            return
+        with suppress(InputError, ValueError):
+            number = unambiguous_text(self.text()).strip()
+            percentage.check_not_factor(float(number.replace(",", ".")))
+            self.setText(f"{number} {percentage.PERCENT_SIGN}")
+
+    def _leave_room(self) -> None:
+        unit = self.shown_unit
+        self.setTextMargins(0, 0, self.fontMetrics().horizontalAdvance(unit) + _GAP if unit else 0, 0)
+        self.update()
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw the text, and the unit after it."""
+        super().paintEvent(event)
+        if unit := self.shown_unit:
+            painter = QtGui.QPainter(self)
+            painter.setPen(self.palette().placeholderText().color())
+            room = self.rect().adjusted(0, 0, -2 * _GAP, 0)
+            painter.drawText(room, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, unit)
+
 
 def percent_field(name: str, tip: str) -> NumberField:
     """Field for a target in percent of the rest value."""
@@ -294,6 +353,13 @@ def return_focus(field: QtWidgets.QWidget) -> None:
 def small_button(name: str, tip: str) -> QtWidgets.QToolButton:
     """Small icon button without a frame."""
     return QtWidgets.QToolButton(objectName="small", accessibleName=name, toolTip=tip, iconSize=QSize(16, 16))
+
+
+def keep_room(button: QtWidgets.QWidget) -> None:
+    """Keep the place of a button in its row while it is hidden."""
+    policy = button.sizePolicy()
+    policy.setRetainSizeWhenHidden(True)
+    button.setSizePolicy(policy)
 
 
 def _draw_field(painter: QtGui.QPainter, field: QtWidgets.QWidget) -> None:

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QLabel, QWidget
 from apd_viewer.language import tr
 from apd_viewer.session.model.handles_and_regions import NO_FLAGS, PartFlags
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
-from apd_viewer.ui.widgets.fields import small_button
+from apd_viewer.ui.widgets.fields import keep_room, small_button
 from apd_viewer.ui.widgets.named_rows import NamedList, NamedRow
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 
@@ -50,6 +50,7 @@ class PartRow(NamedRow):
         self.reading = QLabel("", objectName="quiet", accessibleName=reading)
         self.details = details
         self.buttons = PartButtons()
+        keep_room(self.remove)  # the readings of all rows are aligned
         line = row_layout(Swatch(color), (self.name, 1), self.reading, self.remove)
         below = row_layout((details, 1), (self.buttons, 0, Qt.AlignmentFlag.AlignRight), spacing=4)
         column_layout(line, below, spacing=2, margins=(8, 3, 4, 3), parent=self)

@@ -7,16 +7,26 @@ from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QApplication, QLabel, QProgressBar
 
 _SCALE = 1000
+_MARGIN = 8  # px before and after an elided text
 _PAUSE = 0.2  # s between two frames of the busy animation, if slowed down
 
 
 class ElidedLabel(QLabel):
     """Label elided to its width, with the full text in its tooltip."""
 
-    def show_text(self, text: str) -> None:
+    def setText(self, text: str) -> None:
         """Show ``text`` elided to the width, with the whole of it as tooltip."""
-        self.setText(text)
+        super().setText(text)
         self.setToolTip(text)
+
+    def sizeHint(self) -> QSize:
+        """Room for the whole text."""
+        usual = super().sizeHint()
+        return usual.expandedTo(QSize(self.room_for(self.text()), usual.height()))
+
+    def room_for(self, text: str) -> int:
+        """Width with room for a text."""
+        return self.fontMetrics().horizontalAdvance(text) + 2 * _MARGIN
 
     def minimumSizeHint(self) -> QSize:
         """Zero width, so that other widgets get the space first."""
@@ -24,7 +34,7 @@ class ElidedLabel(QLabel):
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the text, elided on the right."""
-        room = self.rect().adjusted(8, 0, -8, 0)
+        room = self.rect().adjusted(_MARGIN, 0, -_MARGIN, 0)
         painter = QPainter(self)
         painter.setPen(self.palette().windowText().color())
         text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())

@@ -3,6 +3,7 @@
 from collections import Counter
 
 from PySide6.QtGui import QKeySequence
+from PySide6.QtWidgets import QMenu
 
 
 def submenus(menu):
@@ -19,8 +20,14 @@ def mnemonics(menu):
 
 def test_mnemonics_are_unique_in_each_menu(window):
     bar = window.shell.menuBar()
-    menus = [bar, *(menu for top in bar.actions() for menu in submenus(top.menu()))]
+    others = window.shell.findChildren(QMenu)
+    menus = [
+        bar,
+        *dict.fromkeys([*(menu for top in bar.actions() for menu in submenus(top.menu())), *others]),
+    ]
     assert len(menus) > 10
+    units = mnemonics(window.panel.area.unit.menu())
+    assert [letter.removeprefix("Alt+") for letter in units] == ["N", "L", "C", "M", "I", "F"]
     assert len(mnemonics(bar)) == len(bar.actions())
     twice = [
         (menu.title() if menu is not bar else "menu bar", letter)

@@ -292,6 +292,24 @@ def test_obstacle_fields_place_an_obstacle_anew_by_typed_numbers(qtbot, floored)
     assert len(steps(window)) == done
 
 
+def test_obstacle_fields_say_the_unit_of_lengths_and_only_of_bare_numbers(qtbot, held):
+    window, fields = held, held.panel.obstacles.fields
+    window.actions_.simulate.obstacles.kinds[CYLINDER].trigger()
+    click(window, middle(window))
+    lengths = fields.place, fields.radius, fields.length
+    for unit, symbol in ((Unit.NONE, ""), (Unit.CENTIMETRE, "cm"), (Unit.INCH.as_guess, "in?")):
+        window.choose_unit(unit)
+        assert [field.shown_unit for field in (*lengths, fields.axis)] == [symbol] * 3 + [""]
+    fields.radius.setText("5mm")
+    assert fields.radius.shown_unit == "", "the text has a unit of its own"
+    window.choose_unit(Unit.CENTIMETRE)
+    fields.radius.setText(fields.length.text())
+    assert fields.radius.shown_unit == "cm"
+    drawn = fields.radius.grab().toImage()
+    fields.radius.show_unit("")
+    assert fields.radius.grab().toImage() != drawn
+
+
 def test_entered_field_tells_when_it_is_left_too_and_takes_a_wrong_text_back(qtbot, held):
     window, fields = held, held.panel.obstacles.fields
     window.actions_.simulate.obstacles.kinds[CYLINDER].trigger()
@@ -417,7 +435,7 @@ def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(
     np.testing.assert_array_equal(shown.shift, far[0])
     np.testing.assert_array_equal(shown.requested_shift, [0, 2, 0])
     row = section.list.rows[0]
-    assert row.reading.text() == "load 1.23"
+    assert row.reading.text() == "load 1.23 at stiffness 1"
     assert section.excess.isVisible()
     assert "loads mean little" in section.excess.text()
     window.session.settings.change(stiffness=0.01)

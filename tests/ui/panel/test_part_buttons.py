@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from driving import LEFT, document, idle, on_screen, stroke
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QLabel
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.palette import FREE_COLOR, HANDLE_COLORS
@@ -99,3 +100,25 @@ def test_part_commands_clear_the_active_parts_from_the_menu(qtbot, bottle):
     all_of_it.trigger()
     assert len(bottle.session.gestures.history.undo_states) == steps, "nothing is left to clear"
     idle(qtbot, bottle)
+
+
+@pytest.mark.parametrize("handles", [1, 2])
+def test_parts_section_aligns_names_and_readings_of_all_rows(qtbot, bottle, handles):
+    panel = bottle.panel
+    bottle.obstacles.add_floor()
+    add_handle, _, add_region = bottle.actions_.pose.part_actions
+    add_region.trigger()
+    for _ in range(1, handles):
+        add_handle.trigger()
+    idle(qtbot, bottle)
+    rows = [row for each in (panel.handles, panel.regions, panel.obstacles) for row in each.list.rows]
+    assert len(rows) == handles + 2
+    labels = [row.reading for row in rows]
+    labels += [each for each in panel.parts.findChildren(QLabel) if each.toolTip() == "Vertices of the base"]
+    assert len(labels) == len(rows) + 1
+
+    def ends():
+        return {label.mapTo(panel, label.rect().topRight()).x() for label in labels}
+
+    qtbot.waitUntil(lambda: len(ends()) == 1)
+    assert all(row.remove.mapTo(panel, QPoint(0, 0)).x() > max(ends()) for row in rows)

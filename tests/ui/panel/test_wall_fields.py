@@ -90,6 +90,31 @@ def test_wall_fields_keep_the_contact_distance_where_no_thickness_is_typed(bottl
     assert document(bottle).settings.thickness == pytest.approx(0.02)
 
 
+def test_wall_fields_say_the_units_of_bare_numbers(bottle, fields):
+    choose(fields, None)
+    for text in ("0.25", "0.25mm"):
+        for field in (fields.thickness, fields.density, fields.young, fields.poisson, fields.yield_radius):
+            type_into(field, text)
+        units = "cm", "g/cm³", "GPa", "", "cm"
+        assert [
+            field.shown_unit
+            for field in (fields.thickness, fields.density, fields.young, fields.poisson, fields.yield_radius)
+        ] == (list(units) if text == "0.25" else [""] * 5)
+    type_into(fields.thickness, "0.25")
+    bottle.choose_unit(MM)
+    assert fields.thickness.shown_unit == "mm"
+    assert fields.value.thickness == "0.25", "the unit is no part of the text"
+
+
+def test_method_section_says_the_unit_of_the_thickness_of_a_wall(bottle, fields):
+    numbers = bottle.panel.method.numbers
+    lengths = {name for name, number in numbers.items() if number.suffix() == "\u00a0cm"}
+    assert "wall_thickness" in lengths
+    assert "poisson" not in lengths
+    bottle.choose_unit(MM)
+    assert {name for name, number in numbers.items() if number.suffix() == "\u00a0mm"} == lengths
+
+
 def test_volume_controller_remembers_materials_with_the_file_and_keeps_them_in_sessions(
     qtbot, new_bottle, settings, tmp_path
 ):

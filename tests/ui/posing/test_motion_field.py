@@ -5,6 +5,7 @@ from motions import EVERY
 from PySide6.QtCore import Qt
 
 from apd_viewer.session.posing.motion import LINE, MOTIONS
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.posing.motion_field import MotionField
 
 
@@ -33,6 +34,18 @@ def test_motion_field_enters_every_motion_with_its_example(qtbot, field, name):
     with qtbot.waitSignal(field.motion_entered) as entered:
         qtbot.keyClick(field.amount, Qt.Key.Key_Return)
     assert entered.args == [motion, motion.kind.example, False]
+
+
+def test_motion_field_says_the_unit_of_a_bare_amount(field):
+    field.show_unit(Unit.CENTIMETRE)
+    said = {}
+    for name in MOTIONS:
+        field.choice.setCurrentIndex(field.choice.findData(name))
+        field.amount.setText("2")
+        said[name] = field.amount.shown_unit
+    assert {said["TWIST"], said["BEND_X"]} == {"°"}
+    assert {said["PUSH"], said["MOVE_X"]} == {"cm"}
+    assert said["SCALE"] == ""
 
 
 def test_motion_field_keeps_an_amount_for_motions_that_take_such_alone(field):

@@ -99,7 +99,7 @@ def test_sweep_dialog_sweeps_the_motion_of_the_handle_if_it_has_one(qtbot, bar, 
     click(dialog.run.start)
     options = sweep_parser().parse_args(begun[0][1:])
     assert (options.steps, options.to, options.iterations) == (3, 1.5, 500)
-    assert options.methods == "arap,paper,exact"
+    assert options.methods == "exact,paper,arap"
     assert options.meshes
     assert options.output == tmp_path / "out"
     assert options.animation == [tmp_path / "out" / "sweep.gif"]
@@ -293,3 +293,10 @@ def test_figure_view_keeps_the_shape_of_a_figure_and_stands_on_white(qtbot, tmp_
 
     assert color(212, 112) == pytest.approx((0, 114, 178), abs=8)  # scaled
     assert color(212, 5) == (255, 255, 255)
+
+
+def test_sweep_dialog_lists_the_methods_in_the_order_of_the_panel(bar, dialog):
+    menu = bar.panel.method.method
+    order = [menu.itemData(k) for k in range(menu.count())]
+    assert len(dialog.methods) > 2
+    assert list(dialog.methods) == [name for name in order if name in dialog.methods]

@@ -2,6 +2,8 @@
 
 import numpy as np
 from meshes import box, ends
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
 
 from apd_viewer.cases.plan_columns import SETTING_COLUMNS
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -11,7 +13,7 @@ from apd_viewer.session.posing.motion import MOTION_KINDS
 from apd_viewer.session.posing.motion_text import parse_motion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.studies.study_run import document_with_values
-from apd_viewer.ui.studies.varied_fields import quantity_range, varied_quantities
+from apd_viewer.ui.studies.varied_fields import VariedFields, quantity_range, varied_quantities
 
 
 def painted_box():
@@ -30,6 +32,24 @@ def test_varied_quantities_offer_motions_with_ranges_that_a_plan_can_say():
         assert (span.design_variable.low, span.design_variable.unit) == (0.0, each.unit)
         for end in span.low, span.high:
             parse_motion(f"{each.name} {end}")[0].parse_amounts(Unit.NONE)
+
+
+def test_varied_fields_say_the_units_of_bare_numbers(qtbot):
+    fields = VariedFields(painted_box(), Unit.MILLIMETRE)
+    qtbot.addWidget(fields)
+    units = {"twist": "°", "push": "mm", "stiffness": "", "area": "%"}
+    for name, unit in units.items():
+        row = fields.rows[name]
+        row.check.setChecked(True)
+        row.low.setFocus()
+        row.low.selectAll()
+        QTest.keyClicks(row.low, "60")
+        assert row.low.shown_unit == unit
+        QTest.keyClick(row.low, Qt.Key.Key_Return)
+        assert row.low.text() == ("60 %" if unit == "%" else "60")
+        row.check.setChecked(name == "area")
+    (span,) = fields.ranges()
+    assert span.low == "60%"
 
 
 def test_document_with_values_has_each_setting_that_a_study_can_vary():

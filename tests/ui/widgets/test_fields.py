@@ -5,6 +5,7 @@ from driving import work_off
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLineEdit, QWidget
 
+from apd_viewer.notation import Notation, notation, use_notation
 from apd_viewer.ui.widgets.box_layouts import column_layout
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField, percent_field
 
@@ -51,7 +52,7 @@ def test_number_field_is_typed_over_after_a_click_into_it(qtbot):
     qtbot.waitUntil(window.isActiveWindow)
     other.setFocus()
     qtbot.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: field.lineEdit().selectedText() == "3000")
+    qtbot.waitUntil(lambda: field.lineEdit().selectedText() == "3,000")
     qtbot.keyClicks(field, "12")
     qtbot.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
     work_off()
@@ -165,3 +166,47 @@ def test_percent_field_asks_about_a_percentage_that_could_be_a_factor(qtbot):
     assert field.error.isHidden()
     enter(qtbot, field, "110")
     assert field.value() == 110.0
+
+
+@pytest.mark.parametrize(
+    ("example", "shown", "typed"),
+    [
+        ("1,234.5", "10,000 %", ("10000", "10,000", "10 000", "10\u00a0000", "10,000 %", "1e4")),
+        ("1.234,5", "10.000 %", ("10000", "10.000", "10 000", "10.000 %")),
+        ("1 234,5", "10 000 %", ("10000", "10 000")),
+    ],
+)
+def test_number_field_groups_the_digits_of_a_count_typed_with_or_without(qtbot, example, shown, typed):
+    before = notation()
+    use_notation(Notation.from_example(example))
+    try:
+        field = NumberField(decimals=0, maximum=1e6, suffix=" %")
+        qtbot.addWidget(field)
+        field.show()
+        for text in typed:
+            field.setValue(7.0)
+            enter(qtbot, field, text)
+            assert (field.value(), field.lineEdit().text()) == (10_000.0, shown)
+            qtbot.keyClick(field, Qt.Key.Key_Return)
+            assert field.value() == 10_000.0, "what is shown can be entered"
+    finally:
+        use_notation(before)
+
+
+@pytest.mark.parametrize("text", ["10,00", "1,0000", "1,000,0", ",000", "0,001"])
+def test_number_field_takes_no_misplaced_group_for_a_count(qtbot, text):
+    field = NumberField(decimals=0, maximum=1e6, value=7.0)
+    qtbot.addWidget(field)
+    field.show()
+    enter(qtbot, field, text)
+    assert field.value() in (0.0, 1.0, 7.0, 10.0)
+
+
+def test_number_field_leaves_numbers_with_decimals_ungrouped(qtbot):
+    for field in (NumberField(maximum=1e6, value=10_000.0), NumberField(brief=True, maximum=1e6)):
+        qtbot.addWidget(field)
+        field.setValue(10_000.0)
+        assert field.text() in ("10000.00", "10000")
+    seed = NumberField(is_grouped=False, decimals=0, maximum=1e6, value=10_000.0)
+    qtbot.addWidget(seed)
+    assert seed.text() == "10000"
