@@ -58,6 +58,7 @@ def _volumes(options: argparse.Namespace) -> None:
     before = None if options.rest is None else open_mesh(options.rest)
     now = mesh_volumes(mesh, wall.thickness)
     rest = None if before is None else mesh_volumes(before, wall.thickness)
+    now = now if rest is None else now.of_rest(rest)
     if options.json is not None:
         names = mesh.name, None if before is None else before.name
         report = volumes_report(names, now, rest, unit, wall.density, litres)

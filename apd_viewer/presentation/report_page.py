@@ -170,7 +170,7 @@ def _mass(subject: ReportSubject) -> tuple[str, str]:
     state, unit = subject.state, subject.unit
     material, double = readings.material_volume(state), readings.double_wall(state, unit)
     try:
-        grams = typed_mass(subject.wall, state.frame.area, unit, material)
+        grams = typed_mass(subject.wall, state.inspection.area, unit, material)
     except InputError as error:
         return readings.NO_VALUE, str(error)
     if grams is None:
@@ -247,12 +247,10 @@ def volumes_block(
     now, then = readings.volumes(state.frame, state.inspection)
     wall_found = state.inspection.double_wall
     thickness, openings = wall.usable_thickness(unit), state.inspection.openings
-    rows = volume_rows(
-        VolumeReadings.from_hull(state.inspection.area, then, openings, at_rest.hull, thickness, wall_found),
-        VolumeReadings.from_hull(state.frame.area, now, openings, found.hull, thickness, wall_found),
-        unit,
-        wall.usable_density(),
-    )
+    rest_area, area = state.inspection.area, state.frame.area
+    before = VolumeReadings.from_hull(rest_area, then, openings, at_rest.hull, thickness, wall_found)
+    after = VolumeReadings.from_hull(area, now, openings, found.hull, thickness, wall_found)
+    rows = volume_rows(before, after.of_rest(before), unit, wall.usable_density())
     none = (("", tr("none found")),)
     head = tr("Quantity"), tr("At rest"), tr("Now"), tr("Change"), tr("Published")
     lines = [
