@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.commands.press_output import press_report, press_rows, press_summary
+from apd_viewer.commands.press_output import load_conditions, press_report, press_rows, press_summary
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
@@ -168,7 +168,7 @@ def _press(options: argparse.Namespace) -> None:
 
             folder = beside.enter_context(staging_folder(options.figure.parent))
             force = (
-                (newtons.newtons_per_load, newtons.underestimate_factor(found.stretching))
+                (newtons.newtons_per_load, load_conditions(found.stretching, newtons, wall))
                 if newtons
                 else None
             )

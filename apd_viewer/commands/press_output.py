@@ -156,7 +156,7 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
             tr("        {low:.3g} N below, {high:.3g} N above, {conditions}").format(
                 low=newtons.newtons_per_load * low,
                 high=newtons.newtons_per_load * high,
-                conditions=_conditions(step, newtons, wall),
+                conditions=load_conditions(step.stretching, newtons, wall),
             )
         )
     return lines
@@ -165,11 +165,11 @@ def _load_lines(step: PressStep, found: Pressed, newtons: NewtonConversion | Non
 _CREASING = tr("for this thin wall that keeps creases")
 
 
-def _conditions(step: PressStep, newtons: NewtonConversion, wall: Wall) -> str:
-    """Phrase stating the conditions for the newtons of a step."""
+def load_conditions(stretching: float, newtons: NewtonConversion, wall: Wall) -> str:
+    """Phrase stating the conditions for newtons, by the share of stretching."""
     if newtons.matches_wall:
         return tr("for this thin elastic wall") if wall.yield_radius is None else _CREASING
-    off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(step.stretching))
+    off = obstacle_readings.error_factor_phrase(newtons.underestimate_factor(stretching))
     return off or tr("if walls bend and hardly stretch")
 
 

@@ -71,6 +71,7 @@ def _volumes(options: argparse.Namespace) -> None:
     up, fill = _filling(options, before or mesh, unit)
     now = mesh_volumes(mesh, wall.thickness, up, fill)
     rest = None if before is None else mesh_volumes(before, wall.thickness, up, fill)
+    now = now if rest is None else now.of_rest(rest)
     if options.levels is not None and up is not None:
         _write_levels(options.levels, Vessel(mesh.V, mesh.F, up))
     if options.json is not None:

@@ -19,15 +19,15 @@ from apd_viewer.presentation import obstacle_readings
 _PRESS_SIZE = (9.0, 3.9)
 
 
-def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float] | None = None) -> None:
+def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, str] | None = None) -> None:
     """Draw load and volume of a press; no volume if none is enclosed.
 
     Parameters
     ----------
     path : Path
         Path of the picture; its suffix is replaced.
-    newtons : two floats, optional
-        Newtons per load of 1, if known, and the largest factor by which they may be too low.
+    newtons : float and str, optional
+        Newtons per load of 1, if known, and a phrase stating their conditions.
     """
     scale = 1.0 if newtons is None else newtons[0]
     ways = [way for way in (pressed.steps, pressed.steps[-1:] + pressed.released) if len(way) > 1]
@@ -57,14 +57,12 @@ def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, float]
     draw_figure(fill, _PRESS_SIZE, path.parent, path.stem)
 
 
-def _load_title(found: Pressed, newtons: tuple[float, float] | None) -> str:
+def _load_title(found: Pressed, newtons: tuple[float, str] | None) -> str:
     """Two title lines: the load, and its expected error."""
     known = obstacle_readings.excess_phrase(found.load_excess)
     if newtons is None:
         return tr("Load, at stiffness 1") + f"\n{known}"
-    off = obstacle_readings.error_factor_phrase(newtons[1])
-    title = tr("Load, N, {off}").format(off=off) if off else tr("Load, N, if walls bend and hardly stretch")
-    return f"{title}\n{known}"
+    return tr("Load, N, {conditions}").format(conditions=newtons[1]) + f"\n{known}"
 
 
 def _load(step: PressStep) -> float:

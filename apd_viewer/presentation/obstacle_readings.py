@@ -57,7 +57,7 @@ def force_text(load: float, newtons: NewtonConversion | None) -> str:
 
 
 def force_tip(newtons: NewtonConversion | None, *sentences: str) -> str:
-    """Tip of a load from sentences; of one in newtons, with the force of a hand."""
+    """Tip of a load from sentences; newtons are set beside the force of a hand."""
     return ". ".join((*sentences, *([] if newtons is None else [HAND_TIP])))
 
 
@@ -102,7 +102,7 @@ def load_excess_text(state: State, newtons: NewtonConversion | None) -> str:
 
 
 def _error_phrase(state: State, newtons: NewtonConversion | None) -> str:
-    """Phrase about the expected excess of loads, and newtons that may be too low."""
+    """Phrase about the expected excess of loads, and about too low newtons."""
     off = "" if newtons is None else error_factor_phrase(newtons.underestimate_factor())
     return "; ".join(filter(None, (excess_phrase(state.load_excess), off)))
 

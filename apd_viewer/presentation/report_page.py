@@ -193,7 +193,7 @@ def _mass(subject: ReportSubject) -> tuple[str, str]:
     state, unit = subject.state, subject.unit
     material, double = readings.material_volume(state), readings.double_wall(state, unit)
     try:
-        grams = typed_mass(subject.wall, state.frame.area, unit, material)
+        grams = typed_mass(subject.wall, state.inspection.area, unit, material)
     except InputError as error:
         return readings.NO_VALUE, str(error)
     if grams is None:
@@ -302,14 +302,12 @@ def volumes_block(
     now, then = readings.volumes(state.frame, state.inspection)
     wall_found = state.inspection.double_wall
     thickness, openings = wall.usable_thickness(unit), state.inspection.openings
-    volumes = (
-        VolumeReadings.from_hull(state.inspection.area, then, openings, at_rest.hull, thickness, wall_found),
-        VolumeReadings.from_hull(state.frame.area, now, openings, found.hull, thickness, wall_found),
-    )
-    shapes = state.document.mesh.V, state.frame.U
+    rest_area, area = state.inspection.area, state.frame.area
+    before = VolumeReadings.from_hull(rest_area, then, openings, at_rest.hull, thickness, wall_found)
+    after = VolumeReadings.from_hull(area, now, openings, found.hull, thickness, wall_found)
     before, after = (
         each._replace(brimful=_brimful(each, U, state, up_axis))
-        for each, U in zip(volumes, shapes, strict=True)
+        for each, U in ((before, state.document.mesh.V), (after.of_rest(before), state.frame.U))
     )
     rows = volume_rows(before, after, unit, wall.usable_density(), up=up_axis.value)
     none = (("", tr("none found")),)

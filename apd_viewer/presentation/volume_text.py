@@ -61,7 +61,9 @@ def volume_rows(
     yield from _bulk_rows(rest, now, unit, density, bag)
     values = rest.material, now.material
     lacks = now.material is None
-    about = tr("needs the wall thickness") if lacks else tr("area × thickness; the lower limit of crushing")
+    about = (
+        tr("needs the wall thickness") if lacks else tr("rest area × thickness; the lower limit of crushing")
+    )
     if now.capacity is not None:
         about = tr("between two walls; holds {capacity}").format(capacity=_volume(now.capacity, unit))
     yield _volumes(VolumeName.MATERIAL, tr("Material volume"), about, values, unit)

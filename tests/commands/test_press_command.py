@@ -9,11 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from matplotlib.figure import Figure
 from meshes import sphere, tube
 from PIL import Image
 
 from apd_viewer.__main__ import main
 from apd_viewer.commands import press_command
+from apd_viewer.figures import curves
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -94,6 +96,29 @@ def test_press_command_says_the_same_in_mesh_curve_figure_and_report(ball, press
     assert (tmp_path / "f.svg").exists()
     with Image.open(figure) as image:
         assert image.width > image.height
+
+
+def test_press_command_captions_its_chart_by_the_conditions_of_its_newtons(
+    smooth_ball, press, tmp_path, monkeypatch
+):
+    """The wall of its own method stretches as well: the caption says the phrase of the summary."""
+    titles = []
+
+    def draw(fill, size, folder, name):
+        figure = Figure(figsize=size)
+        fill(figure)
+        titles.append(figure.axes[0].get_title().splitlines()[0])
+        (folder / f"{name}.svg").touch()
+
+    monkeypatch.setattr(curves, "draw_figure", draw)
+    words = "--axis", "z", "--to", "99%", "--steps", 1, "--unit", "cm", "--thickness", "0.3mm", "--young", "1"
+    words = *words, "--figure", tmp_path / "f.png"
+    said = [press(smooth_ball, *words, *more)[1] for more in ((), ("--stiffness", 0.001, "--method", "arap"))]
+    for summary, title in zip(said, titles, strict=True):
+        conditions = title.removeprefix("Load, N, ")
+        assert f" N above, {conditions}" in summary
+    assert titles[0] == "Load, N, for this thin elastic wall"
+    assert titles[1] != titles[0]
 
 
 @pytest.mark.parametrize("method", ["exact", "local", "arap"])

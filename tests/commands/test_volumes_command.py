@@ -50,8 +50,9 @@ def test_volumes_command_writes_and_says_readings_of_both_shapes(files, tmp_path
         low, high = report["objects_in_bag_range" + suffix]
         assert low < report["objects_in_bag" + suffix] < high
         assert report["minimum_width" + suffix] == pytest.approx(4.0)
-    assert report["material_volume_rest"] == pytest.approx(0.03 * 220)
+    assert report["material_volume"] == report["material_volume_rest"] == pytest.approx(0.03 * 220)
     assert report["bulk_density_rest"] == pytest.approx(1000 * 0.03 * 220 * 0.64 / 200)
+    assert report["bulk_density"] == pytest.approx(1000 * 0.03 * 220 * 0.64 / 100), "of the same plastic"
     assert set(report["published"]) == {quantity.value for quantity in PUBLISHED_VOLUMES}
     assert {quantity.value for quantity in VolumeName} <= set(report)
     for figures in PUBLISHED_VOLUMES.values():

@@ -29,7 +29,7 @@ class VolumeReadings(NamedTuple):
     hull : HullReadings
         Convex hull, smallest box and least width; bulk volume of one among many.
     material : float or None
-        Area times thickness: nothing can be crushed to less. None if the thickness is not known. Of a
+        Rest area times thickness: nothing can be crushed to less. None if the thickness is not known. Of a
         double-walled vessel the volume between its walls.
     capacity : float or None
         Capacity of a double-walled vessel; None for other shapes.
@@ -70,6 +70,10 @@ class VolumeReadings(NamedTuple):
         if wall is not None:
             return cls(area, enclosed, openings, hull, wall.material, wall.capacity)
         return cls(area, enclosed, openings, hull, None if thickness is None else area * thickness)
+
+    def of_rest(self, rest: VolumeReadings) -> VolumeReadings:
+        """Copy with the material volume of the rest shape, as no material is lost."""
+        return self._replace(material=rest.material)
 
 
 @checked

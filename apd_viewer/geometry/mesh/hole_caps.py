@@ -12,6 +12,10 @@ from apd_viewer.geometry.mesh.operators import edge_defect_counts, volume
 
 # Fraction of the cubed diagonal: a smaller volume is the rounding error of a flat sheet.
 _FLAT = 1e-9
+# Least mean depth below the caps (volume over their area), over the root of their area. A sheet that is
+# nearly flat has less: it holds nothing, and its volume would only be that of its hems and waves. A vessel
+# has more: a hemisphere 0.38, a tray 0.05 times as deep as it is wide 0.05, a long tube ever more.
+_SHALLOW = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +87,12 @@ class Caps:
 
 
 def capped_volume(caps: Caps | None, U: np.ndarray, F: np.ndarray) -> float | None:
-    """Signed volume inside ``F`` (m, 3) and its caps; None without a volume."""
+    """Signed volume inside ``F`` (m, 3) and its caps; None without a volume.
+
+    A sheet has none. To be decided at rest: a sheet encloses nothing when it is folded, either.
+    """
     if caps is None:
         return None
     inside = volume(U, F) + caps.volume(U, U[F[0, 0]])
-    return inside if abs(inside) > _FLAT * diagonal(U[F.ravel()]) ** 3 else None
+    least = max(_FLAT * diagonal(U[F.ravel()]) ** 3, _SHALLOW * caps.area(U) ** 1.5)
+    return inside if abs(inside) > least else None

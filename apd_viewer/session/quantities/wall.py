@@ -114,7 +114,7 @@ class Wall:
     material: wall_material.WallMaterial | None = None
 
     def grams(self, area: float, material_volume: float | None = None) -> float | None:
-        """Mass of an area in square mesh units, grams; None if unknown.
+        """Mass of a rest area in square mesh units, grams; None if unknown.
 
         For a double wall, the ``material_volume`` between its surfaces, cubic mesh units, replaces the
         thickness.
@@ -188,7 +188,7 @@ def press_method(wall: Wall, stiffness: float | None, otherwise: str) -> str:
 
 
 def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float | None = None) -> float | None:
-    """Mass in grams from an entered thickness and density; None if both are empty.
+    """Mass of a rest area, grams, for a wall as typed; None if nothing is typed.
 
     Raises
     ------

@@ -98,7 +98,7 @@ class SizeSection(Section):
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show compactness and mass of a state's shape."""
-        self._area, self._material = state.frame.area, readings.material_volume(state)
+        self._area, self._material = state.inspection.area, readings.material_volume(state)
         said = readings.double_wall(state, unit)
         self.two_walls.setText(said)
         self.two_walls.setVisible(bool(said))

@@ -6,7 +6,9 @@ import trimesh
 from meshes import box, grid, rabbit, rotation, soup, sphere, tube
 from numpy.testing import assert_allclose
 
+from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -84,6 +86,53 @@ def test_caps_cover_nothing_that_they_would_not_close():
     assert capped_volume(Caps.from_triangles(F, len(V)), V @ rotation([1, 2, 3], 1.0).T + AWAY, F) is None, (
         "a flat sheet"
     )
+
+
+def cut(V, F, height):
+    """The part of a surface above a height, without the vertices below."""
+    used, F = np.unique(F[(V[F][:, :, 2] > height).all(axis=1)], return_inverse=True)
+    return V[used], F.reshape(-1, 3)
+
+
+def patch(sag):
+    """A square sheet of side 1 that bulges by ``sag`` in its middle."""
+    V, F = grid(20, 20, 0.05, 0.05)
+    V[:, 2] = sag * np.sin(np.pi * V[:, 0]) * np.sin(np.pi * V[:, 1])
+    return V, F
+
+
+VESSELS = {
+    "hemisphere": lambda: cut(*sphere(4), 0.0),
+    "bowl": lambda: cut(*sphere(4), 0.7),
+    "box": opened_box,
+    "tray": lambda: (opened_box()[0] * [1, 1, 0.02], opened_box()[1]),
+    "bottle": lambda: cut(*sphere(4), -0.95),
+    "tube": lambda: tube(16, 20),
+    "straw": lambda: (tube(16, 20)[0] * [0.01, 0.01, 10.0], tube(16, 20)[1]),
+}
+
+
+@pytest.mark.parametrize("kind", VESSELS)
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_capped_volume_of_a_vessel_is_there_at_any_scale(kind, scale):
+    V, F = VESSELS[kind]()
+    found = capped_volume(caps := Caps.from_triangles(F, len(V)), scale * V, F)
+    assert found == pytest.approx(scale**3 * sewn(V, F, caps)[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_capped_volume_of_a_sheet_is_none_though_it_is_slightly_curved(scale):
+    V, F = patch(0.03)
+    assert capped_volume(Caps.from_triangles(F, len(V)), scale * V, F) is None
+
+
+def test_capped_volume_of_the_hemmed_cloth_is_none_flat_and_folded():
+    cloth, _ = open_sample("cloth")
+    rest = RestMesh(cloth.V, cloth.F, cloth.weld)
+    assert (inspect(cloth).volume_capped, inspect(cloth).openings) == (None, 0)
+    folded = rest.solve_mesh.V.copy()
+    folded[:, 2] *= 5.0
+    assert rest.measure(folded).volume_capped is None
 
 
 def test_inspect_says_what_is_capped_and_leaves_the_volume_alone():

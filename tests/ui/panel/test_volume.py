@@ -17,7 +17,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.state import initial_state, shape_frame
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
@@ -219,6 +219,22 @@ def test_size_section_weighs_a_typed_wall_as_area_times_thickness_times_density(
     assert room.mass.text() == f"{bottle.session.store.state.frame.area * 3e-4 * 1380:.1f}\u00a0kg"
     type_into(qtbot, room.wall_fields.thickness, "thin")
     assert "“thin” is unknown" in room.problem.text()
+
+
+def test_size_section_weighs_a_wall_by_its_rest_area_however_it_is_stretched(qtbot, window):
+    V, F = meshes.sphere(2)
+    window.files.show_mesh(Mesh(V, F))
+    idle(qtbot, window)
+    window.choose_unit(CM)
+    room = window.panel.measures
+    room.reveal()
+    room.show_wall(WallText("1mm", "1"))
+    at_rest, state = room.mass.text(), window.session.store.state
+    U = frozen(V * [1.0, 1.0, 1.5])
+    stretched = state.updated(frame=shape_frame(state.document.mesh, state.inspection, U))
+    assert stretched.frame.area > 1.2 * state.frame.area
+    room.show_readings(stretched, CM)
+    assert room.mass.text() == at_rest == f"{0.1 * state.inspection.area:.3f}\u00a0g"
 
 
 def test_size_section_weighs_the_material_of_a_vessel_with_two_walls(qtbot, window):
