@@ -236,6 +236,7 @@ class Workbench(QObject):
         signals.status_changed.connect(self.motion_preview.show_requested_positions)
         signals.message_sent.connect(self.notice.show_message)
         signals.file_written.connect(self.notice.offer_file)
+        self.notice.file_offered.connect(self.preferences.remember_folder)
         signals.failed.connect(self.notice.show_failure)
         signals.view_opened.connect(self._apply_view)
         signals.animation_opened.connect(self.files.remember_animation)

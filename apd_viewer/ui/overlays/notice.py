@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer, QUrl
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer, QUrl, Signal
 from PySide6.QtGui import QAction, QDesktopServices, QHideEvent, QShowEvent
 from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QSizePolicy, QToolButton, QWidget
 
@@ -58,7 +58,11 @@ class Notice(QFrame):
         Buttons for the file of the message; hidden without one.
     timer : QTimer
         Hides a message once it can have been read.
+    file_offered : Signal
+        The path of a file that was written.
     """
+
+    file_offered = Signal(Path)
 
     def __init__(self, canvas: Viewport, below: Sequence[QWidget]) -> None:
         super().__init__(canvas)
@@ -136,6 +140,7 @@ class Notice(QFrame):
         """Offer to open the file of the current message, or its folder."""
         self._file = path
         self._offer_buttons(self.open_file, self.show_folder)
+        self.file_offered.emit(path)
 
     def offer(self, sentence: str, title: str, accept: Callable[[], object]) -> None:
         """Show a proposal until it is dismissed or accepted by a button with a ``title``."""

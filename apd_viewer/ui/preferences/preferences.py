@@ -112,7 +112,11 @@ class Preferences:
         path = resolved_path(path)
         recent = [path, *(other for other in self.recent_files if other != path)][:_MOST_RECENT]
         self._settings.setValue("recent", [str(other) for other in recent])
-        self._settings.setValue("folder", str(path.parent))
+        self.remember_folder(path)
+
+    def remember_folder(self, path: Path) -> None:
+        """Propose the folder of a file the next time."""
+        self._settings.setValue("folder", str(resolved_path(path).parent))
 
     @property
     def units(self) -> dict[Path, Unit]:

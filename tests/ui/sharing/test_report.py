@@ -317,3 +317,13 @@ def test_report_controller_can_be_given_up(qtbot, bottle, tmp_path):
     job.join(30.0)
     work_off()
     assert not (tmp_path / "report.html").exists()
+
+
+def test_preferences_propose_the_folder_of_what_was_written_last(qtbot, bottle, tmp_path):
+    (tmp_path / "customer").mkdir()
+    bottle.reports.write_report(tmp_path / "customer" / "report.html")
+    idle(qtbot, bottle)
+    qtbot.waitUntil(lambda: bottle.preferences.last_folder == tmp_path / "customer")
+    bottle.session.files.export(tmp_path / "bent.obj", lambda: None)
+    qtbot.waitUntil(lambda: bottle.preferences.last_folder == tmp_path)
+    qtbot.waitUntil(bottle.notice.show_folder.isVisible)
