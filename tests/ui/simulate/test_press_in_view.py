@@ -8,7 +8,7 @@ from driving import Mouse, document, idle, work_off
 from meshes import sphere
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QFileDialog
+from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.deviation import tightest_bend
@@ -19,9 +19,11 @@ from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS, plate_pair
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
+from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.plots.chart_drawing import Chart
 from apd_viewer.ui.tools.tool_modes import Tool
 
+ASK = file_controller.ask_before_leaving  # before the fixture of the window answers by itself
 BALL = Mesh(*sphere(2))
 WAIT = 60_000
 TITLES = "Load", "Volume", "Area", "Tightest bend"
@@ -462,6 +464,38 @@ def test_press_in_view_opens_a_session_on_the_shape_that_was_saved(qtbot, walled
         assert panel.shape_choice.currentText() == ("Wall 0.3 mm" if shows_wall else "Exact")
         assert (panel.calm.isVisible(), panel.warning.isVisible()) == (True, False)
         assert not session.wall_run.is_running, "nothing is solved again"
+
+
+def test_press_in_view_asks_about_what_the_wall_solved_since_the_last_save(
+    qtbot, walled, tmp_path, monkeypatch
+):
+    asked, path = [], tmp_path / "a.apd"
+
+    def cancel(box):
+        asked.append(box.informativeText())
+        return 0
+
+    monkeypatch.setattr(file_controller, "ask_before_leaving", ASK)
+    monkeypatch.setattr(QMessageBox, "exec", cancel)
+    walled.session.wall_run.stop()
+    walled.session.files.save(path, walled.view(), embed=True)
+    idle(qtbot, walled)
+    unsaved = sum(one is None for one in answers(walled))
+    assert walled.files.may_discard_work(lambda: None)
+    assert not walled.shell.isWindowModified()
+    walled.press.panel.wall.click()
+    solved(qtbot, walled)
+    assert walled.shell.isWindowModified()
+    assert not walled.files.may_discard_work(lambda: None)
+    assert asked[-1].endswith(f"Steps at which the wall is solved and not saved yet: {unsaved}.")
+    walled.session.files.save(path, walled.view(), embed=True)
+    idle(qtbot, walled)
+    assert walled.files.may_discard_work(lambda: None)
+    walled.session.files.open(path)
+    idle(qtbot, walled)
+    assert answers(walled)[-1] is not None
+    assert walled.files.may_discard_work(lambda: None)
+    assert len(asked) == 1
 
 
 def test_press_in_view_speaks_of_no_wall_before_there_is_a_press(qtbot, walled):
