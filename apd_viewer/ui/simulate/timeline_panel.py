@@ -316,7 +316,7 @@ class TimelinePanel(QWidget):
                 value.setAccessibleName(title)
                 note.setAccessibleName(tr("{title}, note").format(title=title))
         # It only grows, so that the charts do not move with every number.
-        self._left.setMinimumWidth(max(self._left.minimumWidth(), self._left.width()))
+        self._left.setMinimumWidth(max(self._left.minimumWidth(), self._left.sizeHint().width()))
         for label in (self.calm, self.warning):
             label.setText(verdict)
             label.setVisible(is_calm is (label is self.calm))

@@ -503,6 +503,11 @@ def test_press_in_view_speaks_of_no_wall_before_there_is_a_press(qtbot, walled):
     walled.session.wall_run.stop()
     panel.shape_choice.activated.emit(1)
     assert panel.warning.isVisible()
+    player(walled).show_step(0)
+    player(walled).accept_shown_step()
+    assert len(headings(walled)) == 2
+    work_off()
+    wide = panel.reading_rows[0][0].parentWidget().width()
     for _ in range(2):
         walled.session.files.open_mesh(Mesh(*sphere(1)))
         idle(qtbot, walled)
@@ -510,6 +515,7 @@ def test_press_in_view_speaks_of_no_wall_before_there_is_a_press(qtbot, walled):
         work_off()
         assert not panel.warning.isVisible()
         assert headings(walled) == []
+        qtbot.waitUntil(lambda: panel.reading_rows[0][0].parentWidget().width() < wide)
 
 
 def test_press_in_view_exports_the_shape_on_screen(qtbot, walled, tmp_path):
