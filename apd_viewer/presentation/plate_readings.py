@@ -19,59 +19,65 @@ _LOAD_TIP = tr("Mean force on the plates, of a material of stiffness 1; in newto
 _EXCESS_TIP = tr("By how much the load is too high, as the cells of the mesh bend, too")
 _CRUMPLING_TIP = tr("Without stiffness, walls crumple and loads mean little")
 
+_SHORT_NOTE = 12  # characters of a note that has room beside the second column
+
 
 class ReadingText(NamedTuple):
-    """A reading: its title, value, a note beside it, and a tip."""
+    """A reading: its title, value, a note beside it, and a tip.
+
+    ``other`` and ``other_note`` are value and note of another solution of the same step, if there is one.
+    """
 
     title: str
     value: str
     note: str = ""
     tip: str = ""
+    other: str = ""
+    other_note: str = ""
 
 
 def plate_reading_texts(
     state: State,
     unit: Unit,
     newtons: NewtonConversion | None,
-    wall: tuple[State, float] | None = None,
+    other: tuple[State, NewtonConversion | None] | None = None,
     yield_radius: float | None = None,
 ) -> tuple[ReadingText, ...]:
     """Distance, load, volume, area and tightest bend of a shape between plates.
 
     Parameters
     ----------
-    wall : (State, float), optional
-        Shape by the Wall method at the same position of the plates, and its load in newtons: load, volume and
-        bend are then those of the wall.
+    other : (State, NewtonConversion or None), optional
+        Another solution of the same step, whose readings are put beside those of the shape.
     yield_radius : float, optional
         Radius below which the wall keeps a crease, mesh units.
     """
-    distance, load, volume, area = main_plate_readings(state, unit, newtons)
-    bend = _bend(state, unit, yield_radius)
-    if wall is not None:
-        shape, force = wall
-        tip = obstacle_readings.HAND_TIP
-        load = _of_wall(ReadingText(load.title, obstacle_readings.newtons_text(force), tip=tip), load)
-        volume = _of_wall(volume_reading(shape, unit), volume)
-        bend = _of_wall(_bend(shape, unit, None), bend)
-    return distance, load, volume, area, bend
+    own = _readings(state, unit, newtons, yield_radius)
+    if other is None:
+        return own
+    return tuple(map(_with_other, own, _readings(other[0], unit, other[1], None)))
 
 
 def main_plate_readings(
     state: State, unit: Unit, newtons: NewtonConversion | None
-) -> tuple[ReadingText, ReadingText, ReadingText, ReadingText]:
+) -> tuple[ReadingText, ...]:
     """Distance, load, volume and area of a shape between plates."""
     area = ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest"))
     return _distance(state, unit), _load(state, newtons), volume_reading(state, unit), area
 
 
-def _of_wall(reading: ReadingText, shown: ReadingText) -> ReadingText:
-    """Reading of the wall, with that of the displayed shape in its tip."""
-    note = (
-        tr("{percentage}, of the wall").format(percentage=reading.note) if reading.note else tr("of the wall")
-    )
-    tip = tr("Of the wall itself; of the shape on screen {reading}").format(reading=_joined(shown))
-    return reading._replace(note=note, tip=". ".join(filter(None, (tip, reading.tip))))
+def _readings(
+    state: State, unit: Unit, newtons: NewtonConversion | None, yield_radius: float | None
+) -> tuple[ReadingText, ...]:
+    return *main_plate_readings(state, unit, newtons), _bend(state, unit, yield_radius)
+
+
+def _with_other(own: ReadingText, other: ReadingText) -> ReadingText:
+    """Reading beside that of another solution; a long note of that goes into the tip."""
+    if len(other.note) <= _SHORT_NOTE:
+        return own._replace(other=other.value, other_note=other.note)
+    tip = tr("{tip}. In the second column: {reading}").format(tip=own.tip.rstrip("."), reading=_joined(other))
+    return own._replace(other=other.value, tip=f"{tip}.")
 
 
 def _bend(state: State, unit: Unit, yield_radius: float | None) -> ReadingText:

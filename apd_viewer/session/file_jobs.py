@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from weakref import WeakSet
 
 import numpy as np
 
@@ -56,6 +57,16 @@ class FileJobs:
         self._saved_work = saved_work
         self._jobs = jobs
         self._listener = listener
+        self._saved_results: WeakSet[State] = WeakSet()  # by the Wall method, in session files
+
+    @property
+    def unsaved_wall_count(self) -> int:
+        """Number of Wall results that saving would add to the session file."""
+        state, timeline = self._store.state, self._player.timeline
+        if state is None or not timeline.belongs_to(state.document):
+            return 0
+        results = _wall_results(saved_timeline(timeline, state))
+        return sum(result not in self._saved_results for result in results)
 
     def open(self, path: str | Path) -> None:
         """Open a mesh, animation or session in the background.
@@ -125,6 +136,7 @@ class FileJobs:
             self._saved_work.mark_saved(SavedDocument(state.document, file, title=title))
         if timeline.steps:
             self._player.set_timeline(timeline)
+            self._saved_results.update(_wall_results(timeline))
         self._store.jump_to(state)
         if view is not None:
             self._listener.view_opened(view)
@@ -245,6 +257,7 @@ class FileJobs:
             if isinstance(done, tuple):
                 embedded, file = done
                 self._saved_work.mark_saved(SavedDocument(state.document, file, embed))
+                self._saved_results.update(_wall_results(steps))
                 said = status_text.saved_session_sentence(path.name, embedded, left_out)
                 self._listener.message_sent(said)
                 on_success()
@@ -298,6 +311,12 @@ class FileJobs:
 
         title = tr("Writing {name}").format(name=path.name)
         self._jobs.run(title, work, written, can_be_cancelled=False)
+
+
+def _wall_results(timeline: Timeline) -> list[State]:
+    """Results of the Wall method on a timeline, except for the rest shape."""
+    found = [step.wall_result for step in timeline.steps]
+    return [state for state in found if state is not None and state.frame.U is not state.document.mesh.V]
 
 
 def _opened_mesh(path: Path) -> OpenedFile:

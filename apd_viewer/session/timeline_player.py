@@ -41,6 +41,7 @@ class TimelinePlayer:
         self._detour: Document | None = None
         self._retries = RETRIES
         self.shows_wall = False
+        self._followed: State | None = None
 
     @property
     def is_playing(self) -> bool:
@@ -56,7 +57,7 @@ class TimelinePlayer:
 
     def begin_run(self) -> None:
         """Begin a run at the current state, for motions by hand."""
-        self.timeline = self.timeline.with_run_from(self._gestures.state_without_gesture())
+        self._begin_run_from(self._gestures.state_without_gesture())
         self._listener.status_changed()
 
     def play(self, title: str, documents: Sequence[Document], start: State | None = None) -> None:
@@ -67,10 +68,15 @@ class TimelinePlayer:
         self._gestures.record(title, self._gestures.state_without_gesture())
         if start is not None:
             self._store.jump_to(start)
-        self.timeline = self.timeline.with_run_from(self._store.required_state())
+        self._begin_run_from(self._store.required_state())
         self._ahead, self.done, self.count = tuple(documents), 0, len(documents)
         self._retries, self.began = RETRIES, time.monotonic()
         self._store.solve(self._ahead[0])
+
+    def _begin_run_from(self, state: State) -> None:
+        if not self.timeline.belongs_to(state.document):
+            self.shows_wall = False
+        self.timeline = self.timeline.with_run_from(state)
 
     def stop(self) -> None:
         """End the current motion once its current step has converged."""
@@ -83,23 +89,24 @@ class TimelinePlayer:
 
     def set_timeline(self, timeline: Timeline) -> None:
         """Replace the timeline by that of an opened file."""
-        self._ahead, self.timeline = (), timeline
+        self._ahead, self.timeline, self.shows_wall = (), timeline, False
 
     def clear(self) -> None:
         """Remove all steps; the current shape is kept."""
-        self._ahead, self.timeline = (), Timeline()
+        self._ahead, self.timeline, self.shows_wall = (), Timeline(), False
         self._listener.status_changed()
 
     def follow_state(self) -> None:
         """End the motion if something else has changed the document.
 
-        After undo or redo, ``shows_wall`` is adapted to the displayed step.
+        ``shows_wall`` is adapted to the displayed step after undo or redo, and after opening a session.
         """
         if self._ahead and self._store.required_state().document is not self._ahead[0]:
             self._ahead = ()
             self._listener.status_changed()
-        state = self._store.state
-        if state is not None and state.document.settings.traits.is_wall is not self.shows_wall:
+        state, is_new = self._store.state, self._store.state is not self._followed
+        self._followed = state
+        if is_new and state is not None and state.document.settings.traits.is_wall is not self.shows_wall:
             k = self.shown_step
             if k is not None and self.timeline.steps[k].wall_result is not None:
                 self.shows_wall = not self.shows_wall
@@ -155,8 +162,16 @@ class TimelinePlayer:
         return _has_moved(self.timeline.steps[-1].state.document, state.document)
 
     def add_wall_result(self, k: int, result: State) -> None:
-        """Add a state solved by the Wall method at step ``k``; the display is unchanged."""
+        """Add a state solved by the Wall method at step ``k``.
+
+        It is displayed if the step is, and ``shows_wall`` asks for it; unsettled ones are not, because
+        displaying them would solve them further.
+        """
+        is_shown = self.shows_wall and self.shown_step == k
         self.timeline = self.timeline.with_wall_result(k, result)
+        if is_shown and result.frame.settled and self._gestures.state_before is None:
+            self.show_step(k)
+            self.accept_shown_step()
         self._listener.status_changed()
 
     # Display of steps
@@ -172,6 +187,8 @@ class TimelinePlayer:
         """Make the displayed step current; undoable unless the previous shape is a step."""
         before = self._gestures.state_before
         if before is not None:
+            if (k := self.shown_step) is not None:
+                self.show_step(k)  # its Wall result may have come meanwhile
             known = self.timeline.index_of(before) is not None
             self._gestures.end(None if known else tr("Go to another step"))
             self._store.jump_to(self._store.required_state())

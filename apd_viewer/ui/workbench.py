@@ -303,8 +303,11 @@ class Workbench(QObject):
         self.docks["readings"].show()
         self.panel.focus_motion_field()
 
-    def choose_unit(self, unit: Unit) -> None:
-        """Set the unit of length of the mesh, and store it for its file."""
+    def choose_unit(self, unit: Unit, is_saved: bool = False) -> None:
+        """Set the unit of length of the mesh, and store it for its file.
+
+        With ``is_saved``, as in an opened session, the document stays as it is.
+        """
         if (state := self.session.store.state) is not None:
             self.units.set_unit(state.document.mesh, unit)
             self.session.store.unit = unit
@@ -314,7 +317,8 @@ class Workbench(QObject):
             self.obstacles.refresh()
             self.press.refresh()
             self.panel.show_in_unit(unit, state, self.parts.handle, self.parts.region)
-            self.volume.update_contact_distance()
+            if not is_saved:
+                self.volume.update_contact_distance()
             self.status.show_session(self.session)
 
     def _escape(self) -> None:
@@ -388,7 +392,7 @@ class Workbench(QObject):
             self.proposal.hide()
         self.actions_.view.camera.refresh()
         self.volume.restore_view(view)
-        self.choose_unit(Unit(view.unit))
+        self.choose_unit(Unit(view.unit), is_saved=True)
         if self.session.player.timeline.belongs_to(self.session.store.required_state().document):
             self.press.show_timeline()
 

@@ -98,6 +98,40 @@ def test_wall_run_shows_its_shapes_on_the_timeline_without_a_step_of_undo(presse
     assert (player.shown_step, player.shows_wall) == (0, False), "undo has gone back to before the press"
 
 
+def test_wall_run_displays_its_answer_where_it_was_chosen_before_it_came(pressed):
+    player, run, undo = pressed.player, pressed.wall_run, pressed.gestures.history.undo_names
+    first = pressed.store.state
+    run.begin(STEPS, WALL)
+    player.choose_wall_results(True)
+    assert pressed.store.state is first, "the wall is not solved there"
+    pressed.until(lambda: run.done == STEPS - 1)
+    assert (pressed.store.state, player.shows_wall) == (first, True)
+    pressed.until(lambda: not run.is_running)
+    assert (pressed.store.state, player.shows_wall) == (answers(pressed)[STEPS], True)
+    assert pressed.gestures.history.undo_names == undo
+    pressed.show_now(Mesh(*tube(8, 8)))
+    pressed.player.begin_run()
+    assert not player.shows_wall, "of the other mesh no wall is known"
+
+
+def test_wall_run_displays_its_answer_once_the_slider_is_let_go(pressed):
+    player = pressed.player
+    player.choose_wall_results(True)
+    player.show_step(2)
+    solve(pressed)
+    assert pressed.store.state is steps(pressed)[2].state, "it is in the hand"
+    player.accept_shown_step()
+    assert (pressed.store.state, player.shows_wall) == (answers(pressed)[2], True)
+
+
+def test_wall_run_does_not_solve_in_the_view_what_does_not_come_to_rest(pressed):
+    shown = pressed.store.state
+    pressed.player.choose_wall_results(True)
+    solve(pressed, wall=WALL | {"convergence": Convergence(most_iterations=1)})
+    assert pressed.store.state is shown
+    assert pressed.player.shows_wall
+
+
 def test_wall_run_that_is_stopped_keeps_what_has_come_and_goes_on_from_there(pressed):
     run, told = pressed.wall_run, list(pressed.told)
     run.begin(STEPS, WALL)

@@ -430,6 +430,7 @@ def questions(driver):
         file_controller.ask_before_leaving(window.shell, "mesh.obj", closes)
     for found in FileState:
         file_controller.ask_before_leaving(window.shell, "mesh.apd", True, found)
+    file_controller.ask_before_leaving(window.shell, "mesh.apd", True, FileState.SAME, 3)
     file_controller.ask_about_changed_file(window.shell, "mesh.apd", {})
     driver.wait()
     file_dialogs.ask_for_mesh(window, folder)

@@ -68,6 +68,10 @@ class TimelineStep:
             self.wall_result is None or self.wall_result.document.settings != own
         )
 
+    def has_own_shape_of(self, state: State) -> bool:
+        """True if the step's own state has the shape of ``state`` and equal inputs."""
+        return _is_same_shape(self.state, state)
+
     def has_shape_of(self, state: State) -> bool:
         """True if one of the step's states has the shape of ``state`` and equal inputs."""
         return any(

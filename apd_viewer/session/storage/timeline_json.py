@@ -36,41 +36,67 @@ def saved_timeline(timeline: Timeline, state: State) -> Timeline:
     """
     mesh = state.document.mesh
     steps = [step for step in timeline.steps if step.state.document.mesh is mesh]
-    kept = steps[-max(2, MOST_BYTES // (2 * mesh.V.nbytes)) :]  # two arrays of positions per step
+    # Two arrays of positions per step, and the shape of its Wall result.
+    counts = np.cumsum([2 + (step.wall_result is not None) for step in reversed(steps)])
+    count = int(np.count_nonzero(counts * mesh.V.nbytes <= MOST_BYTES))
+    kept = steps[-max(2, count) :]
     if len(kept) < 2:
         return NO_TIMELINE
     return Timeline(tuple(kept), timeline.dropped + len(timeline.steps) - len(kept))
 
 
+class _SavedStates:
+    """Rows of JSON of states; documents and arrays that they share are stored once.
+
+    Attributes
+    ----------
+    documents : list of dict
+        JSON of the documents of the states.
+    arrays : dict of str to array
+        Arrays not among the arrays of the session.
+    """
+
+    def __init__(self, state: State) -> None:
+        document = state.document
+        own = {"labels": document.labels, "grip": document.initial_positions, "shape": state.frame.U}
+        self._names = {id(array): name for name, array in ({"rest": document.mesh.V} | own).items()}
+        self._numbers: dict[int, int] = {}
+        self.documents: list[dict[str, Any]] = []
+        self.arrays: dict[str, np.ndarray] = {}
+
+    def row(self, state: State) -> dict[str, Any]:
+        """JSON of a state; its document and its arrays are added."""
+        document, U = state.document, state.frame.U
+        found = dict(zip(_ARRAYS, (document.labels, document.initial_positions, U), strict=True))
+        told = {name: self._name(name, array) for name, array in found.items()}
+        if id(document) not in self._numbers:
+            self._numbers[id(document)] = len(self.documents)
+            said = _document_to_json(document) | {name: told[name] for name in _ARRAYS[:2]}
+            self.documents.append(said)
+        frame = session_json.frame_to_json(state.frame)
+        return {"document": self._numbers[id(document)], "shape": told["shape"], "frame": frame}
+
+    def _name(self, kind: str, array: np.ndarray) -> str:
+        if id(array) not in self._names:
+            self._names[id(array)] = f"timeline-{kind}-{len(self.arrays)}"
+            self.arrays[self._names[id(array)]] = array
+        return self._names[id(array)]
+
+
 def timeline_to_json(timeline: Timeline, state: State) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """JSON of a saved timeline and its arrays by name, for the session of a state."""
-    own = {"labels": state.document.labels, "grip": state.document.initial_positions, "shape": state.frame.U}
-    names = {id(array): name for name, array in ({"rest": state.document.mesh.V} | own).items()}
-    arrays: dict[str, np.ndarray] = {}
-    documents: dict[int, int] = {}
-    said: list[dict[str, Any]] = []
-    rows = []
-    for step in timeline.steps:
-        document, frame = step.state.document, step.state.frame
-        found = dict(zip(_ARRAYS, (document.labels, document.initial_positions, frame.U), strict=True))
-        for name, array in found.items():
-            if id(array) not in names:
-                names[id(array)] = f"timeline-{name}-{len(arrays)}"
-                arrays[names[id(array)]] = array
-        told = {name: names[id(array)] for name, array in found.items()}
-        if id(document) not in documents:
-            documents[id(document)] = len(said)
-            said.append(_document_to_json(document) | {name: told[name] for name in _ARRAYS[:2]})
-        rows.append(
-            {
-                "document": documents[id(document)],
-                "shape": told["shape"],
-                "begins_run": step.begins_run,
-                "frame": session_json.frame_to_json(frame),
-            }
-        )
+    saved = _SavedStates(state)
+    rows = [saved.row(step.state) | {"begins_run": step.begins_run} for step in timeline.steps]
+    count = len(saved.documents)
+    for row, step in zip(rows, timeline.steps, strict=True):
+        if step.wall_result is not None:
+            row["wall"] = saved.row(step.wall_result)
     shown = timeline.index_of(state)
-    return {"dropped": timeline.dropped, "shown": shown, "documents": said, "steps": rows}, arrays
+    # Versions that know no Wall results replace the session's shape by the state of the step ``shown``.
+    is_wall = shown is not None and not timeline.steps[shown].has_own_shape_of(state)
+    numbers = {"shown": None, "shown_wall": shown} if is_wall else {"shown": shown}
+    said = {"documents": saved.documents[:count], "wall_documents": saved.documents[count:], "steps": rows}
+    return {"dropped": timeline.dropped, **numbers, **said}, saved.arrays
 
 
 def _document_to_json(document: Document) -> dict[str, Any]:
@@ -87,12 +113,24 @@ def timeline_from_json(fields: JsonFields, state: State, read: ArrayReader) -> t
     read : callable
         ``read(name, kind)``: an array of the session, (n,) or (n, 3), by its name and type.
     """
-    documents = [_document(each, state, read) for each in fields.nested_list("documents", MOST_STEPS)]
-    steps = tuple(_step(each, state, documents, read) for each in fields.nested_list("steps", MOST_STEPS))
-    timeline = Timeline(steps, fields.count("dropped"))
-    if not fields.has_value("shown"):
-        return timeline, state
-    return timeline, steps[_checked_index(fields, "shown", steps)].state
+    documents = [
+        _document(each, state, read)
+        for name in ("documents", "wall_documents")
+        if name == "documents" or fields.has_value(name)
+        for each in fields.nested_list(name, MOST_STEPS)
+    ]
+    steps = [_step(each, state, documents, read) for each in fields.nested_list("steps", MOST_STEPS)]
+    dropped, shown = fields.count("dropped"), state
+    if fields.has_value("shown_wall"):
+        k = _checked_index(fields, "shown_wall", steps)
+        shown = steps[k].wall_state or state
+    elif fields.has_value("shown"):
+        k = _checked_index(fields, "shown", steps)
+        if state.document.settings.traits.is_wall and steps[k].non_wall_state is not None:
+            steps[k] = replace(steps[k], wall_result=state)  # older sessions had no other place for it
+        else:
+            shown = steps[k].state
+    return Timeline(tuple(steps), dropped), shown
 
 
 def _document(fields: JsonFields, state: State, read: ArrayReader) -> Document:
@@ -105,11 +143,18 @@ def _document(fields: JsonFields, state: State, read: ArrayReader) -> Document:
 
 
 def _step(fields: JsonFields, state: State, documents: list[Document], read: ArrayReader) -> TimelineStep:
+    own = _state(fields, state, documents, read)
+    is_solved = fields.has_value("wall")
+    wall_result = _state(fields.nested_fields("wall"), state, documents, read) if is_solved else None
+    return TimelineStep(own, fields.flag("begins_run"), wall_result)
+
+
+def _state(fields: JsonFields, state: State, documents: list[Document], read: ArrayReader) -> State:
     document = documents[_checked_index(fields, "document", documents)]
     U = read(fields.text("shape"), _KINDS["shape"])
     there = replace(state, document=document)
     frame = session_json.frame_from_json(fields.nested_fields("frame"), there, U)
-    return TimelineStep(replace(there, frame=frame), fields.flag("begins_run"))
+    return replace(there, frame=frame)
 
 
 def _checked_index(fields: JsonFields, key: str, things: Any) -> int:

@@ -180,7 +180,7 @@ class FileController:
         state, session = self._session.store.state, self._session.saved_work.path
         if state is None:
             return
-        mesh, unsaved = state.document.mesh, self._session.saved_work.is_unsaved
+        mesh, unsaved = state.document.mesh, self._has_unsaved_work
         opened = self._session.saved_work.last_saved
         name = session.name if session else opened.title if opened else ""
         title = tr("{session}[*] – {mesh} – APD Viewer") if name else tr("{mesh}[*] – APD Viewer")
@@ -190,6 +190,11 @@ class FileController:
         # setWindowModified notifies the platform even if nothing changed.
         if self._window.isWindowModified() != unsaved:
             self._window.setWindowModified(unsaved)
+
+    @property
+    def _has_unsaved_work(self) -> bool:
+        """True if the document or Wall results of its timeline are not saved."""
+        return self._session.saved_work.is_unsaved or self._session.files.unsaved_wall_count > 0
 
     def run_after_save_prompt(self, action: Callable[[], object], closes: bool = False) -> None:
         """Call ``action()`` unless the user cancels to keep unsaved work."""
@@ -203,11 +208,12 @@ class FileController:
         """
         state, work = self._session.store.state, self._session.saved_work
         work.check_file_now()
-        if state is None or not work.is_unsaved:
+        if state is None or not self._has_unsaved_work:
             return True
         file, name = work.file, work.path.name if work.path else state.document.mesh.name
         found = FileState.SAME if file is None else file.state
-        answer = ask_before_leaving(self._window, name, closes, found)
+        walls = self._session.files.unsaved_wall_count
+        answer = ask_before_leaving(self._window, name, closes, found, walls)
         if answer is UnsavedAnswer.SAVE:
             # Asked again when the file is written: the user may have continued working.
             self.save(partial(self.run_after_save_prompt, action, closes))
@@ -287,15 +293,20 @@ def ask_question(parent: QWidget, question: Question, answers: type[A]) -> A:
 
 
 def ask_before_leaving(
-    parent: QWidget, name: str, closes: bool, fate: FileState = FileState.SAME
+    parent: QWidget, name: str, closes: bool, fate: FileState = FileState.SAME, unsaved_wall_count: int = 0
 ) -> UnsavedAnswer:
-    """Ask about unsaved work before closing, or before opening another file."""
+    """Ask about unsaved work before closing, or before opening another file.
+
+    ``unsaved_wall_count`` is the number of steps with unsaved results of the Wall method.
+    """
     text = tr("Save changes to “{name}” before closing?")
     if not closes:
         text = tr("Save changes to “{name}” before opening another file?")
     kept = tr("A session keeps paint, handles, targets, settings and the shape; a mesh only the shape.")
     lost = lost_file_text("{name}", fate)
-    question = Question(tr("Unsaved changes"), text, name, f"{lost}\n{kept}".lstrip())
+    walls = tr("Steps at which the wall is solved and not saved yet: {n}.").format(n=unsaved_wall_count)
+    details = "\n".join(filter(None, (lost, kept, walls if unsaved_wall_count else "")))
+    question = Question(tr("Unsaved changes"), text, name, details)
     return ask_question(parent, question, UnsavedAnswer)
 
 

@@ -14,9 +14,13 @@ from apd_viewer.geometry.solver.methods import check_wall_size, wall_material
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_short
-from apd_viewer.presentation.plate_readings import FindConversion
+from apd_viewer.presentation.plate_readings import (
+    FindConversion,
+    ReadingText,
+    plate_reading_texts,
+    rest_verdict,
+)
 from apd_viewer.presentation.time_left import progress_text
-from apd_viewer.session.model.plate_pair import plate_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
@@ -111,6 +115,55 @@ class KnownWall:
         return tr("Wall {thickness} mm").format(thickness=format_short(_MILLIMETRES * metres * thickness))
 
 
+class PressReadings:
+    """Readings of the shape of a press, beside another solution of its step."""
+
+    def __init__(self, session: Session, wall: KnownWall) -> None:
+        self._session, self._wall = session, wall
+
+    def of(
+        self, state: State, timeline: Timeline
+    ) -> tuple[tuple[ReadingText, ...], str, bool, tuple[str, ...]]:
+        """Readings, verdict, whether that is calm, and names of both solutions.
+
+        There are no names without another solution.
+        """
+        k, is_wall = timeline.index_of(state), state.document.settings.traits.is_wall
+        step = None if k is None else timeline.steps[k]
+        other = None if step is None else step.non_wall_state if is_wall else step.wall_result
+        bend = state.document.settings.yield_radius or self._wall.yield_radius
+        beside = None if other is None else (other, self._newtons(other))
+        names = () if other is None else (self._name(state), self._name(other))
+        newtons = (self._wall.newtons if other is None else self._newtons)(state)
+        texts = plate_reading_texts(state, self._session.store.unit, newtons, beside, bend)
+        return texts, *self._verdict(state, timeline, k), names
+
+    def _verdict(self, state: State, timeline: Timeline, k: int | None) -> tuple[str, bool]:
+        """Sentence on the displayed shape, and True if it is in equilibrium."""
+        method = state.document.settings.traits
+        if k is not None:
+            wall, run = timeline.steps[k].wall_result, timeline.run_of(k)
+            if wall is not None and not wall.frame.settled:
+                if method.is_wall:
+                    return tr("The wall did not come to rest here."), False
+                said = tr("The wall did not come to rest here: this is {method}.")
+                return said.format(method=method.short_title), False
+            if wall is None and self._session.player.shows_wall and not method.is_wall and len(run) > 1:
+                said = tr("The wall is not solved here: this is {method}.")
+                return said.format(method=method.short_title), False
+        return rest_verdict(state)
+
+    def _newtons(self, state: State) -> NewtonConversion | None:
+        """Conversion of loads into newtons, for a Wall result by its thickness."""
+        is_wall = state.document.settings.traits.is_wall
+        return (self._wall.newtons_as_pressed if is_wall else self._wall.newtons)(state)
+
+    def _name(self, state: State) -> str:
+        """Name of the method of a state, with the thickness of a wall."""
+        settings = state.document.settings
+        return self._wall.title(settings) if settings.traits.is_wall else settings.traits.short_title
+
+
 class WallRunController:
     """Starts, stops and reports a run of the Wall method after a press.
 
@@ -193,14 +246,6 @@ class WallRunController:
         return [
             (_per_load(step.state, first), _per_load(step.wall_state, own)) for step in self._timeline().steps
         ]
-
-    def force(self, state: State | None) -> float | None:
-        """Newtons between the plates of a state, by the Wall method; None if unknown."""
-        pair = None if state is None else plate_pair(state.document)
-        if state is None or pair is None or not state.frame.settled:
-            return None
-        force = pair.reading(state).load * _per_load(state, self._wall.newtons_as_pressed)
-        return None if np.isnan(force) else max(0.0, force)
 
 
 def _per_load(state: State | None, newtons: FindConversion) -> float:

@@ -26,7 +26,7 @@ from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.simulate.known_wall import KnownWall, WallRunController
+from apd_viewer.ui.simulate.known_wall import KnownWall, PressReadings, WallRunController
 from apd_viewer.ui.simulate.timeline_charts import PressCharts, StepCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
 from apd_viewer.ui.tools.active_parts import ActiveParts
@@ -122,6 +122,7 @@ class PressController(QObject):
         self._axis = 0
         self.known_wall = KnownWall(session, wall)
         self._wall_run_controller = WallRunController(session, self.known_wall, lambda: self._timeline)
+        self._readings = PressReadings(session, self.known_wall)
         self.charts = PressCharts(session, self.known_wall)
         self.panel = panel = TimelinePanel()
         dock.setWidget(panel)
@@ -296,9 +297,9 @@ class PressController(QObject):
         last = len(steps) - 1 if player.is_playing else None
         self.panel.show_steps(len(steps), shown if shown is not None else last, self._replay.isActive())
         is_press = pair is not None or not steps
-        self.panel.show_kind(is_press, player.is_playing)
+        self.panel.show_kind(is_press, player.is_playing, self._session.wall_run.is_running)
         if is_press:
-            self._show_press_readings(state)
+            self._show_texts(*self._readings.of(state, self._timeline))
         else:
             texts = step_readings.step_reading_texts(state, self._session.store.unit)
             self._show_texts(texts, *step_readings.step_verdict(state))
@@ -312,28 +313,16 @@ class PressController(QObject):
             self.charts.reach = 0.0
         self.panel.update_charts()
 
-    def _show_texts(self, texts: Sequence[plate_readings.ReadingText], said: str, is_calm: bool) -> None:
+    def _show_texts(
+        self,
+        texts: Sequence[plate_readings.ReadingText],
+        said: str,
+        is_calm: bool,
+        names: Sequence[str] = (),
+    ) -> None:
         if self._session.store.activity is Activity.REFINING:
             said, is_calm = tr("Coming to rest…"), True
-        self.panel.show_readings(texts, said, is_calm)
-
-    def _show_press_readings(self, state: State) -> None:
-        """Show the readings of a state, with the load by the Wall method if known."""
-        k, store, method = self._shown_number, self._session.store, state.document.settings.traits
-        wall_result = None if k is None else self._timeline.steps[k].wall_result
-        is_of_wall = wall_result is not None and method.is_wall
-        said, is_calm = plate_readings.rest_verdict(state)
-        if wall_result is not None and not wall_result.frame.settled:
-            said, is_calm = tr("The wall did not come to rest here."), False
-        elif k is not None and wall_result is None and self._session.player.shows_wall and not method.is_wall:
-            said, is_calm = tr("The wall is not solved here: this is {method}."), False
-            said = said.format(method=method.short_title)
-        newtons = self.known_wall.newtons_of_displayed(state)
-        force = None if is_of_wall else self._wall_run_controller.force(wall_result)
-        bend = state.document.settings.yield_radius or self.known_wall.yield_radius
-        wall = None if wall_result is None or force is None else (wall_result, force)
-        texts = plate_readings.plate_reading_texts(state, store.unit, newtons, wall, bend)
-        self._show_texts(texts, said, is_calm)
+        self.panel.show_readings(texts, said, is_calm, names)
 
     @property
     def _shown_number(self) -> int | None:

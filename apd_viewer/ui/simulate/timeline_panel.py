@@ -22,6 +22,7 @@ from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 _AT_FIRST, _STEPS, _MOST_STEPS = "40 %", 16, 1000
 _SIZE, _SMALLEST = QSize(760, 216), QSize(420, 190)
+_LEFT = 286  # px: smallest width of the readings
 _WIDE = 860  # px: width with room for both charts
 _ONE_STEP = SliderScale(1, float, float, 0)
 _LOAD = ChartTexts(tr("Load"), tr("Load over the way of the plates; not at rest is a cross"))
@@ -49,8 +50,10 @@ class TimelinePanel(QWidget):
         Solve the steps by the Wall method as well, or stop that run.
     wall_chosen : Signal(bool)
         True to display the states solved by the Wall method.
-    reading_rows : list of (QLabel, QLabel, QLabel)
-        Title, value and note of each reading.
+    reading_rows : list of tuple of QLabel
+        Title, value and note of each reading; then value and note of the other solution of the step.
+    solution_names : (QLabel, QLabel)
+        Names of the displayed solution and of the other one.
     """
 
     direction_chosen = Signal(int)
@@ -85,9 +88,14 @@ class TimelinePanel(QWidget):
         name = tr("Whether the shape is at rest")
         self.calm, self.warning = quiet_label(name), quiet_label(name, style="unreached")
         self._grid = QGridLayout(horizontalSpacing=12, verticalSpacing=2)
-        self.reading_rows: list[tuple[QLabel, QLabel, QLabel]] = []
+        self.reading_rows: list[tuple[QLabel, ...]] = []
+        self.solution_names = QLabel(objectName="value"), QLabel(objectName="value")
+        for k, label in enumerate(self.solution_names):
+            self._grid.addWidget(label, 0, 2 * k + 1, 1, 2, Qt.AlignmentFlag.AlignRight)
+        self.solution_names[0].setToolTip(tr("Of the shape on screen"))
+        self.solution_names[1].setToolTip(tr("Of the same step by the other method"))
         self._left = QWidget()
-        self._left.setMinimumWidth(286)
+        self._left.setMinimumWidth(_LEFT)
         self._left.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         column_layout(self.calm, self.warning, 4, self._grid, STRETCH, parent=self._left)
         views = [(view, 1) for view in self._chart_views]
@@ -204,9 +212,13 @@ class TimelinePanel(QWidget):
 
     # Display
 
-    def show_kind(self, is_press: bool, is_playing: bool) -> None:
-        """Show controls and charts of a press, or those of any other motion."""
-        self.controls.setVisible(is_press or is_playing)
+    def show_kind(self, is_press: bool, is_playing: bool, is_solving_wall: bool) -> None:
+        """Show controls and charts of a press, or those of any other motion.
+
+        The progress of the Wall method stays, and its button, also if the plates are gone.
+        """
+        self.controls.setVisible(is_press or is_playing or is_solving_wall)
+        self.press.setVisible(is_press or is_playing)
         self.fields.setVisible(is_press)
         if not is_press:
             self.open.hide()
@@ -266,34 +278,46 @@ class TimelinePanel(QWidget):
         if [self.shape_choice.itemText(k) for k in range(self.shape_choice.count())] != list(names):
             self.shape_choice.clear()
             self.shape_choice.addItems(list(names))
+            if not names:  # the second column is gone
+                self._left.setMinimumWidth(_LEFT)
         self.shape_choice.setVisible(bool(names))
         self.shape_choice.setCurrentIndex(int(shows_wall))
 
-    def show_readings(self, texts: Sequence[ReadingText], verdict: str, is_calm: bool) -> None:
-        """Show the readings of the displayed shape; a warning comes first."""
+    def show_readings(
+        self, texts: Sequence[ReadingText], verdict: str, is_calm: bool, names: Sequence[str] = ()
+    ) -> None:
+        """Show the readings of the displayed shape; a warning comes first.
+
+        ``names`` are those of the displayed solution and of another one with readings of its own, if any.
+        """
+        headings = (tr("{name}, on screen").format(name=names[0]), names[1]) if names else ("", "")
+        for label, words in zip(self.solution_names, headings, strict=True):
+            label.setText(words)
+            label.setVisible(bool(names))
         while len(self.reading_rows) < len(texts):
-            labels = QLabel(objectName="quiet"), QLabel(objectName="value"), QLabel(objectName="quiet")
+            styles = "quiet", "value", "quiet", "value", "quiet"
+            labels = tuple(QLabel(objectName=style) for style in styles)
             for column, label in enumerate(labels):
                 aside = Qt.AlignmentFlag.AlignRight if column else Qt.AlignmentFlag.AlignLeft
-                self._grid.addWidget(label, len(self.reading_rows), column, aside)
+                self._grid.addWidget(label, len(self.reading_rows) + 1, column, aside)
             self._grid.setColumnStretch(1, 1)
             self._grid.setColumnMinimumWidth(2, self.fontMetrics().horizontalAdvance("excess 100 %"))
             self.reading_rows.append(labels)
         for labels, text in zip_longest(self.reading_rows, texts):
-            for label in labels:
-                label.setVisible(text is not None)
+            for column, label in enumerate(labels):
+                label.setVisible(text is not None and (column < 3 or bool(names)))
             if text is None:
                 continue
-            title, value, note = labels
-            title.setText(text.title)
-            value.setText(text.value)
-            note.setText(text.note)
-            for label in labels:
+            shown = text.title, text.value, text.note, text.other, text.other_note
+            for label, words in zip(labels, shown, strict=True):
+                label.setText(words)
                 label.setToolTip(text.tip)
-            value.setAccessibleName(text.title)
-            note.setAccessibleName(tr("{title}, note").format(title=text.title))
+            titles = text.title, f"{text.title}, {names[1]}" if names else ""
+            for title, value, note in zip(titles, labels[1::2], labels[2::2], strict=True):
+                value.setAccessibleName(title)
+                note.setAccessibleName(tr("{title}, note").format(title=title))
         # It only grows, so that the charts do not move with every number.
-        self._left.setMinimumWidth(max(self._left.minimumWidth(), self._left.width()))
+        self._left.setMinimumWidth(max(self._left.minimumWidth(), self._left.sizeHint().width()))
         for label in (self.calm, self.warning):
             label.setText(verdict)
             label.setVisible(is_calm is (label is self.calm))

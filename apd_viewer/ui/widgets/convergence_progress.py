@@ -8,13 +8,14 @@ from PySide6.QtWidgets import QLabel, QWidget
 
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr
-from apd_viewer.presentation.time_left import TimeLeftEstimate, time_left_text
+from apd_viewer.presentation.time_left import TimeLeftEstimate, duration_text, time_left_text
 from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.thin_bar import ThinBar
 
 PROGRESS_WIDTH = 88  # px: width of the bar
 # Faster convergence needs no progress bar; during a drag of a handle the solver restarts constantly.
 _PATIENCE = 2.0  # s
+_ESTIMATION = 8.0  # s; without an estimate by then, the iterations done are shown instead
 _TICK = 500  # ms; updates the time left even without new frames
 _UNKNOWN, _SEARCHING = tr("estimating the time left…"), tr("looking for a lower energy…")
 
@@ -71,5 +72,16 @@ class ConvergenceProgress(QWidget):
         gap, left = self._frame.gap, forecast.seconds_left(now)
         rests = self._iteration > 0 and gap is not None and gap <= 1.0
         self.bar.show_fraction(1.0 if rests else forecast.elapsed_fraction(now))
-        self.time_left.setText(_SEARCHING if rests else _UNKNOWN if left is None else time_left_text(left))
-        self.setVisible(now - forecast.start_moment >= _PATIENCE and not self._waits())
+        passed = now - forecast.start_moment
+        unknown = _UNKNOWN if passed < _ESTIMATION else self._elapsed_text(passed)
+        self.time_left.setText(_SEARCHING if rests else unknown if left is None else time_left_text(left))
+        self.setVisible(passed >= _PATIENCE and not self._waits())
+
+    def _elapsed_text(self, seconds: float) -> str:
+        """Text of the iterations and the time so far."""
+        said = (
+            tr("iteration {n}, {duration} so far")
+            if self._iteration
+            else tr("first iteration, {duration} so far")
+        )
+        return said.format(n=self._iteration, duration=duration_text(seconds))

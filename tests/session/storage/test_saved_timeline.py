@@ -6,7 +6,7 @@ import zipfile
 import numpy as np
 import pytest
 from driven_session import VIEW, Driven, check_equal
-from meshes import box
+from meshes import box, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -87,6 +87,90 @@ def test_saved_timeline_of_a_press_keeps_its_loads_and_goes_on(empty, reopened, 
     again.until(lambda: len(again.player.timeline.steps) > len(steps))
 
 
+WALL = {"method": "wall", "wall_thickness": 0.02, "poisson": 0.38}
+
+
+@pytest.fixture
+def walled(empty):
+    """A tube pressed in two steps, and its wall solved at each."""
+    empty.show_now(Mesh(*tube(8, 8)))
+    empty.obstacles.add_press_plates(np.eye(3)[0])
+    empty.player.begin_run()
+    state = empty.store.state
+    empty.player.play("Press", plate_pair(state.document).press_documents(state, 1.6, 2))
+    empty.until(lambda: not empty.player.is_playing)
+    empty.wall_run.begin(2, WALL)
+    empty.until(lambda: not empty.wall_run.is_running)
+    return empty
+
+
+@pytest.mark.parametrize("k", [0, 1, 2])
+@pytest.mark.parametrize("shows_wall", [True, False])
+def test_saved_timeline_opens_on_the_shape_of_the_wall_that_was_shown(
+    walled, reopened, tmp_path, shows_wall, k
+):
+    player = walled.player
+    player.choose_wall_results(shows_wall)
+    player.show_step(k)
+    player.accept_shown_step()
+    shown = walled.store.state
+    assert shown.document.settings.traits.is_wall is shows_wall
+    path = saved(walled, tmp_path / "a.apd")
+    again = reopened(path)
+    check_equal(again.store.state, shown)
+    assert (again.player.shown_step, again.player.shows_wall) == (k, shows_wall)
+    for step, other in zip(player.timeline.steps, again.player.timeline.steps, strict=True):
+        check_equal(other.state, step.state)
+        check_equal(other.wall_result, step.wall_result)
+    assert again.player.timeline.steps_without_wall_result(0, WALL) == [], "nothing is solved again"
+    again.player.choose_wall_results(not shows_wall)
+    assert again.store.state is not shown
+    assert again.player.shown_step == k
+    check_equal(open_session(path)[0], shown)
+
+
+def test_saved_timeline_of_sessions_before_wall_results_were_kept_opens_on_the_wall(
+    walled, reopened, tmp_path
+):
+    """Such a session has the shape of the wall, and names the step of the press as the one shown."""
+    walled.player.choose_wall_results(True)
+    shown = walled.store.state
+    path = saved(walled, tmp_path / "a.apd")
+
+    def as_before(said, members):
+        said["shown"] = said.pop("shown_wall")
+        for row in said["steps"]:
+            row.pop("wall")
+        del said["wall_documents"]
+
+    changed(path, as_before)
+    again = reopened(path)
+    check_equal(again.store.state, shown)
+    assert again.player.timeline.steps[2].wall_result is again.store.state
+    assert [step.wall_result is None for step in again.player.timeline.steps] == [True, True, False]
+    assert again.player.shows_wall
+
+
+def test_saved_timeline_says_nothing_new_to_programs_without_wall_results(walled, tmp_path):
+    """They show the step ``shown`` instead of the shape of the session."""
+    walled.player.choose_wall_results(True)
+    with zipfile.ZipFile(saved(walled, tmp_path / "a.apd")) as archive:
+        timeline = json.loads(archive.read("session.json"))["timeline"]
+    assert timeline["shown"] is None
+    assert max(row["document"] for row in timeline["steps"]) < len(timeline["documents"])
+
+
+def test_saved_timeline_counts_the_shapes_of_the_wall_among_its_bytes(
+    walled, reopened, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(timeline_json, "MOST_BYTES", 8 * walled.U.nbytes)
+    path = saved(walled, tmp_path / "a.apd")
+    assert walled.told[-1].endswith("It leaves out the first step of the timeline.")
+    steps = reopened(path).player.timeline.steps
+    for step, other in zip(walled.player.timeline.steps[1:], steps, strict=True):
+        assert np.array_equal(other.wall_result.frame.U, step.wall_result.frame.U)
+
+
 def test_saved_timeline_has_the_regions_of_the_session_on_every_step(session, reopened, tmp_path):
     played(session, 2)
     session.parts.add_region()
@@ -153,6 +237,9 @@ def changed(path, change):
         lambda said, _: said["steps"][1].pop("frame"),
         lambda said, _: said["documents"][1].update(labels="shape"),
         lambda said, _: said["documents"][1].pop("handles"),
+        lambda said, _: said.update(shown=None, shown_wall=99),
+        lambda said, _: said["steps"][1].update(wall={"document": 0, "shape": "shape"}),
+        lambda said, _: said["steps"][1].update(wall=said["steps"][1] | {"document": 99}),
         lambda said, members: members.pop(f"{said['steps'][1]['shape']}.npy"),
         lambda said, members: members.update({f"{said['steps'][1]['shape']}.npy": b"x"}),
     ],

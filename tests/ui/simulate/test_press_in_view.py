@@ -9,8 +9,9 @@ from driving import Mouse, document, idle, work_off
 from meshes import sphere
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QFileDialog
+from PySide6.QtWidgets import QFileDialog, QMessageBox
 
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.deviation import tightest_bend
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
@@ -19,11 +20,14 @@ from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS, plate_pair
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
+from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.plots.chart_drawing import Chart
 from apd_viewer.ui.tools.tool_modes import Tool
 
+ASK = file_controller.ask_before_leaving  # before the fixture of the window answers by itself
 BALL = Mesh(*sphere(2))
 WAIT = 60_000
+TITLES = "Load", "Volume", "Area", "Tightest bend"
 
 
 @pytest.fixture
@@ -48,9 +52,43 @@ def steps(window):
 
 
 def reading(window, title):
-    """Value and note of a reading of the panel."""
+    """Value and note of a reading of the panel, of the shape on screen."""
+    return four_labels(window, title)[:2]
+
+
+def other_reading(window, title):
+    """Value and note of a reading of the other solution of the step on screen."""
+    return four_labels(window, title)[2:]
+
+
+def four_labels(window, title):
     labels = {row[0].text(): row[1:] for row in window.press.panel.reading_rows}
-    return tuple(label.text() for label in labels[title])
+    return tuple(label.text() for label in labels[title] if label.isVisible())
+
+
+def headings(window):
+    """Names of the columns of readings; none where there is one column."""
+    return [label.text() for label in window.press.panel.solution_names if label.isVisible()]
+
+
+def percent(text):
+    return float(text.split("\u00a0")[0].split(" ")[0].replace("−", "-"))
+
+
+def left_percent(state):
+    return 100.0 * state.frame.volume / state.inspection.volume
+
+
+def check_readings_are_of_the_screen(window):
+    """That volume and area beside the timeline are those of the panel of the shape on screen."""
+    shown = window.session.store.state
+    millilitres = float(reading(window, "Volume")[0].removesuffix("\u00a0ml"))
+    assert millilitres == pytest.approx(shown.frame.volume, 1e-3), "the mesh is in centimetres"
+    assert reading(window, "Area")[0] == window.panel.area.percent.text()
+    assert percent(reading(window, "Volume")[1]) == pytest.approx(left_percent(shown), abs=0.1)
+    name = "Wall 0.3 mm" if shown.document.settings.traits.is_wall else "Exact"
+    assert window.press.panel.shape_choice.currentText() == name
+    assert headings(window)[:1] in ([], [f"{name}, on screen"])
 
 
 def bend_of_screen(window):
@@ -361,14 +399,23 @@ def test_press_in_view_lets_the_wall_follow_in_the_same_curves(qtbot, walled):
     first, wall = charts.load_chart().curves
     assert (first.has_dots, wall.has_dots) == (False, True)
     assert wall.y[1:] == pytest.approx(forces)
-    assert float(reading(walled, "Load")[0][:-2]) == pytest.approx(forces[-1], 0.01)
-    assert reading(walled, "Load")[1] == "of the wall"
-    percent = reading(walled, "Volume")[1]
-    last = answers(walled)[-1]
-    left = 100.0 * last.frame.volume / last.inspection.volume
-    assert float(percent.split(" ")[0]) == pytest.approx(left, abs=0.1)
-    assert percent.endswith("%, of the wall")
-    assert reading(walled, "Tightest bend")[1] == "of the wall"
+    check_readings_are_of_the_screen(walled)
+    assert headings(walled) == ["Exact, on screen", "Wall 0.3 mm"]
+    assert float(other_reading(walled, "Load")[0][:-2]) == pytest.approx(forces[-1], 0.01)
+    left = left_percent(answers(walled)[-1])
+    assert percent(other_reading(walled, "Volume")[1]) == pytest.approx(left, abs=0.1)
+    value, other = panel.reading_rows[2][1], panel.reading_rows[2][3]
+    assert (value.font(), value.palette().windowText()) == (other.font(), other.palette().windowText())
+    of_screen = [reading(walled, title)[0] for title in TITLES]
+    of_wall = [other_reading(walled, title)[0] for title in TITLES]
+    panel.shape_choice.activated.emit(1)
+    work_off()
+    check_readings_are_of_the_screen(walled)
+    assert headings(walled) == ["Wall 0.3 mm, on screen", "Exact"]
+    assert [reading(walled, title)[0] for title in TITLES] == of_wall
+    assert [
+        other_reading(walled, title)[0] for title in ("Load", "Volume", "Area", "Tightest bend")
+    ] == of_screen
     name, value = drawn(charts.load_chart())[2][0].split(": ")
     assert name == "\u25cf\xa0Wall 0.3 mm"
     assert float(value.removesuffix(" N")) == pytest.approx(forces[-1], 5e-3)
@@ -385,7 +432,7 @@ def test_press_in_view_shows_the_shapes_of_the_wall_and_presses_on_from_the_firs
     panel = walled.press.panel
     solved(qtbot, walled)
     assert [panel.shape_choice.itemText(k) for k in range(2)] == ["Exact", "Wall 0.3 mm"]
-    force = reading(walled, "Load")[0]
+    force = other_reading(walled, "Load")[0]
     panel.shape_choice.activated.emit(1)
     assert walled.session.store.state is answers(walled)[-1]
     assert reading(walled, "Load")[0] == force
@@ -411,6 +458,127 @@ def test_press_in_view_ends_the_wall_where_it_becomes_another_one(qtbot, walled)
     assert not walled.session.wall_run.is_running
     panel.shape_choice.activated.emit(1)
     assert panel.warning.text() == "The wall is not solved here: this is Exact."
+
+
+def test_press_in_view_keeps_the_choice_of_the_wall_until_it_is_solved(qtbot, walled):
+    panel, first = walled.press.panel, walled.session.store.state
+    panel.shape_choice.setCurrentIndex(1)
+    panel.shape_choice.activated.emit(1)
+    assert panel.warning.text() == "The wall is not solved here: this is Exact."
+    assert panel.warning.isVisible()
+    assert walled.session.store.state is first
+    solved(qtbot, walled)
+    assert panel.shape_choice.currentText() == "Wall 0.3 mm"
+    assert walled.session.store.state is answers(walled)[-1]
+    assert not panel.warning.isVisible()
+    check_readings_are_of_the_screen(walled)
+
+
+def test_press_in_view_lets_the_wall_be_stopped_after_its_plates_are_undone(qtbot, walled):
+    panel, undo = walled.press.panel, walled.session.gestures.undo
+    undo()
+    undo()
+    work_off()
+    assert plate_pair(document(walled)) is None
+    assert walled.session.wall_run.is_running
+    assert (panel.wall.text(), panel.wall.isVisible()) == ("Stop", True)
+    assert panel.progress.text().startswith("Wall 0.3 mm: step ")
+    assert not panel.press.isVisible(), "there are no plates"
+    panel.wall.click()
+    work_off()
+    assert not walled.session.wall_run.is_running
+    assert not panel.controls.isVisible()
+
+
+@pytest.mark.parametrize("shows_wall", [True, False])
+def test_press_in_view_opens_a_session_on_the_shape_that_was_saved(qtbot, walled, tmp_path, shows_wall):
+    panel, session = walled.press.panel, walled.session
+    solved(qtbot, walled)
+    panel.shape_choice.activated.emit(int(shows_wall))
+    # The wall that is typed now is not that of the shape.
+    walled.panel.measures.show_wall(WallText("0.5mm", material=WALL_MATERIALS[0]))
+    shown, path = session.store.state, tmp_path / "a.apd"
+    session.files.save(path, walled.view(), embed=True)
+    idle(qtbot, walled)
+    volumes = [one.frame.volume for one in answers(walled)]
+    for _ in range(2):
+        session.files.open_mesh(BALL)
+        idle(qtbot, walled)
+        session.files.open(path)
+        idle(qtbot, walled)
+        qtbot.wait(50)
+        assert np.array_equal(session.store.state.frame.U, shown.frame.U)
+        assert session.store.state.document.settings == shown.document.settings
+        assert (player(walled).shown_step, len(steps(walled))) == (2, 3)
+        assert [one.frame.volume for one in answers(walled)] == pytest.approx(volumes)
+        assert panel.shape_choice.currentText() == ("Wall 0.3 mm" if shows_wall else "Exact")
+        assert (panel.calm.isVisible(), panel.warning.isVisible()) == (True, False)
+        assert not session.wall_run.is_running, "nothing is solved again"
+
+
+def test_press_in_view_asks_about_what_the_wall_solved_since_the_last_save(
+    qtbot, walled, tmp_path, monkeypatch
+):
+    asked, path = [], tmp_path / "a.apd"
+
+    def cancel(box):
+        asked.append(box.informativeText())
+        return 0
+
+    monkeypatch.setattr(file_controller, "ask_before_leaving", ASK)
+    monkeypatch.setattr(QMessageBox, "exec", cancel)
+    walled.session.wall_run.stop()
+    walled.session.files.save(path, walled.view(), embed=True)
+    idle(qtbot, walled)
+    unsaved = sum(one is None for one in answers(walled))
+    assert walled.files.may_discard_work(lambda: None)
+    assert not walled.shell.isWindowModified()
+    walled.press.panel.wall.click()
+    solved(qtbot, walled)
+    assert walled.shell.isWindowModified()
+    assert not walled.files.may_discard_work(lambda: None)
+    assert asked[-1].endswith(f"Steps at which the wall is solved and not saved yet: {unsaved}.")
+    walled.session.files.save(path, walled.view(), embed=True)
+    idle(qtbot, walled)
+    assert walled.files.may_discard_work(lambda: None)
+    walled.session.files.open(path)
+    idle(qtbot, walled)
+    assert answers(walled)[-1] is not None
+    assert walled.files.may_discard_work(lambda: None)
+    assert len(asked) == 1
+
+
+def test_press_in_view_speaks_of_no_wall_before_there_is_a_press(qtbot, walled):
+    panel = walled.press.panel
+    walled.session.wall_run.stop()
+    panel.shape_choice.activated.emit(1)
+    assert panel.warning.isVisible()
+    player(walled).show_step(0)
+    player(walled).accept_shown_step()
+    assert len(headings(walled)) == 2
+    work_off()
+    wide = panel.reading_rows[0][0].parentWidget().width()
+    for _ in range(2):
+        walled.session.files.open_mesh(Mesh(*sphere(1)))
+        idle(qtbot, walled)
+        walled.actions_.simulate.press_live.trigger()
+        work_off()
+        assert not panel.warning.isVisible()
+        assert headings(walled) == []
+        qtbot.waitUntil(lambda: panel.reading_rows[0][0].parentWidget().width() < wide)
+
+
+def test_press_in_view_exports_the_shape_on_screen(qtbot, walled, tmp_path):
+    solved(qtbot, walled)
+    for shows_wall in (True, False):
+        walled.press.panel.shape_choice.activated.emit(int(shows_wall))
+        path = tmp_path / f"{shows_wall}.obj"
+        walled.session.files.export(path)
+        idle(qtbot, walled)
+        step = steps(walled)[-1]
+        wanted = step.wall_result if shows_wall else step.state
+        assert np.abs(open_mesh(path).V - wanted.frame.U).max() < 1e-9
+        assert np.abs(step.wall_result.frame.U - step.state.frame.U).max() > 1e-3, "they are two shapes"
 
 
 def test_press_in_view_exports_the_wall_in_columns_of_its_own(qtbot, walled, tmp_path, monkeypatch):

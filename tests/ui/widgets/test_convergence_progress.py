@@ -8,6 +8,7 @@ from meshes import box
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.presentation.time_left import duration_text
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.widgets.convergence_progress import ConvergenceProgress
@@ -80,7 +81,24 @@ def test_convergence_progress_has_no_number_while_it_is_not_known(solving):
     solving.go_on(20, gap=1e6)
     solving.now += 50.0
     solving.progress.set_frame(replace(solving.frame, iteration=21, gap=None), solving=True)
-    assert solving.progress.time_left.text().endswith("…")
+    assert solving.progress.time_left.text() == "iteration 21, 54 s so far"
+
+
+def test_convergence_progress_counts_iterations_where_no_time_is_known_for_long(solving):
+    """As by the method Wall on a large mesh, whose measure does not fall for minutes."""
+    progress, began = solving.progress, solving.now
+    solving.now += 7.0
+    progress.set_frame(solving.frame, solving=True)
+    assert progress.time_left.text() == "estimating the time left…"
+    solving.now += 2.0
+    progress.set_frame(solving.frame, solving=True)
+    assert progress.time_left.text() == "first iteration, 9 s so far", "900 are of the motion before"
+    for k in range(1, 31):
+        solving.now += 3.0
+        progress.set_frame(replace(solving.rest, iteration=k, gap=1e6), solving=True)
+        assert progress.time_left.text() == f"iteration {k}, {duration_text(solving.now - began)} so far"
+    solving.go_on(60, first=31)
+    assert "about" in progress.time_left.text()
 
 
 def test_convergence_progress_is_not_shown_for_a_quick_motion(qtbot, bottle):
