@@ -1,6 +1,7 @@
 """Readings of a shape between two plates as texts and curves."""
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -156,6 +157,20 @@ def rest_verdict(
     if state.frame.stable is False:
         return tr("At rest, but on a saddle: a push may make it give way."), False
     return tr("At rest."), True
+
+
+# Relative fall of a load that is no error of an equilibrium.
+_FALLS = 0.01
+
+
+def has_given_way(states: Sequence[State]) -> bool:
+    """True if a load fell from one state to the next while the plates closed."""
+    pairs = ((plate_pair(state.document), state) for state in states)
+    found = [pair.reading(state) for pair, state in pairs if pair is not None and state.frame.settled]
+    return any(
+        after.deflection > before.deflection and after.load < (1.0 - _FALLS) * before.load
+        for before, after in pairwise(found)
+    )
 
 
 class PlateCurves(NamedTuple):

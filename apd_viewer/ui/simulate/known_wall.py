@@ -17,6 +17,7 @@ from apd_viewer.presentation.number_format import format_short
 from apd_viewer.presentation.plate_readings import (
     FindConversion,
     ReadingText,
+    has_given_way,
     plate_reading_texts,
     rest_verdict,
 )
@@ -151,7 +152,12 @@ class PressReadings:
             if wall is None and self._session.player.shows_wall and not method.is_wall and len(run) > 1:
                 said = tr("The wall is not solved here: this is {method}.")
                 return said.format(method=method.short_title), False
-        return rest_verdict(state)
+        said, is_calm = rest_verdict(state)
+        if is_calm and k is not None:
+            walls = [timeline.steps[i].wall_state for i in timeline.run_of(k) if i <= k]
+            if walls[-1] is not None and has_given_way([each for each in walls if each is not None]):
+                return tr("At rest. The wall has given way: small imperfections decide from there on."), True
+        return said, is_calm
 
     def _newtons(self, state: State) -> NewtonConversion | None:
         """Conversion of loads into newtons, for a Wall result by its thickness."""
