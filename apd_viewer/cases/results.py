@@ -77,6 +77,16 @@ class ResultTable:
     rows: tuple[ResultRow, ...]
 
     @property
+    def smallest_line(self) -> int | None:
+        """Plan line of the smallest volume, of several without self-intersections."""
+        volumes = []
+        for row in self.rows:
+            found = row.readings.get("volume") or row.readings.get("volume_capped")
+            if found and not row.readings.get("crossings"):  # where walls cross, the volume is wrong
+                volumes.append((abs(found), row.line))
+        return min(volumes)[1] if len({volume for volume, _ in volumes}) > 1 else None
+
+    @property
     def competing_folds(self) -> dict[tuple[int, ...], float]:
         """Plan lines of cases with energies differing by over 1 % between seeds.
 

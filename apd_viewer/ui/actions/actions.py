@@ -94,6 +94,7 @@ class Actions:
     def follow_document(self, document: Document) -> None:
         """Enable the actions applicable to a document and its mesh file."""
         self.file.follow_document(document)
+        self.select.follow_document(document)
         self.display.follow_document(document)
 
     def add_panel_actions(self, actions: list[QAction]) -> None:

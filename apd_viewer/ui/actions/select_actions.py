@@ -5,7 +5,9 @@ from functools import partial
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_controller import PartController
@@ -103,6 +105,9 @@ class SelectActions:
                 ("all", tr("Clear &all"), tr("Clear base, handles and regions"), parts.clear_all),
             )
         ]
+        self._clear_tips = {action: (action.statusTip(), action.toolTip()) for action in self.clears}
+        for action in self.clears:
+            action.setEnabled(False)
         lock, hide = tr("Lock the active part against painting"), tr("Hide the colour of the active part")
         self.flags = [
             maker.make("lock_part", tr("Loc&k or unlock part"), "locked", lock, "K", parts.toggle_lock),
@@ -119,6 +124,18 @@ class SelectActions:
                 ("save_selection", tr("Save selec&tion…"), "save-selection", save, filing.save_selection),
             )
         ]
+
+    def follow_document(self, document: Document) -> None:
+        """Enable the clearing of parts that the document has."""
+        counts = document.label_counts
+        has = bool(counts[BASE]), bool(counts[HANDLE:].any()), bool(document.member.any())
+        lacks = tr("There is no base"), tr("There is no handle"), tr("There is no region")
+        rows = *zip(has, lacks, strict=True), (any(has), tr("Nothing is painted"))
+        for action, (is_there, lack) in zip(self.clears, rows, strict=True):
+            said, tip = self._clear_tips[action] if is_there else (lack, lack)
+            action.setEnabled(is_there)
+            action.setStatusTip(said)
+            action.setToolTip(tip)
 
     @property
     def groups(self) -> list[list[QAction]]:

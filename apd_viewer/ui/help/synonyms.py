@@ -43,7 +43,7 @@ SYNONYMS = {
     "pick_pivot": tr("centre of rotation axis"),
     "compare_methods": tr("side by side difference"),
     "sweep": tr("curve graph along motion series"),
-    "study": tr("batch many variants parameter cases"),
+    "study": tr("batch many variants parameter cases smallest small volume least minimum optimum best"),
     "press": _PRESSING,
     "press_live": _PRESSING,
     "pause": tr("stop wait"),

@@ -383,6 +383,8 @@ class NextStepHint:
             nothing_held = not document.label_counts[BASE] and not document.label_counts[HANDLE:].any()
             if obstacle is not None or nothing_held:  # moving obstacles needs no painted base or handle
                 return self._obstacle_hint(document, tool, obstacle)
+        if own := _hint_of_tool(document, tool):
+            return own
         if not document.label_counts[BASE]:
             return text_with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
         if not document.label_counts[HANDLE:].any():
@@ -394,8 +396,6 @@ class NextStepHint:
             return text_with_keys(
                 tr("Paint the part that “{name}” moves").format(name=name), self._tools[Tool.HANDLE]
             )
-        if tool is Tool.REGION and not document.member.any():
-            return tr("Paint a part to measure or keep its area")
         if self.has_moved or document.relative_to_rest.is_posed:
             return ""
         return (
@@ -410,6 +410,15 @@ class NextStepHint:
         if obstacle is None:
             return _SELECT
         return _PUSH_PLATE if document.obstacles[obstacle].kind is ObstacleKind.PLATE else _PUSH
+
+
+def _hint_of_tool(document: Document, tool: Tool) -> str:
+    """Hint about what the tool in hand paints, as long as there is nothing of it."""
+    if tool is Tool.HANDLE and not document.label_counts[HANDLE:].any():
+        return tr("Paint the part to move: the handle")
+    if tool is Tool.REGION and not document.member.any():
+        return tr("Paint a part to measure or keep its area")
+    return ""
 
 
 def may_change_next_step(before: Document, after: Document) -> bool:

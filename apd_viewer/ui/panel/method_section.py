@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
@@ -18,9 +18,9 @@ from apd_viewer.geometry.solver.convergence import (
 )
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trc
 from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
-from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, LengthField, NumberField
 from apd_viewer.ui.widgets.folding_section import Heading, Section, quiet_label
 from apd_viewer.ui.widgets.slider_field import DECADES, SliderField
 from apd_viewer.ui.widgets.theme import Theme
@@ -32,6 +32,12 @@ if TYPE_CHECKING:
 _FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
 # Settings without a field here: stiffness has a slider, and thickness follows the wall fields.
 _ELSEWHERE = ("stiffness", "thickness")
+# Words for 0 in the fields of unset settings.
+_UNSET = {
+    "wall_thickness": trc("wall thickness", "default"),
+    "yield_radius": trc("yield radius", "none"),
+    "gas": trc("enclosed gas", "none"),
+}
 
 
 class MethodSection(Section):
@@ -46,12 +52,15 @@ class MethodSection(Section):
     ----------
     changed : Signal(str, object)
         Name of a setting and its value, but for contact.
+    wall_creases_chosen : Signal()
+        The yield radius of the wall is to be used.
     numbers : dict of str to NumberField
-        Of the other settings that are numbers, by their names; 0 shows an unset one.
+        Of the other settings that are numbers, by their names; 0, shown as a word, is an unset one.
     """
 
     changed = Signal(str, object)
     contact_chosen = Signal(bool)
+    wall_creases_chosen = Signal()
 
     def __init__(self, targets: Sequence[QWidget]) -> None:
         super().__init__(tr("Method"))
@@ -99,6 +108,9 @@ class MethodSection(Section):
             label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal"))
         )
         self._add_row("stiffness", self.stiffness)
+        self.wall_creases = QPushButton(tr("From wall"), accessibleName=tr("Yield radius from the wall"))
+        self.wall_creases.clicked.connect(lambda: self.wall_creases_chosen.emit())
+        self.show_wall_creases("")
         for name, setting in SETTINGS.items():
             if setting.kind in _FIELDS and name not in _ELSEWHERE:
                 self._add_number(name, setting)
@@ -113,16 +125,17 @@ class MethodSection(Section):
 
     def _add_number(self, name: str, setting: Setting) -> None:
         tip = setting.help[0].upper() + setting.help[1:]
-        field = NumberField(
-            brief=True, accessibleName=setting.title, toolTip=tip, maximum=setting.most, decimals=4
-        )
+        kind = LengthField if setting.kind is SettingKind.LENGTH else NumberField
+        field = kind(brief=True, accessibleName=setting.title, toolTip=tip, maximum=setting.most, decimals=4)
+        field.setSpecialValueText(_UNSET.get(name, ""))
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
         default = getattr(DEFAULT_SETTINGS, name)
         field.valueChanged.connect(
             lambda value: self.changed.emit(name, value or None if default is None else value)
         )
         self.numbers[name] = field
-        self._add_row(name, field_row(setting.title, field))
+        beside = (self.wall_creases,) if name == "yield_radius" else ()
+        self._add_row(name, field_row(setting.title, field, *beside))
 
     def _add_row(self, name: str, row: QWidget) -> None:
         row.hide()  # shown once the chosen method uses it
@@ -146,9 +159,15 @@ class MethodSection(Section):
 
     def show_unit(self, unit: Unit) -> None:
         """Show the unit of the lengths."""
-        for name, field in self.numbers.items():
-            if SETTINGS[name].kind is SettingKind.LENGTH:
-                field.setSuffix(unit.format_length(""))
+        for field in self.numbers.values():
+            if isinstance(field, LengthField):
+                field.show_unit(unit)
+
+    def show_wall_creases(self, radius: str) -> None:
+        """Offer the yield radius of the wall, as a text; empty if unknown."""
+        self.wall_creases.setEnabled(bool(radius))
+        offer = tr("Use the yield radius of the wall in Size and mass: {radius}").format(radius=radius)
+        self.wall_creases.setToolTip(offer if radius else tr("The wall in Size and mass has no yield radius"))
 
     def _describe(self, method: Method) -> None:
         self.heading.show_reading(method.title, only_folded=True)
@@ -259,9 +278,9 @@ def _tolerance(name: str, tip: str) -> NumberField:
     )
 
 
-def field_row(title: str, field: NumberField) -> QWidget:
-    """Row with a title on the left and a field on the right."""
+def field_row(title: str, field: NumberField, *before: QWidget) -> QWidget:
+    """Row with a title on the left, and ``before`` and a field on the right."""
     row = QWidget()
     label = QLabel(title, toolTip=field.toolTip(), buddy=field)
-    row_layout(label, STRETCH, field, parent=row, spacing=-1)
+    row_layout(label, STRETCH, *before, field, parent=row, spacing=-1)
     return row

@@ -1,5 +1,6 @@
 """Controller of shape checks and walls in panel, findings and preferences."""
 
+from contextlib import suppress
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
@@ -12,7 +13,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import wall_material as thin_wall_material
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
-from apd_viewer.presentation.number_format import format_editable
+from apd_viewer.presentation.number_format import format_editable, format_significant
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
@@ -62,6 +63,7 @@ class VolumeController(QObject):
         panel.measures.wall_fields.entered.connect(self._type)
         panel.measures.wall_fields.entered.connect(self.update_wall_settings)
         panel.method.contact_chosen.connect(self._set_contact)
+        panel.method.wall_creases_chosen.connect(self._use_yield_radius)
         panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
 
     def show_check(self) -> None:
@@ -89,6 +91,7 @@ class VolumeController(QObject):
             usual = WallText(material=wall_material(sample.material if sample else ""))
             self._walls[mesh] = usual if path is None else known.get(resolved_path(path), usual)
         self._panel.measures.show_wall(self._walls[mesh])
+        self._show_yield_radius()
 
     def follow_settings(self, old: State | None, new: State) -> None:
         """Update checks and wall fields after changes of contact or wall thickness."""
@@ -116,6 +119,7 @@ class VolumeController(QObject):
         if view.wall != NO_WALL:
             self._type(view.wall)
             self._panel.measures.show_wall(view.wall)
+            self._show_yield_radius()
 
     def with_wall_and_overlay(self, view: View) -> View:
         """Copy of a view with the current wall and overlay added."""
@@ -147,6 +151,7 @@ class VolumeController(QObject):
         """Update the settings that are derived from the wall and the unit."""
         if (state := self._session.store.state) is None:
             return
+        self._show_yield_radius()
         self.update_contact_distance()
         settings = state.document.settings
         names = ["yield_radius"] if settings.yield_radius is not None else []
@@ -174,6 +179,24 @@ class VolumeController(QObject):
         }
         self._followed.update(changes.items())
         return changes
+
+    @property
+    def _yield_radius(self) -> float | None:
+        """Yield radius of the wall in mesh units; None if unknown."""
+        with suppress(InputError):
+            return parse_wall(self._panel.measures.wall_fields.value, self._session.store.unit).yield_radius
+        return None
+
+    def _show_yield_radius(self) -> None:
+        radius, unit = self._yield_radius, self._session.store.unit
+        said = "" if radius is None else unit.format_length(format_significant(radius, 3))
+        self._panel.method.show_wall_creases(said)
+
+    def _use_yield_radius(self) -> None:
+        """Set the yield radius to that of the wall; later it follows the wall."""
+        if (radius := self._yield_radius) is not None:
+            self._followed.add(("yield_radius", radius))
+            self._session.settings.change(yield_radius=radius)
 
     def contact_distance(self) -> float | None:
         """Typed wall thickness in mesh units; None if there is none."""

@@ -97,7 +97,7 @@ class ChartArea:
         """Draw axes, marks, bars and curves."""
         if self._field.width() < _BETWEEN_X / 2 or self._field.height() < _BETWEEN_Y / 2:
             return
-        self._draw_axes()
+        self._draw_axes(chart.x_title)
         if chart.bars is not None:
             self._draw_bars(chart.bars)
         for mark in chart.vertical_lines:
@@ -129,7 +129,7 @@ class ChartArea:
     def _y_of(self, place: float) -> float:
         return float(self._pixel_rows(np.array(place)))
 
-    def _draw_axes(self) -> None:
+    def _draw_axes(self, x_title: str) -> None:
         painter, field, metrics = self._painter, self._field, self._metrics
         line, words = QPen(QColor(self._theme.line), 1.0), QColor(self._theme.quiet)
         for place, text in self._y_ticks:
@@ -141,6 +141,9 @@ class ChartArea:
             painter.drawText(QPointF(start, y + 0.35 * metrics.ascent()), text)
         baseline = field.bottom() + _GAP + metrics.ascent()  # below all labels of the y axis
         painter.setPen(words)
+        before = metrics.horizontalAdvance(self._x_ticks[0][1]) if self._x_ticks else 0.0
+        start = field.left() - 0.5 * before - _GAP - metrics.horizontalAdvance(x_title)
+        painter.drawText(QPointF(max(0.0, start), baseline), x_title)
         for place, text in self._x_ticks:
             x, half = self._x_of(place), 0.5 * metrics.horizontalAdvance(text)
             start = min(x - half, field.right() + _GAP - 2 * half)
@@ -380,6 +383,8 @@ class Chart:
         ``horizontal_lines`` are marks at places of y, ``vertical_lines`` at places of x.
     empty_text : str
         Text shown without contents.
+    x_title : str
+        Quantity of the x axis, before its numbers.
     """
 
     title: str
@@ -393,3 +398,4 @@ class Chart:
     horizontal_lines: tuple[ReferenceLine, ...] = ()
     vertical_lines: tuple[ReferenceLine, ...] = ()
     empty_text: str = field(default="", repr=False)
+    x_title: str = ""

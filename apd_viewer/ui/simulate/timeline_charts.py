@@ -178,18 +178,20 @@ class StepCharts:
         """Chart of area and volume, in percent of rest."""
         found = self._read_curves()
         rows = (
-            (tr("area {percent} %"), found.area, "accent", 3),
-            (tr("volume {percent} %"), found.volume, "warm", 1),
+            (tr("Area"), tr("area {percent} %"), found.area, "accent", 3),
+            (tr("Volume"), tr("volume {percent} %"), found.volume, "warm", 1),
         )
         number, said = self.shown_number, []
-        for words, values, color, decimals in rows:
+        for title, words, values, color, decimals in rows:
             if number is not None and np.isfinite(values[number]):
                 said.append((words.format(percent=format_grouped(float(values[number]), decimals)), color))
-        known = np.concatenate([values[np.isfinite(values)] for _, values, *_ in rows])
+            elif np.isfinite(values).any():
+                said.append((title, color))
+        known = np.concatenate([values[np.isfinite(values)] for *_, values, _, _ in rows])
         low = float(known.min(initial=100.0 - _LEAST_OF_STEPS))
         high = float(known.max(initial=100.0 + _LEAST_OF_STEPS))
-        curves = [(values, color) for _, values, color, _ in reversed(rows)]
-        return self._chart(curves, rounded_axis(low, high, " %"), said or [(tr("Area and volume"), "quiet")])
+        curves = [(values, color) for *_, values, color, _ in reversed(rows)]
+        return self._chart(curves, rounded_axis(low, high, " %"), said)
 
     def effort_chart(self) -> Chart:
         """Chart of the energy if it is known, else of the mean edge strain."""
@@ -230,4 +232,5 @@ class StepCharts:
             tuple(curves),
             dots=Dots(*points.T, (self.theme.ink,) * len(points), crosses),
             vertical_lines=tuple(ReferenceLine(float(x[k])) for k in at),
+            x_title=tr("Step"),
         )

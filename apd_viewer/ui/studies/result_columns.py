@@ -303,7 +303,13 @@ def _writer(words: ReadingTexts) -> Callable[[float], str]:
 
 def _statuses(table: ResultTable) -> ResultColumn:
     ranks = np.array([_ORDER.index(row.status) for row in table.rows], dtype=float)
-    texts = tuple(status_text(row.status) for row in table.rows)
+    smallest = table.smallest_line
+    texts = tuple(
+        tr("{state}, smallest volume").format(state=status_text(row.status))
+        if row.line == smallest
+        else status_text(row.status)
+        for row in table.rows
+    )
     return ResultColumn(STATUS_COLUMN, tr("State"), tr("State of the case"), _gaps(texts), texts, ranks=ranks)
 
 

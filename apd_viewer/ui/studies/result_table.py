@@ -21,7 +21,7 @@ from PySide6.QtWidgets import QAbstractItemView, QFrame, QHeaderView, QTableView
 
 from apd_viewer.cases.case_file import FAILED
 from apd_viewer.cases.results import DUPLICATE, WAITING, WRONG, ResultRow, ResultTable
-from apd_viewer.language import tr
+from apd_viewer.language import comma_separated, tr
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 from apd_viewer.ui.studies.result_columns import LINE_COLUMN, REMARK_COLUMN, STATUS_COLUMN, ResultColumn
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
@@ -122,10 +122,15 @@ class ResultModel(QAbstractTableModel):
         if role == _ROLES.TextAlignmentRole:
             return _RIGHT if column.is_numeric else _LEFT
         if role == _ROLES.ToolTipRole:
-            return self.rows[k].sentence or None
+            return self.rows[k].sentence or self._row_name(k) or None
         if role == _ROLES.ForegroundRole:
             return self._text_color(self.rows[k].status, column.name)
         return None
+
+    def _row_name(self, k: int) -> str:
+        """Name of a row: what the plan varies, with its values."""
+        varied = (column for column in self.columns if column.is_from_plan and column.texts[k])
+        return comma_separated(f"{column.title} {column.texts[k]}" for column in varied)
 
     def _text_color(self, status: str, column: str) -> QBrush | None:
         if status in (FAILED, WRONG) and column in (STATUS_COLUMN, REMARK_COLUMN):

@@ -13,12 +13,14 @@ from apd_viewer.geometry.goals import percentage
 from apd_viewer.language import tr
 from apd_viewer.notation import editable_number, localized_number, notation
 from apd_viewer.presentation.number_format import format_short
-from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
+from apd_viewer.session.quantities.expressions import check_unambiguous, parse_length, unambiguous_text
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 _UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to users
 _MOST_IN_SIGHT = 24  # entries of a list
 _QUOTED = 20  # characters quoted from invalid input
+_WITH_UNIT = re.compile(r"[\d.]\s*(?!e[-+]?\d)[a-zA-Z\"″'′µμ]")  # not the exponent of 1e-3
 _SYMBOLS = '%°"′″'  # units that are no letters
 
 
@@ -105,7 +107,7 @@ class NumberField(QtWidgets.QDoubleSpinBox):
     is_grouped : bool
         Whether the digits of a whole number are grouped, as in readings.
     properties
-        Of the spin box.
+        Of the spin box; a ``specialValueText`` stands for its minimum, and can be typed.
     """
 
     def __init__(
@@ -151,17 +153,26 @@ class NumberField(QtWidgets.QDoubleSpinBox):
 
     def fixup(self, _: str) -> str:
         """Text of the last valid number."""
+        if self.specialValueText() and self.value() == self.minimum():
+            return self.specialValueText()
         return f"{self.prefix()}{self.textFromValue(self.value())}{self.suffix()}"
 
     def valueFromText(self, text: str) -> float:
         """Typed number, such as 1e-3 or 0,5."""
         if self._problem(text):
             return self.value()
+        if self._is_special(text):
+            return self.minimum()
         value = float(self._digits(text))
         return float(round(value)) if self._is_count else value
 
     def _digits(self, text: str) -> str:
         return self._number_text(text).replace(",", ".")
+
+    def _is_special(self, text: str) -> bool:
+        """True for the word of the minimum."""
+        word = self.specialValueText().casefold()
+        return bool(word) and text.removesuffix(self.suffix()).strip().casefold() == word
 
     def _number_text(self, text: str) -> str:
         # The suffix remains after the typed text, which may repeat it.
@@ -176,7 +187,7 @@ class NumberField(QtWidgets.QDoubleSpinBox):
 
     def _problem(self, text: str) -> str:
         """Error message for an invalid text, with the allowed range; empty if valid."""
-        if text == self.fixup(""):
+        if text == self.fixup("") or self._is_special(text):
             return ""  # the text shown for the current value is always valid
         digits = self._digits(text)
         try:
@@ -248,6 +259,35 @@ class NumberField(QtWidgets.QDoubleSpinBox):
         if problem:
             self.error.show_message(problem)
         return bool(problem)
+
+
+class LengthField(NumberField):
+    """Number field for a length in the unit of the mesh, typed in any unit."""
+
+    def __init__(self, **properties: Any) -> None:
+        self._unit = Unit.NONE
+        super().__init__(**properties)
+
+    def show_unit(self, unit: Unit) -> None:
+        """Set the unit of the mesh."""
+        self._unit = unit
+        self.setSuffix(unit.format_length(""))
+
+    def _digits(self, text: str) -> str:
+        digits = super()._digits(text)
+        if _WITH_UNIT.search(digits):
+            with suppress(InputError):
+                return repr(parse_length(unambiguous_text(self._number_text(text)), self._unit, {}))
+        return digits
+
+    def _problem(self, text: str) -> str:
+        digits = super()._digits(text)
+        if _WITH_UNIT.search(digits) and not self._is_special(text):
+            try:
+                parse_length(unambiguous_text(self._number_text(text)), self._unit, {})
+            except InputError as error:
+                return str(error)
+        return super()._problem(text)
 
 
 class TextField(QtWidgets.QLineEdit):

@@ -248,3 +248,18 @@ def test_select_actions_choose_nothing_and_break_nothing_without_a_mesh(qtbot, w
         action.trigger()
     idle(qtbot, window)
     assert window.session.store.state is None
+
+
+def test_select_actions_clear_only_what_there_is_and_give_the_reason(bottle):
+    base, handle, region, everything = bottle.actions_.select.clears
+    assert [action.isEnabled() for action in (base, handle, region, everything)] == [True, True, False, True]
+    assert region.toolTip() == "There is no region"
+    base.trigger()
+    assert (base.isEnabled(), base.toolTip()) == (False, "There is no base")
+    everything.trigger()
+    assert not any(action.isEnabled() for action in (base, handle, region, everything))
+    assert everything.toolTip() == "Nothing is painted"
+    bottle.session.gestures.undo()
+    assert handle.isEnabled()
+    assert handle.statusTip() == "Clear the active handle"
+    assert "Clear the active handle" in handle.toolTip()

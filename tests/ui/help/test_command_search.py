@@ -34,6 +34,9 @@ WISHES = {
     "autosave": "Autosave",
     "rotate the handle": "Move handle",
     "bottle": "Open sample: PET bottle",
+    "smallest": "Study",
+    "smallest volume": "Study",
+    "how small": "Study",
 }
 
 # Words of the trade, and where the program does what they name.

@@ -498,8 +498,11 @@ def test_obstacle_scene_outlines_where_an_obstacle_should_be_that_contact_stops(
 def test_next_step_hint_knows_that_obstacles_suffice(qtbot, kept_window):
     kept_window.files.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, kept_window)
-    kept_window.tools.choose_tool(Tool.BASE)
-    assert "base" in kept_window.invitation.text()
+    for tool, word in ((Tool.HANDLE, "handle"), (Tool.REGION, "area"), (Tool.BASE, "base")):
+        kept_window.tools.choose_tool(tool)
+        others = {"handle", "area", "base"} - {word}
+        assert word in (said := kept_window.invitation.text())
+        assert not any(other in said for other in others), "it speaks of the tool in hand"
     kept_window.actions_.simulate.obstacles.floor.trigger()
     assert "turn the view" in kept_window.invitation.text(), "from above its arrow cannot be dragged"
     kept_window.parts.choose_obstacle(None)

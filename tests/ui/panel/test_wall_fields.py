@@ -115,6 +115,41 @@ def test_method_section_says_the_unit_of_the_thickness_of_a_wall(bottle, fields)
     assert {name for name, number in numbers.items() if number.suffix() == "\u00a0mm"} == lengths
 
 
+@pytest.mark.parametrize(
+    ("text", "radius"), [("8.6mm", 0.86), ("0.5 cm", 0.5), ("1/4 in", 0.635), ("2e-1", 0.2)]
+)
+def test_method_section_takes_a_length_in_any_unit_and_0_as_a_word(bottle, fields, text, radius):
+    bottle.session.settings.change(method="wall")
+    field = bottle.panel.method.numbers["yield_radius"]
+    assert (field.text(), field.value()) == ("none", 0.0)
+    type_into(field, text)
+    assert document(bottle).settings.yield_radius == pytest.approx(radius, abs=5e-5)
+    assert field.text() == f"{radius:g}\xa0cm"
+    type_into(field, "8.6 bushels")
+    assert document(bottle).settings.yield_radius == pytest.approx(radius, abs=5e-5)
+    assert "bushels" in field.error.text()
+    type_into(field, "None")
+    assert document(bottle).settings.yield_radius is None
+    assert field.text() == "none"
+
+
+def test_method_section_takes_the_yield_radius_of_the_wall_with_a_click(bottle, fields):
+    choose(fields, PET)
+    button = bottle.panel.method.wall_creases
+    bottle.session.settings.change(method="wall")
+    assert document(bottle).settings.yield_radius is None, "bends by hand are elastic until one asks"
+    assert "0.857\xa0cm" in button.toolTip()
+    button.click()
+    radius = PET.yield_radius(0.03)
+    assert document(bottle).settings.yield_radius == radius
+    type_into(fields.thickness, "0.6mm")
+    assert document(bottle).settings.yield_radius == pytest.approx(2 * radius), "it follows the wall"
+    bottle.session.gestures.undo()
+    choose(fields, WALL_MATERIALS[-1])
+    assert not button.isEnabled()
+    assert "has no yield radius" in button.toolTip()
+
+
 def test_volume_controller_remembers_materials_with_the_file_and_keeps_them_in_sessions(
     qtbot, new_bottle, settings, tmp_path
 ):

@@ -61,8 +61,15 @@ def test_animation_in_view_is_scrubbed_and_played(qtbot, window):
     mouse.press((panel.slider.knob_position(2), middle))
     mouse.release((panel.slider.knob_position(2), middle))
     assert window.session.store.state is steps(window)[2].state
-    chart = window.press.step_charts.size_chart()
+    charts = window.press.step_charts
+    chart = charts.size_chart()
     area, volume = chart.readings
+    shown, charts.shown_number = charts.shown_number, None
+    assert [color for _, color in charts.size_chart().readings] == [area[1], volume[1]], (
+        "the key to the curves"
+    )
+    charts.shown_number = shown
+    assert chart.x_title == "Step"
     frame, rest = steps(window)[2].state.frame, steps(window)[2].state.inspection
     assert float(area[0].split()[1]) == pytest.approx(100 * (1 + frame.area_error), abs=0.001)
     assert float(volume[0].split()[1]) == pytest.approx(100 * frame.volume / rest.volume, abs=0.05)

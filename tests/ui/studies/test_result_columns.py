@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 from motions import IN_WORDS, in_words
+from PySide6.QtCore import Qt
 
 from apd_viewer.cases.plan_columns import COLUMNS
 from apd_viewer.cases.results import ResultRow, ResultTable
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.studies.case_plots import CaseColors, axis_of, dot_colors
 from apd_viewer.ui.studies.result_columns import MOTION_COLUMN, PLAN_TITLES, result_columns, shown_columns
+from apd_viewer.ui.studies.result_table import ResultModel
 
 
 def table(columns, *rows):
@@ -153,3 +155,27 @@ def test_result_columns_name_the_amounts_of_every_motion(name):
     assert titles
     assert titles[-1].removeprefix(MOTIONS[name].kind.title).strip() in MOTIONS[name].axis.lower()
     assert found[titles[-1]].values == pytest.approx([1.0, 2.0])
+
+
+def test_shown_columns_mark_the_row_of_the_smallest_volume_that_is_one():
+    """Where walls cross the volume is wrong, and what is alone or alike is not the smallest."""
+
+    def states(*readings):
+        found = table(["method"], *(([f"m{k}"], each) for k, each in enumerate(readings)))
+        return [text.partition(", ")[2] for text in named(shown_columns(found))["State"].texts]
+
+    one, two, capped = {"volume": 3.0}, {"volume": 2.0}, {"volume": None, "volume_capped": 2.5}
+    assert states(one, two, {"volume": 1.0, "crossings": 4}) == ["", "smallest volume", ""]
+    assert states(one, capped, {}) == ["", "smallest volume", ""]
+    assert states(one) == [""]
+    assert states(one, one) == ["", ""]
+
+
+def test_result_model_names_a_row_by_what_the_plan_varies():
+    found = table(["method", "angle"], (["arap", "30deg"], {}), (["exact", "60deg"], {}))
+    model = ResultModel()
+    model.show_results(found, shown_columns(found))
+    name = model.data(model.index(1, 0), Qt.ItemDataRole.ToolTipRole)
+    assert "exact" in name
+    assert "60" in name
+    assert "arap" not in name
