@@ -26,6 +26,7 @@ from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.presentation import volume_text
+from apd_viewer.presentation.number_format import format_significant
 from apd_viewer.session.model.up_axis import UpAxis, standing_axis
 from apd_viewer.session.quantities.expressions import parse_number, parse_volume
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
@@ -51,7 +52,7 @@ def volumes_parser() -> Parser:
     add_option(parser, "--density D", about, default="")
     about = tr('direction upwards for the brimful volume, such as y or "0 1 0"; default: where it can stand')
     add_option(parser, "--up AXIS", about)
-    about = tr("volume that is filled in, such as 250ml or 80% of the brimful one")
+    about = tr("volume that is filled in, such as 250ml or 80%% of the brimful one")
     add_option(parser, "--fill VOLUME", about)
     add_option(parser, "--levels C.csv", tr("write the volume at each level"), type=Path)
     add_option(parser, "--json V.json", tr("write the readings as JSON"), type=Path)
@@ -124,7 +125,9 @@ def _up_name(up: np.ndarray | None) -> str:
     if up is None:
         return ""
     nearest = UpAxis.nearest(up)
-    return nearest.value if up @ nearest.direction == 1.0 else " ".join(f"{x:.3g}" for x in up)
+    if up @ nearest.direction == 1.0:
+        return nearest.value
+    return " ".join(format_significant(float(x), 3) for x in up)
 
 
 def _write_levels(path: Path, vessel: Vessel) -> None:

@@ -61,6 +61,7 @@ SOUND = {
     **dict.fromkeys(("tolerance", "radius", "size"), LENGTHS - {"None"}),
     **dict.fromkeys(("thickness", "gas"), LENGTHS),
     "yield_radius": NONE,  # needs a stiffness
+    "volume_readings up": NONE,
     "wall_thickness": NONE,  # the others are too thick for this mesh
     "poisson": {"0", "np.float32"},
     **dict.fromkeys(("Deformation gas", "deform gas"), NONE),  # needs contact
@@ -150,6 +151,7 @@ CALLS = {
         apd_viewer.plane_section,
         {"V": V, "F": F, "point": (0, 0, 0.1), "normal": (0, 0, 1)},
     ),
+    "Vessel": (apd_viewer.Vessel, {"U": V, "F": F, "up": (0, 0, 1)}),
     "geodesic_path": (apd_viewer.geodesic_path, {"V": V, "F": F, "start": 0, "end": 5}),
     "at_vertex": (apd_viewer.SurfacePoint.at_vertex, {"F": F, "vertex": 0}),
     "SurfacePoint": (

@@ -69,7 +69,7 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     >>> mesh = apd_viewer.open_mesh("bottle.obj")
     >>> cut = apd_viewer.plane_section(mesh.V, mesh.F, point=(0, 10, 0), normal=(0, 1, 0))
     >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}", f"{cut.volume_below:.1f}"
-    (1, '19.61', '30.59', '300.0')
+    (1, '19.61', '30.59', '286.1')
     """
     return section(*mesh_arrays(V, F), checked_point(point), checked_direction(normal))
 

@@ -77,7 +77,7 @@ class Vessel:
     >>> vessel = apd_viewer.Vessel(bottle.V, bottle.F, up=(0, 1, 0))
     >>> half_full = vessel.level(250.0)
     >>> f"{vessel.brimful:.1f}", f"{half_full - vessel.bottom:.2f}", f"{vessel.volume(half_full):.1f}"
-    ('500.0', '8.84', '250.0')
+    ('500.0', '8.82', '250.0')
     """
 
     def __init__(self, U: np.ndarray, F: np.ndarray, up: np.ndarray) -> None:
