@@ -62,6 +62,9 @@ SOUND = {
     **dict.fromkeys(("thickness", "gas"), LENGTHS),
     "yield_radius": NONE,  # needs a stiffness
     "volume_readings up": NONE,
+    "vessel volume level": NUMBERS | {"-1", "1e308", "-1e308", "inf", "huge"},
+    "vessel level volume": {"0", "3", "np.int8", "np.float32"},
+    "vessel filling volume": NUMBERS | {"1e308"},
     "wall_thickness": NONE,  # the others are too thick for this mesh
     "poisson": {"0", "np.float32"},
     **dict.fromkeys(("Deformation gas", "deform gas"), NONE),  # needs contact
@@ -117,6 +120,11 @@ def hull_readings():
     return apd_viewer.volume_readings(V, F).hull
 
 
+@cache
+def vessel():
+    return apd_viewer.Vessel(V, F, (0, 0, 1))
+
+
 CALLS = {
     "Deformation": (apd_viewer.Deformation, HELD),
     "in contact": (apd_viewer.Deformation, TOUCHING),
@@ -152,6 +160,9 @@ CALLS = {
         {"V": V, "F": F, "point": (0, 0, 0.1), "normal": (0, 0, 1)},
     ),
     "Vessel": (apd_viewer.Vessel, {"U": V, "F": F, "up": (0, 0, 1)}),
+    "vessel volume": (lambda **said: vessel().volume(**said), apd_viewer.Vessel.volume),
+    "vessel level": (lambda **said: vessel().level(**said), apd_viewer.Vessel.level),
+    "vessel filling": (lambda **said: vessel().filling(**said), apd_viewer.Vessel.filling),
     "geodesic_path": (apd_viewer.geodesic_path, {"V": V, "F": F, "start": 0, "end": 5}),
     "at_vertex": (apd_viewer.SurfacePoint.at_vertex, {"F": F, "vertex": 0}),
     "SurfacePoint": (

@@ -110,8 +110,15 @@ class Vessel:
         ----------
         level : float
             Height along ``up``, from the origin, mesh units; above the brim nothing is added.
+
+        Raises
+        ------
+        InputError
+            If it is no number.
         """
         level = min(as_float(level), self.brim)
+        if np.isnan(level):
+            raise InputError(tr("A level must be a number."))
         return abs(volume_below(self._V - level * self._up, self._F, self._height - level, self._up))
 
     def level(self, volume: float) -> float:
@@ -142,9 +149,15 @@ class Vessel:
         Parameters
         ----------
         volume : float
-            Cubic mesh units, at least 0.
+            Cubic mesh units.
+
+        Raises
+        ------
+        InputError
+            Unless it is a finite number of at least 0.
         """
-        held = min(volume, self.brimful)
+        volume = as_float(volume)
+        held = min(volume, self.brimful) if np.isfinite(volume) else volume
         level = self.level(held)
         return Filling(level - self.bottom, self.brim - level, volume - held)
 
