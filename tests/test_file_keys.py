@@ -334,7 +334,7 @@ KEYS = {
         view: camera unit wall overlay unit_is_guess up_axis
         view.camera: position focal up angle
         view.wall: thickness density young poisson yield_radius material
-        timeline: dropped shown documents steps
+        timeline: dropped shown documents wall_documents steps
         timeline.documents: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
             poisson area volume tolerance hold_area calm contact thickness yield_radius gas convergence
             obstacles staying base mirror labels grip
@@ -342,7 +342,7 @@ KEYS = {
         timeline.documents.convergence: most_iterations energy_tolerance step_tolerance imperfection seed
         timeline.documents.obstacles: name kind place axis radius length shift
         timeline.documents.base: locked hidden
-        timeline.steps: document shape begins_run frame
+        timeline.steps: document shape frame begins_run
         timeline.steps.frame: iteration settled converged handle_drift unreached energy stable saddle_escapes
             share_reached contact loads shifts
         timeline.steps.frame.contact: pairs least_gap exempt

@@ -242,6 +242,7 @@ def test_plots_are_drawn_in_the_colors_of_the_window(qtbot, plotted):
 
 def savings(plots):
     """What the menu offers to save: two pictures, the gesture and the histogram."""
+    plots.save.menu().aboutToShow.emit()  # in which it looks what there is
     return [action for action in plots.save.menu().actions() if not action.isSeparator()]
 
 

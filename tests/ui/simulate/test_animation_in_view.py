@@ -73,7 +73,7 @@ def test_animation_in_view_is_scrubbed_and_played(qtbot, window):
     frame, rest = steps(window)[2].state.frame, steps(window)[2].state.inspection
     assert float(area[0].split()[1]) == pytest.approx(100 * (1 + frame.area_error), abs=0.001)
     assert float(volume[0].split()[1]) == pytest.approx(100 * frame.volume / rest.volume, abs=0.05)
-    _, percent = reading(window, "Volume")
+    percent = reading(window, "Volume")[1]
     assert volume[0] == f"volume {percent}", "one notation in chart and readings"
     assert area[0] == f"area {reading(window, 'Area')[0]}"
     assert chart.vertical_lines[0].place == 3.0
