@@ -115,8 +115,7 @@ def _filling(options: argparse.Namespace, rest: Mesh, unit: Unit) -> tuple[np.nd
         return up, None
     is_share = options.fill.strip().endswith("%")
     fill = vessel.brimful * parse_number(options.fill, {}) if is_share else parse_volume(options.fill, unit)
-    if not 0.0 <= fill <= vessel.brimful:
-        vessel.level(fill)
+    vessel.level(fill)  # raises InputError unless the shape at rest holds it
     return up, fill
 
 
