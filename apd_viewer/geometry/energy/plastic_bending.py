@@ -162,17 +162,25 @@ def write_ring_changes(
                 for b in range(3):
                     d[a, b] += share * D[t, a, b]
         means[i] = d
+        # Reference for D_t + R_i n_t n_t^T: one rotated vector a corner instead of the three columns'.
+        for b in range(3):
+            x, y, z = rotated_vector(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
+            d[0, b] += x
+            d[1, b] += y
+            d[2, b] += z
         own = 0.0
         for e in range(start[i], start[i + 1]):
             t, c = corner[e] // 3, corner[e] % 3
+            u, v, w = rotated_vector(q, i, normals[t, 0], normals[t, 1], normals[t, 2])
+            change = 0.0
             for b in range(3):
-                x, y, z = _rest_column(mean, normals, creased, kept, i, t, c, b)
-                x, y, z = rotated_vector(q, i, x, y, z)
-                own += weight[t, c] * (
-                    (D[t, 0, b] - d[0, b] - x) ** 2
-                    + (D[t, 1, b] - d[1, b] - y) ** 2
-                    + (D[t, 2, b] - d[2, b] - z) ** 2
-                )
+                n = normals[t, b]
+                x, y, z = n * u - d[0, b], n * v - d[1, b], n * w - d[2, b]
+                if creased[i]:
+                    k = rotated_vector(q, i, kept[t, c, 0, b], kept[t, c, 1, b], kept[t, c, 2, b])
+                    x, y, z = x - k[0], y - k[1], z - k[2]
+                change += (D[t, 0, b] + x) ** 2 + (D[t, 1, b] + y) ** 2 + (D[t, 2, b] + z) ** 2
+            own += weight[t, c] * change
         sizes[i] = np.sqrt(own)
 
 
