@@ -175,5 +175,6 @@ def timeline_of_shapes(state: State, shapes: Iterable[np.ndarray]) -> Timeline:
 
 
 def _is_same_shape(a: State, b: State) -> bool:
-    same = all(getattr(a.document, name) is getattr(b.document, name) for name in _SHAPE_FIELDS)
-    return same and a.frame.U is b.frame.U
+    return a.frame.U is b.frame.U and all(
+        getattr(a.document, name) is getattr(b.document, name) for name in _SHAPE_FIELDS
+    )
