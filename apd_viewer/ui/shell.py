@@ -19,6 +19,7 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.tool_modes import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.layout_boundary import LayoutBoundary
 from apd_viewer.ui.widgets.theme import Theme, application_icon, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
@@ -186,7 +187,7 @@ class Docks:
     ) -> QtWidgets.QDockWidget:
         """Add a dock with ``content``; ``name`` identifies it in the saved layout."""
         dock = QtWidgets.QDockWidget(title, self._window, objectName=name)
-        dock.setWidget(content)
+        dock.setWidget(LayoutBoundary(content))
         self._window.addDockWidget(area, dock)
         dock.setVisible(shown)
         dock.toggleViewAction().setObjectName(name)  # key of its stored shortcut

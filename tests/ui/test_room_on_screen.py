@@ -6,6 +6,7 @@ from driving import Mouse, idle, settle, work_off
 from grid_figures import figures
 from PySide6.QtCore import QPointF, QRect, QSize
 from PySide6.QtWidgets import QDialog, QToolButton, QWidget
+from resting import Watch
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
@@ -196,9 +197,24 @@ def test_status_bar_cuts_no_text_beside_free_room(qtbot, bottle, width):
         right = min(label.x() for label in (bottle.status.extent, pace) if label.isVisible())
         is_cut = hint.width() < hint.room_for(hint.text())
         assert not is_cut or right - hint.geometry().right() < 10, "there is room to the right"
-        assert not is_cut or pace.width() <= pace.minimumWidth(), "the pace gives way first"
+        assert not is_cut or pace.width() <= pace.room_for("iteration 99,999…"), "the pace gives way first"
         assert hint.toolTip() == hint.text()
     assert is_cut or width > 1024
+
+
+def test_status_bar_counts_without_laying_out_the_window(qtbot, bottle, monkeypatch):
+    """Each layout would have the whole window composed once more, for every shape of the solver."""
+    bottle.session.handles.move_by(MOTIONS["TWIST"], "10deg", 0)
+    idle(qtbot, bottle)
+    pace, counts, texts = bottle.status.findChildren(ElidedLabel)[1], [], set()
+    for speed in (0.0123, 0.0122, 0.0121):
+        monkeypatch.setattr(bottle.session.store, "seconds_per_iteration", speed)
+        watch = Watch()
+        bottle.status.show_session(bottle.session)
+        counts.append(sum(kind == "LayoutRequest" and who == "Shell" for who, kind in watch.count(0.05)))
+        texts.add(pace.text())
+    assert len(texts) == 3
+    assert counts[1:] == [0, 0]
 
 
 def test_status_bar_says_a_cut_message_in_its_tip_and_leaves_the_pace_the_rest(qtbot, bottle):

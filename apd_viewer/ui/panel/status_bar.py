@@ -67,6 +67,7 @@ class StatusBar(QStatusBar):
         for widget in self._right:
             self.addPermanentWidget(widget)
         self.messageChanged.connect(self._follow_message)
+        self._pace_room = 0, 0  # px: for the count alone, and for the longest text of this count
         # Text only: an animated indicator would redraw the whole window 60 times a second.
         self._job.setText(tr("Starting…"))
         self._cancel.hide()
@@ -94,7 +95,11 @@ class StatusBar(QStatusBar):
         message = self.currentMessage()
         needed = self.hint.room_for(message) if message else self.hint.sizeHint().width()
         left = self.width() - taken - needed - 2 * gap
-        self._pace.setMaximumWidth(max(self._pace.minimumWidth(), left))
+        least, most = self._pace_room
+        width = max(least, min(most, left))
+        if width != self._pace.maximumWidth():
+            # Of a fixed size, so that its numbers do not make the window lay out and draw everything anew.
+            self._pace.setFixedSize(width, self.hint.sizeHint().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Share the room anew."""
@@ -134,9 +139,9 @@ class StatusBar(QStatusBar):
         count = tr("iteration {iteration:,}").format(iteration=iteration) if iteration else ""
         text = measured.format(iteration=iteration, pace=pace) if iteration and pace else count
         self._pace.setText(text)
-        room = self._pace.room_for(f"{count}…") if count else 0
-        if room > self._pace.minimumWidth() or not count:  # it never jumps while it counts
-            self._pace.setMinimumWidth(room)
+        most = max(self._pace_room[1], self._pace.room_for(text)) if count else 0
+        least = max(self._pace_room[0], self._pace.room_for(f"{count}…")) if count else 0
+        self._pace_room = least, most  # it never jumps while it counts
         self._share_room()
 
     def _press_pause(self) -> None:

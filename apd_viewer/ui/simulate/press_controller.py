@@ -31,6 +31,7 @@ from apd_viewer.ui.simulate.timeline_charts import PressCharts, StepCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_modes import Tool
+from apd_viewer.ui.widgets.layout_boundary import LayoutBoundary
 from apd_viewer.ui.widgets.theme import Theme
 
 _REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: duration of all steps, and limits of that of one step
@@ -125,7 +126,7 @@ class PressController(QObject):
         self._readings = PressReadings(session, self.known_wall)
         self.charts = PressCharts(session, self.known_wall)
         self.panel = panel = TimelinePanel()
-        dock.setWidget(panel)
+        dock.setWidget(LayoutBoundary(panel))
         panel.load_view.chart = self.charts.load_chart
         panel.volume_view.chart = self.charts.volume_chart
         self.step_charts = StepCharts()
