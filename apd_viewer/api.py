@@ -25,5 +25,6 @@ from apd_viewer.geometry.solver.convergence import Convergence as Convergence
 from apd_viewer.geometry.solver.deformation import Deformation as Deformation
 from apd_viewer.geometry.solver.deformation_result import Result as Result
 from apd_viewer.geometry.solver.plate_press import PressStep as PressStep
+from apd_viewer.geometry.solver.press_band import PressBand as PressBand, dented_shape as dented_shape
 from apd_viewer.geometry.solver.pressed_mesh import Pressed as Pressed, press as press
 from apd_viewer.presentation.notebook_deform import deform as deform

@@ -2,12 +2,15 @@
 
 import argparse
 import json
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from apd_viewer.commands.press_band_output import CylinderAsWide, band_fields, band_lines, band_rows
 from apd_viewer.commands.press_output import load_conditions, press_report, press_rows, press_summary
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
@@ -25,7 +28,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import DISTURBANCE, Convergence
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, wall_material as thin_wall_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
-from apd_viewer.geometry.solver.pressed_mesh import press_between
+from apd_viewer.geometry.solver.press_band import PressBand, dented_positions
+from apd_viewer.geometry.solver.pressed_mesh import Pressed, press_between
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import welded_state
@@ -39,6 +43,9 @@ from apd_viewer.session.storage.session_file import open_session
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
+_DENTS, _DEEPEST = 10.0, 1000.0  # % of the wall thickness: depth of dents by default, and the largest
+_DENT_LENGTH = 0.5  # length over which dents are smooth, in roots of diagonal times thickness
+_MOST_RUNS = 1000
 _SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "area", "volume"
 
 
@@ -69,6 +76,10 @@ def press_parser() -> Parser:
     add_setting_options(parser, _SETTINGS)
     add_criteria(parser, DISTURBANCE)
     _add_wall_options(parser)
+    about = tr("press so many times, each with other dents in the wall at rest, and tell the band of loads")
+    add_option(parser, "--runs N", about, type=int, default=1)
+    about = tr("depth of these dents, in percent of the wall thickness; default: 10 for several runs")
+    add_option(parser, "--dents PERCENT", about, type=float)
     add_option(parser, "--release", tr("open the plates again at the end, and write the remaining shape"))
     about = tr("mesh file to write as well: the shape before the plates open again")
     add_option(parser, "--crushed C", about, type=Path)
@@ -134,7 +145,7 @@ def _press(options: argparse.Namespace) -> None:
     for path in meshes:
         check_shapes(mesh, path, np.ones(len(mesh.V), dtype=bool))
     wall = _wall(options, Unit(options.unit or unit))
-    rest, progress = RestMesh(mesh.V, mesh.F, mesh.weld), Progress(options.progress_lines)
+    rest = RestMesh(mesh.V, mesh.F, mesh.weld)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
     method = _method(options, wall)
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
@@ -154,12 +165,12 @@ def _press(options: argparse.Namespace) -> None:
         "convergence": Convergence(**given_criteria(options)),
     }
     to = parse_distance(options.to, extent)
-    plates = PlatePress(rest, axis, to, options.steps, options.iterations, start=start, **settings)
-    found = press_between(plates, options.release, lambda done: progress.show(done, tr("pressing")))
-    progress.end()
+    cylinder = CylinderAsWide.between_plates(rest, checked_direction(axis), material)
+    presses = _presses(options, rest, _dent_depth(options, method, wall), axis, to, start, settings)
+    found, band = presses[0], PressBand(tuple(presses)) if len(presses) > 1 else None
     with ExitStack() as beside:
         if options.curve:
-            rows = press_rows(found, newtons)
+            rows = band_rows(band, newtons) if band else press_rows(found, newtons)
             table = beside.enter_context(replacing_file(options.curve))
             write_table(table, list(rows[0]), [list(row.values()) for row in rows])
         if options.figure:
@@ -172,16 +183,65 @@ def _press(options: argparse.Namespace) -> None:
                 if newtons
                 else None
             )
-            draw_press_curves(found, folder / options.figure.name, force)
+            draw_press_curves(found, folder / options.figure.name, force, band)
         if options.report:
-            said = json.dumps(press_report(mesh, rest, found, settings, wall, newtons), indent=2)
-            beside.enter_context(replacing_file(options.report)).write_text(said + "\n", encoding="utf-8")
+            fields = press_report(mesh, rest, found, settings, wall, newtons)
+            if band:
+                fields["band"] = band_fields(band, options.dents, newtons, cylinder)
+            said = json.dumps(fields, indent=2) + "\n"
+            beside.enter_context(replacing_file(options.report)).write_text(said, encoding="utf-8")
         if options.crushed:
             save_mesh(mesh, found.steps[-1].U, options.crushed, wall.unit.symbol)
         if options.output:
             save_mesh(mesh, found.U, options.output, wall.unit.symbol)
     first = next(path for path in written if path)
-    print("\n".join([press_summary(found, rest, first, wall, newtons, extent), *mesh_remarks(mesh)]))
+    lines = [press_summary(found, rest, first, wall, newtons, extent)]
+    lines += band_lines(band, options.dents, newtons, cylinder) if band else []
+    print("\n".join([*lines, *mesh_remarks(mesh)]))
+
+
+def _presses(
+    options: argparse.Namespace,
+    rest: RestMesh,
+    depth: float | None,
+    axis: np.ndarray,
+    to: float,
+    start: np.ndarray | None,
+    settings: Mapping[str, Any],
+) -> list[Pressed]:
+    """Press the mesh as often as asked, with other dents of a ``depth`` each time."""
+    progress, presses = Progress(options.progress_lines), list[Pressed]()
+
+    def show(done: float) -> None:
+        progress.show((len(presses) + done) / options.runs, tr("pressing"))
+
+    for run in range(options.runs):
+        own = rest
+        if depth is not None:
+            length = _DENT_LENGTH * np.sqrt(rest.diagonal * settings["wall_thickness"])
+            V = dented_positions(rest, depth, length, (options.seed or 0) + run)
+            own = RestMesh(rest.to_mesh_coordinates(V), rest.F, rest.weld)
+        plates = PlatePress(own, axis, to, options.steps, options.iterations, start=start, **settings)
+        presses.append(press_between(plates, options.release, show))
+    progress.end()
+    return presses
+
+
+def _dent_depth(options: argparse.Namespace, method: str, wall: Wall) -> float | None:
+    """Depth of the dents, mesh units; None without. Raises InputError."""
+    if not 1 <= options.runs <= _MOST_RUNS:
+        sentence = tr("The number of runs must be a whole number from 1 to {most:,}.")
+        raise InputError(sentence.format(most=_MOST_RUNS))
+    if options.dents is None and options.runs > 1:
+        options.dents = _DENTS
+    if options.dents is None:
+        return None
+    if not 0.0 < options.dents <= _DEEPEST:
+        sentence = tr("The depth of the dents must be above 0 and at most {most:g} % of the wall thickness.")
+        raise InputError(sentence.format(most=_DEEPEST))
+    if wall.thickness is None or not METHODS[method].is_wall:
+        raise InputError(tr("Dents are of a thin wall; add --method wall and --thickness."))
+    return options.dents / 100.0 * wall.thickness
 
 
 @unit_option_in_errors()

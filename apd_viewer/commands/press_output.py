@@ -174,8 +174,8 @@ def load_conditions(stretching: float, newtons: NewtonConversion, wall: Wall) ->
 
 
 _GAVE_WAY = tr(
-    "        Beyond that, readings of a thin wall depend on small imperfections: press in other numbers of "
-    "steps to see by how much."
+    "        Beyond that, readings of a thin wall depend on small imperfections: add --runs 10 to see by how "
+    "much."
 )
 
 

@@ -12,14 +12,21 @@ from apd_viewer.cases.case import CaseStep
 from apd_viewer.figures.style import METHOD_STYLES, draw_figure, zero_line
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.geometry.solver.plate_press import PressStep
+from apd_viewer.geometry.solver.press_band import PressBand
 from apd_viewer.geometry.solver.pressed_mesh import Pressed
 from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings
 
 _PRESS_SIZE = (9.0, 3.9)
+_BAND_POINTS = 400
 
 
-def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, str] | None = None) -> None:
+def draw_press_curves(
+    pressed: Pressed,
+    path: Path,
+    newtons: tuple[float, str] | None = None,
+    band: PressBand | None = None,
+) -> None:
     """Draw load and volume of a press; no volume if none is enclosed.
 
     Parameters
@@ -28,6 +35,8 @@ def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, str] |
         Path of the picture; its suffix is replaced.
     newtons : float and str, optional
         Newtons per load of 1, if known, and a phrase stating their conditions.
+    band : PressBand, optional
+        Runs with other dents, of which ``pressed`` is the first: the range of their loads is shaded.
     """
     scale = 1.0 if newtons is None else newtons[0]
     ways = [way for way in (pressed.steps, pressed.steps[-1:] + pressed.released) if len(way) > 1]
@@ -46,7 +55,16 @@ def draw_press_curves(pressed: Pressed, path: Path, newtons: tuple[float, str] |
                 x, y = [step.deflection for step in way], [reading(step) for step in way]
                 axes.plot(x, y, style, marker="o", markersize=4, label=name)
             axes.margins(x=0.02, y=0.1)
-        if len(ways) > 1:
+        if band is not None:
+            last = min(each.steps[-1].deflection for each in band.presses)
+            places = np.linspace(0.0, last, _BAND_POINTS)
+            loads = scale * band.loads(places)
+            name = tr("{n} runs").format(n=len(loads))
+            panels[0].fill_between(
+                places, loads.min(axis=0), loads.max(axis=0), alpha=0.25, lw=0.0, label=name
+            )
+            panels[0].plot(places, loads.mean(axis=0), ":", label=tr("their mean"))
+        if len(ways) > 1 or band is not None:
             panels[0].legend()
         if pressed.curve.yield_load is not None:
             place = pressed.curve.yield_deflection, scale * pressed.curve.yield_load

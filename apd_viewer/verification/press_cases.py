@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.special import beta
 
+from apd_viewer.geometry.energy.cylinder_buckling import classical_load
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -95,7 +96,7 @@ def _cylinder(n: int, _: bool) -> CaseResults:
         poisson=_POISSON,
         convergence=Convergence(energy_tolerance=1e-10, imperfection=0.0),
     )
-    classical = 4.0 * np.pi * np.sqrt(material.plate_rigidity * material.tensile_stiffness)
+    classical = classical_load(material)
     shortening = classical / (2.0 * np.pi * material.tensile_stiffness) * height
     strains, energies = [0.0], [0.0]
     for strain in _STRAINS:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 from matplotlib.figure import Figure
-from meshes import sphere, tube
+from meshes import can, sphere, tube
 from PIL import Image
 
 from apd_viewer.__main__ import main
@@ -257,6 +257,47 @@ def test_press_command_says_of_a_wall_that_gave_way_how_uncertain_it_is(press, t
     monkeypatch.setattr(pressed_mesh, "load_curve", lambda x, y: LoadCurve(y[1], x[1], 1.0, 1.0))
     assert uncertain()
     assert not uncertain("--method", "exact", "--stiffness", 0.01)
+
+
+def test_press_command_tells_the_band_of_several_runs(press, tmp_path):
+    """Table, report and summary say the same; the mesh that is written is of the first run."""
+    V, F = can(24, 1.0)
+    save_mesh(Mesh(V, F), 30.0 * V, tmp_path / "can.obj")
+    wall = "--unit", "mm", "--material", "pet-bottle", "--thickness", "2mm", "--dents", 30
+    words = tmp_path / "can.obj", "--axis", "z", "--to", "93%", "--steps", 5, *wall
+    table, report = tmp_path / "band.csv", tmp_path / "band.json"
+    status, said, _, out = press(*words, "--runs", 2, "--curve", table, "--report", report)
+    assert status == 0
+    first, (_, alone, _, own) = out.read_bytes(), press(*words, out=tmp_path / "alone.off")
+    assert "2 runs, each with other dents of 30 % of the wall thickness" in said
+    assert "each with other dents" not in alone
+    assert first == own.read_bytes()
+    found, band = rows(table), json.loads(report.read_text(encoding="utf-8"))["band"]
+    assert [row["run"] for row in found] == 6 * [1] + 6 * [2]
+    for k, load in enumerate(band["yield_loads_newton"]):
+        loads = [
+            0.5 * (row["load_low_newton"] + row["load_high_newton"]) for row in found if row["run"] == k + 1
+        ]
+        assert max(loads) == pytest.approx(load, rel=1e-9)
+    assert band["radius_over_thickness"] == pytest.approx(15.0, rel=1e-3)
+    share = [100.0 * load / band["classical_load"] for load in sorted(band["yield_loads"])]
+    assert f"the runs yield at {share[0]:.0f} to {share[1]:.0f} % of it" in said
+    assert f"count on {100.0 * band['knock_down_factor']:.0f} % of that, at R/t 15." in said
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("--runs", 0), "The number of runs must be a whole number from 1 to 1,000."),
+        (("--dents", -1), "The depth of the dents must be above 0 and at most 1000 % of the wall thickness."),
+        (("--dents", 5), "Dents are of a thin wall; add --method wall and --thickness."),
+        (("--runs", 2), "Dents are of a thin wall; add --method wall and --thickness."),
+    ],
+)
+def test_press_command_says_which_runs_and_dents_there_are(words, sentence, ball, press):
+    status, _, said, _ = press(ball, "--to", 1.8, *words)
+    assert status != 0
+    assert said.strip() == f"error: {sentence}"
 
 
 @pytest.mark.parametrize(

@@ -87,6 +87,8 @@ SOUND = {
     "deform iterations": COUNTS | {"None"},
     "deform contact": {"None", "np.False_"},  # not with a number of iterations
     "deform progress": FLAGS | {"None", "call"},
+    "dented_shape seed": VERTICES | {"huge"},
+    **dict.fromkeys(("dented_shape depth", "dented_shape length"), LENGTHS - {"None"}),
     "press fixed": IDS,
     "press start": {"None"},
     "press to": {"np.float32", "np.int8"},
@@ -163,6 +165,7 @@ CALLS = {
     "vessel volume": (lambda **said: vessel().volume(**said), apd_viewer.Vessel.volume),
     "vessel level": (lambda **said: vessel().level(**said), apd_viewer.Vessel.level),
     "vessel filling": (lambda **said: vessel().filling(**said), apd_viewer.Vessel.filling),
+    "dented_shape": (apd_viewer.dented_shape, {"V": V, "F": F, "depth": 0.01, "length": 0.1}),
     "geodesic_path": (apd_viewer.geodesic_path, {"V": V, "F": F, "start": 0, "end": 5}),
     "at_vertex": (apd_viewer.SurfacePoint.at_vertex, {"F": F, "vertex": 0}),
     "SurfacePoint": (
@@ -183,7 +186,17 @@ CALLS = {
     "save_mesh": (apd_viewer.save_mesh, {"mesh": MESH, "U": V, "path": "saved.obj"}),
 }
 # What only the program makes.
-MADE = {"Frame", "HullReadings", "InputError", "Obstacle", "PressStep", "Pressed", "Result", "VolumeReadings"}
+MADE = {
+    "Frame",
+    "HullReadings",
+    "InputError",
+    "Obstacle",
+    "PressBand",
+    "PressStep",
+    "Pressed",
+    "Result",
+    "VolumeReadings",
+}
 
 
 def arguments(call, given):

@@ -81,6 +81,32 @@ def tube(around: int = 12, along: int = 16, *, height: float | None = None, shea
     return V, np.vstack([np.column_stack([a, b, c]), np.column_stack([b, d, c])])
 
 
+def can(around: int = 48, height: float = 2.0) -> tuple[np.ndarray, np.ndarray]:
+    """Closed cylinder of radius 1 along z, with rings of triangles in its flat ends."""
+    rows = max(2, round(height * around / (2.0 * np.pi)))
+    rings = max(2, around // 6)
+    inner = np.arange(1, rings) / rings
+    radius = np.concatenate([inner, np.ones(rows + 1), inner[::-1]])
+    level = np.concatenate(
+        [np.zeros(rings - 1), np.linspace(0.0, height, rows + 1), np.full(rings - 1, height)]
+    )
+    turn = 2.0 * np.pi * (np.arange(around) + 0.5 * (np.arange(len(radius)) % 2)[:, None]) / around
+    V = np.stack(
+        [radius[:, None] * np.cos(turn), radius[:, None] * np.sin(turn), 0 * turn + level[:, None]], axis=2
+    )
+    V = np.vstack([V.reshape(-1, 3), [[0.0, 0.0, 0.0], [0.0, 0.0, height]]])
+    F, n = [], len(radius)
+    for k in range(n - 1):
+        for i in range(around):
+            a, b = k * around + i, k * around + (i + 1) % around
+            c, d = a + around, b + around
+            F += [(a, b, d), (a, d, c)] if k % 2 else [(a, b, c), (b, d, c)]
+    for i in range(around):
+        j = (i + 1) % around
+        F += [(n * around, j, i), (n * around + 1, (n - 1) * around + i, (n - 1) * around + j)]
+    return V, np.array(F)
+
+
 def rabbit(subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
     """Ball with two ears, a dent and two holes, one in front and one below: no side is like another."""
     V, F = sphere(subdivisions)

@@ -232,6 +232,11 @@ _KINDS = {
     **dict.fromkeys(("stiffness", "area_stiffness", "shear_stiffness"), _STIFFNESS),
     **dict.fromkeys(("thickness", "wall_thickness", "yield_radius", "radius", "size"), _LENGTH),
     **dict.fromkeys(("iterations", "steps"), _COUNT),
+    **dict.fromkeys(("dented_shape.depth", "dented_shape.length"), _LENGTH),
+    "dented_shape.seed": _Kind(
+        lambda given: is_whole_number(given) and given >= 0,  # type: ignore[operator]
+        tr("{name} must be a whole number of at least 0."),
+    ),
     "regions": _LIST,
     "poisson": _number_kind(0.0, 0.5),
     "tolerance": _number_kind(1e-12, 1e9),
