@@ -261,6 +261,8 @@ class Workbench(QObject):
         self.docks["timeline"].visibilityChanged.connect(partial(spare_mesh, self.canvas.viewport))
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
+        self.status.run_stop_requested.connect(self.session.wall_run.stop)
+        self.press.hidden_progress.connect(self.status.show_run)
         self.status.pause_requested.connect(self.session.store.pause_or_resume)
         self.status.restart_requested.connect(self.session.store.restart_solver)
 
