@@ -16,6 +16,7 @@ _MOST = 256  # maximum number of samples; beyond it every other one is dropped
 # Minimum drop of the fitted line, absolute and in standard deviations of its residuals.
 _LEAST_FALL, _CLEARLY = math.log(3.0), 4.5
 _FARTHEST = 10.0  # longest extrapolation, as a multiple of the fitted interval
+_TOLD = 3.0  # s: least time so far to be told
 _INERTIA = 0.1  # time constant of the smoothing, as a fraction of the time left
 # Rounding steps in seconds, each after its upper limit in seconds.
 _STEPS = ((60.0, 5.0), (120.0, 15.0), (3600.0, 60.0))
@@ -115,6 +116,8 @@ def time_left_text(seconds: float) -> str:
 def progress_text(said: str, seconds: float, done: int, count: int) -> str:
     """Sentence about the progress of equal steps, with the time left after the first.
 
+    During the first step, it tells the time so far once that is worth telling.
+
     Parameters
     ----------
     said : str
@@ -122,7 +125,11 @@ def progress_text(said: str, seconds: float, done: int, count: int) -> str:
     seconds : float
         Since it began.
     """
-    return f"{said}, {time_left_text(seconds * (count - done) / done)}" if done else said
+    if done:
+        return f"{said}, {time_left_text(seconds * (count - done) / done)}"
+    if seconds < _TOLD:
+        return said
+    return tr("{progress}, {duration} so far").format(progress=said, duration=duration_text(seconds))
 
 
 def duration_text(seconds: float) -> str:

@@ -1,5 +1,6 @@
 """Controllers needing a session, added to the shell once libraries are loaded."""
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -261,6 +262,8 @@ class Workbench(QObject):
         self.docks["timeline"].visibilityChanged.connect(partial(spare_mesh, self.canvas.viewport))
         self.shell.history.chosen.connect(self.edits.go_to_step)
         self.status.cancel_requested.connect(self.session.jobs.cancel)
+        self.status.run_stop_requested.connect(self.session.wall_run.stop)
+        self.press.hidden_progress.connect(self.status.show_run)
         self.status.pause_requested.connect(self.session.store.pause_or_resume)
         self.status.restart_requested.connect(self.session.store.restart_solver)
 
@@ -328,7 +331,8 @@ class Workbench(QObject):
 
     def view(self) -> View:
         """Current camera, overlay, wall and unit, as saved in a session."""
-        return self.volume.with_wall_and_overlay(self.canvas.view.saved_view(self.session.store.unit.value))
+        seen = self.canvas.view.saved_view(self.session.store.unit.value)
+        return self.volume.with_wall_and_overlay(replace(seen, image=self.region_picture.image))
 
     def _study_input(self) -> tuple[State, int, View] | None:
         store = self.session.store
@@ -392,6 +396,7 @@ class Workbench(QObject):
             self.proposal.hide()
         self.actions_.view.camera.refresh()
         self.volume.restore_view(view)
+        self.region_picture.restore(view.image)
         self.choose_unit(Unit(view.unit), is_saved=True)
         if self.session.player.timeline.belongs_to(self.session.store.required_state().document):
             self.press.show_timeline()

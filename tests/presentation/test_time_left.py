@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from apd_viewer.presentation.time_left import TimeLeftEstimate, duration_text, time_left_text
+from apd_viewer.presentation.time_left import TimeLeftEstimate, duration_text, progress_text, time_left_text
 
 
 def told(gaps, step=0.2):
@@ -96,3 +96,9 @@ def test_time_left_text_says_round_times(seconds, words):
 )
 def test_duration_text_says_times_of_any_length(seconds, words):
     assert duration_text(seconds) == words
+
+
+def test_progress_text_tells_the_time_so_far_until_the_first_step_is_done():
+    assert progress_text("Step 1 of 4", 1.0, 0, 4) == "Step 1 of 4"
+    assert progress_text("Step 1 of 4", 20.0, 0, 4) == "Step 1 of 4, 20 s so far"
+    assert progress_text("Step 2 of 4", 20.0, 1, 4) == "Step 2 of 4, about 60 s left"

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.regular_files import read_content, sibling_content, without_library_warnings
+from apd_viewer.files.storage.regular_files import sibling_content, without_library_warnings
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
@@ -54,8 +54,10 @@ def read_image(content: bytes, name: str) -> np.ndarray:
         raise _missing_texture_error(name) from error
 
 
-def read_picture(path: Path) -> np.ndarray:
+def read_picture(content: bytes, name: str) -> np.ndarray:
     """Picture (h, w, 4) uint8 of an image file, upright, scaled down if too large.
+
+    ``name`` is that of the file.
 
     Raises
     ------
@@ -64,7 +66,7 @@ def read_picture(path: Path) -> np.ndarray:
     """
     from PIL import Image, ImageOps  # imported on demand: loading takes a tenth of a second
 
-    content, most = read_content(path), (_LARGEST_PICTURE, _LARGEST_PICTURE)
+    most = _LARGEST_PICTURE, _LARGEST_PICTURE
     try:
         with without_library_warnings(), Image.open(io.BytesIO(content)) as image:
             image.draft(image.mode, most)
@@ -73,7 +75,7 @@ def read_picture(path: Path) -> np.ndarray:
             return np.array(picture)
     except (OSError, ValueError, SyntaxError, MemoryError, Image.DecompressionBombError) as error:
         raise InputError(
-            tr("{name} is no image that can be read; choose a PNG, JPEG or WebP file.").format(name=path.name)
+            tr("{name} is no image that can be read; choose a PNG, JPEG or WebP file.").format(name=name)
         ) from error
 
 

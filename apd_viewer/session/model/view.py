@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
+
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
 
@@ -29,6 +31,28 @@ class CameraPose:
     angle: float
 
 
+@dataclass(frozen=True, eq=False)
+class RegionImage:
+    """Image file laid on a region.
+
+    Attributes
+    ----------
+    name : str
+        Name of the file.
+    content : bytes
+        Of the file.
+    inside : (n,) bool array
+        Vertices of the region when it was laid.
+    up_axis : UpAxis
+        Up axis of the view then, by which it is upright.
+    """
+
+    name: str
+    content: bytes
+    inside: np.ndarray
+    up_axis: UpAxis
+
+
 @dataclass(frozen=True)
 class View:
     """View settings of a session file.
@@ -47,6 +71,8 @@ class View:
         what is painted, None where nothing is said of them.
     up_axis : UpAxis or None
         Up axis; None if not stored.
+    image : RegionImage or None
+        On a region of the mesh.
     """
 
     camera: CameraPose | None = None
@@ -54,3 +80,4 @@ class View:
     wall: WallText = NO_WALL
     overlay: str | None = None
     up_axis: UpAxis | None = None
+    image: RegionImage | None = None

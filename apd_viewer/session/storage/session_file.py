@@ -38,6 +38,7 @@ from apd_viewer.session.storage.timeline_json import ArrayReader, timeline_from_
 SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
 _WELD = "weld"  # array of the vertex to which each vertex is welded, if seams were welded
+_IMAGE_MEMBER, _IMAGED = "region-image", "imaged"  # file of the image on a region, and array of its vertices
 # Farthest valid positions, in bounding-box diagonals of the mesh.
 _FARTHEST = 1e8
 
@@ -97,6 +98,8 @@ def save_session(
     positions = {"grip": document.initial_positions, "shape": state.frame.U}
     # Rest positions are left out: they are restored from the mesh.
     arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
+    if view.image is not None:
+        arrays[_IMAGED] = view.image.inside.astype(np.uint8)
     steps, arrays_of_steps = timeline_to_json(timeline, state) if timeline.steps else (None, {})
     said = {
         "format": SESSION_FORMAT,
@@ -113,6 +116,7 @@ def save_session(
     text = json.dumps(said, indent=1, allow_nan=False).encode()
     members = {f"{name}.npy": npy_content(array) for name, array in (arrays | arrays_of_steps).items()}
     members |= {**copy, **copy_of_target, **({PICTURE_MEMBER: picture} if picture else {})}
+    members |= {_IMAGE_MEMBER: view.image.content} if view.image is not None else {}
     write_archive(path, {JSON_MEMBER: text, **members}, is_urgent, finish)
     return bool(copy)
 
@@ -163,7 +167,15 @@ def _opened(path: Path, with_timeline: bool) -> OpenedFile:
         if with_timeline and said.has_value("timeline"):
             read = _array_reader(archive, state)
             timeline, state = timeline_from_json(said.nested_fields("timeline"), state, read)
-        return OpenedFile(state, session_json.view_from_json(said.nested_fields("view")), timeline)
+        return OpenedFile(state, _view(said.nested_fields("view"), archive, len(mesh.V)), timeline)
+
+
+def _view(fields: JsonFields, archive: Archive, n: int) -> View:
+    view = session_json.view_from_json(fields)
+    if not fields.has_value("image"):
+        return view
+    inside, content = archive.array(_IMAGED, "|u1", (n,)), archive.content(_IMAGE_MEMBER)
+    return replace(view, image=session_json.image_from_json(fields.nested_fields("image"), content, inside))
 
 
 def _content(path: Path) -> bytes:

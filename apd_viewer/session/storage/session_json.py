@@ -24,7 +24,7 @@ from apd_viewer.session.model.handles_and_regions import MOST_POSES, NO_FLAGS
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle
 from apd_viewer.session.model.state import State, shape_frame
 from apd_viewer.session.model.up_axis import UpAxis
-from apd_viewer.session.model.view import CameraPose, Point3, View
+from apd_viewer.session.model.view import CameraPose, Point3, RegionImage, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText
@@ -191,6 +191,8 @@ def view_to_json(view: View) -> dict[str, Any]:
     }
     if Unit(view.unit).is_guess:
         said["unit_is_guess"] = True
+    if view.image is not None:
+        said["image"] = {"name": view.image.name, "up_axis": view.image.up_axis.value}
     return said if view.up_axis is None else {**said, "up_axis": view.up_axis.value}
 
 
@@ -210,6 +212,11 @@ def view_from_json(fields: JsonFields) -> View:
         raise ValueError(tr("its “camera” has no direction"))
     angle = camera.number("angle", part_json.LEAST_POSITIVE, np.pi - part_json.LEAST_POSITIVE)
     return View(CameraPose(_point(position), _point(focal), _point(up), angle), unit, wall, overlay, up_axis)
+
+
+def image_from_json(fields: JsonFields, content: bytes, inside: np.ndarray) -> RegionImage:
+    """Image on a region from JSON, the content of its file and its vertices (n,)."""
+    return RegionImage(fields.text("name"), content, inside.astype(bool), _up_axis(fields.text("up_axis")))
 
 
 def _unit(fields: JsonFields) -> str:

@@ -95,14 +95,16 @@ class ViewActions:
     def add_to_menu(self, menu: QMenu, display: DisplayActions) -> None:
         """Add the view actions to a menu, with the display actions in between."""
         menu.addAction(self.frame)
-        self.camera.add_to_menu(menu)
+        self.camera.add_to_menu(menu, display.switches["turntable"])
         menu.addSeparator()
         display.add_to_menu(menu)
-        menu.addSeparator()
         menu.addAction(self.edges)
         shading = menu.addMenu(tr("&Shading"))
         shading.addActions(list(self.shadings.values()))
+        shading.addSeparator()
+        shading.addActions([display.switches[name] for name in ("file_colors", "textures")])
         shading.setToolTipsVisible(True)
+        menu.addSeparator()
         menu.addAction(self.findings)
         menu.addSeparator()
         self._menu, self._appearance = menu, menu.addMenu(tr("A&ppearance"))
@@ -182,11 +184,13 @@ class CameraActions:
         self.up_axes[eye.up_axis].setChecked(True)
         self.orthographic.setChecked(eye.is_orthographic)
 
-    def add_to_menu(self, menu: QMenu) -> None:
-        """Add these actions and a submenu of them to a menu."""
-        menu.addActions(list(self.directions.values()))
-        menu.addAction(self.orthographic)
-        up = menu.addMenu(tr("&Up axis"))
+    def add_to_menu(self, menu: QMenu, turntable: QAction) -> None:
+        """Add a submenu of these actions and of the turntable to a menu."""
+        camera = menu.addMenu(tr("Ca&mera"))
+        camera.addActions(list(self.directions.values()))
+        camera.addSeparator()
+        camera.addActions([self.orthographic, turntable])
+        up = camera.addMenu(tr("&Up axis"))
         up.addActions(list(self.up_axes.values()))
         up.addSeparator()
         up.addAction(self.stand_upright)
@@ -318,13 +322,15 @@ class DisplayActions:
         self.finishes[self._looks.finish].setChecked(True)
 
     def add_to_menu(self, menu: QMenu) -> None:
-        """Add these actions and a submenu of them to a menu."""
+        """Add submenus of these actions to a menu, and what is often switched itself."""
         self.overlay = menu.addMenu(tr("&Overlay"))
         self.overlay.addActions([self.no_overlay, *self.measures.values()])
         self.overlay.addSeparator()
         self.overlay.addActions(self.extremes)
+        menu.addActions([self.switches[name] for name in ("ghost", "target_ghost", "compare", "cut")])
         menu.addSeparator()
-        menu.addActions(list(self.switches.values()))
+        around = menu.addMenu(tr("Surrou&ndings"))
+        around.addActions([self.switches[name] for name in ("ground", "shadow", "orientation")])
         finish = menu.addMenu(tr("F&inish"))
         finish.addActions(list(self.finishes.values()))
         finish.addSeparator()

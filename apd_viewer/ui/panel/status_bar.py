@@ -35,6 +35,8 @@ class StatusBar(QStatusBar):
 
     Attributes
     ----------
+    run, run_stop : QLabel, QToolButton
+        Progress of a run of the Wall method without its panel, and button to stop it.
     pause : QToolButton
         Stops the solver, or lets it go on; restarts it while it does not answer.
     hint : ElidedLabel
@@ -44,6 +46,7 @@ class StatusBar(QStatusBar):
     """
 
     cancel_requested = Signal()
+    run_stop_requested = Signal()
     pause_requested = Signal()
     restart_requested = Signal()
 
@@ -53,6 +56,11 @@ class StatusBar(QStatusBar):
         self.hint = ElidedLabel()
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_requested)
+        self.run = QLabel()
+        self.run_stop = QToolButton(
+            text=tr("Stop"), toolTip=tr("Solve the wall no further; what has come stays")
+        )
+        self.run_stop.clicked.connect(self.run_stop_requested)
         self.pause = QToolButton(text=tr("Pause"), clicked=self._press_pause)
         self._silence = ""
         self.compiling = CompilingProgress()
@@ -62,7 +70,7 @@ class StatusBar(QStatusBar):
         self.hint.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self.addWidget(self.hint)
         # What comes and goes takes the room of the hint alone, so that the rest does not shift at every drag.
-        coming = self._job, self._cancel, self.compiling, self.progress, self.pause
+        coming = self._job, self._cancel, self.run, self.run_stop, self.compiling, self.progress, self.pause
         self._right = *coming, self._pace, self.extent, badge
         for widget in self._right:
             self.addPermanentWidget(widget)
@@ -71,6 +79,7 @@ class StatusBar(QStatusBar):
         # Text only: an animated indicator would redraw the whole window 60 times a second.
         self._job.setText(tr("Starting…"))
         self._cancel.hide()
+        self.show_run("")
         self.pause.hide()
 
     def show_hint(self, text: str) -> None:
@@ -131,7 +140,8 @@ class StatusBar(QStatusBar):
         activity = session.store.activity
         self._silence = session.store.silence_text
         self._show_pause(activity)
-        self.progress.set_frame(state.frame if state else None, activity.value == _SOLVING)
+        prepared = state.document.settings.traits.short_title if state and session.store.is_preparing else ""
+        self.progress.set_frame(state.frame if state else None, activity.value == _SOLVING, prepared)
         iteration = state.frame.iteration if state else 0
         pace = 1e3 * session.store.seconds_per_iteration
         # No rate to show for an opened or restored shape that this window has not iterated.
@@ -142,6 +152,13 @@ class StatusBar(QStatusBar):
         most = max(self._pace_room[1], self._pace.room_for(text)) if count else 0
         least = max(self._pace_room[0], self._pace.room_for(f"{count}…")) if count else 0
         self._pace_room = least, most  # it never jumps while it counts
+        self._share_room()
+
+    def show_run(self, said: str) -> None:
+        """Show the progress of a background run and its Stop; hide both if empty."""
+        self.run.setText(said)
+        for widget in (self.run, self.run_stop):
+            widget.setVisible(bool(said))
         self._share_room()
 
     def _press_pause(self) -> None:

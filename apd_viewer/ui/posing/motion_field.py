@@ -1,6 +1,7 @@
 """Motion of the active handle: a typed amount, and symmetric posing."""
 
-from PySide6.QtCore import QTimer, Signal
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
+from PySide6.QtGui import QFocusEvent
 from PySide6.QtWidgets import QLabel, QPushButton, QWidget
 
 from apd_viewer.language import tr, trc, trn
@@ -25,7 +26,7 @@ class MotionField(QWidget):
     motion_entered : Signal(Motion, str, bool)
         The motion, what was typed, and whether it is the total to go to.
     edited : Signal(Motion, str, bool)
-        The same while it is typed, to be previewed.
+        The same while it is chosen and typed, to be previewed.
     editing_ended : Signal()
         Emitted when typing has ended.
     line_requested : Signal()
@@ -66,6 +67,8 @@ class MotionField(QWidget):
         self.amount.focus_gained.connect(self.request_preview)
         self.amount.focus_lost.connect(self._leave)
         self.choice.currentIndexChanged.connect(self._choose)
+        self.choice.activated.connect(self.request_preview)
+        self.choice.installEventFilter(self)
         self.problem = quiet_label(tr("Error in the amount"), style="unreached")
         self.problem.hide()
         self._later = QTimer(self, singleShot=True, interval=_PAUSE, timeout=self._show_problem)
@@ -95,6 +98,14 @@ class MotionField(QWidget):
         self.amount.clear()
         self.steps.setValue(1)
         self.problem.hide()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """End the preview once the choice of the motion is left, but not for its list."""
+        if watched is self.choice and isinstance(event, QFocusEvent):
+            kept = event.gotFocus() or event.reason() is Qt.FocusReason.PopupFocusReason
+            if not kept:
+                self._leave()
+        return super().eventFilter(watched, event)
 
     def show_error_later(self, sentence: str) -> None:
         """Show an input error once typing pauses; an empty text clears it."""

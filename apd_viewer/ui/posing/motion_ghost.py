@@ -13,7 +13,7 @@ from apd_viewer.geometry.pose.transforms import rigid_transform
 from apd_viewer.presentation.palette import handle_color
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
-from apd_viewer.session.posing.motion import Motion
+from apd_viewer.session.posing.motion import AmountKind, Motion, MotionReference
 from apd_viewer.session.session import Session
 from apd_viewer.ui.posing.motion_field import MotionField
 from apd_viewer.ui.scene.ghost import PatchGhost
@@ -38,8 +38,11 @@ class MotionGhost(MouseTool):
         self.traces: list[tuple[tuple[int, int, int], MotionTrace]] = []
         viewport.tools.insert(0, self)  # the first tool is drawn last, over the gizmo
 
-    def show_motion(self, start: Document, documents: Sequence[Document]) -> None:
-        """Show the handles moved by a motion at its end, with their paths."""
+    def show_motion(self, start: Document, documents: Sequence[Document], has_amount: bool = True) -> None:
+        """Show the handles moved by a motion at its end, with their paths.
+
+        Without an amount, show only the axes of their rotations.
+        """
         end = documents[-1].handles
         moved = [k for k, handle in enumerate(start.handles) if not np.array_equal(handle.pose, end[k].pose)]
         self.traces = []
@@ -47,7 +50,12 @@ class MotionGhost(MouseTool):
         for k in moved:
             ids, F = _handle_patch(start, k)
             poses = [document.handles[k].pose for document in documents]
-            self.traces.append((handle_color(k), motion_trace(start.initial_positions[ids], poses)))
+            trace = motion_trace(start.initial_positions[ids], poses)
+            trace = trace._replace(pivot=_pivot_on(trace.axis, MotionReference(start.relative_to_rest, k)))
+            if not has_amount:
+                self.traces.append((handle_color(k), trace._replace(path=trace.path[:1])))
+                continue
+            self.traces.append((handle_color(k), trace))
             patches.append((transform(poses[-1], start.initial_positions[ids]), F, handle_color(k)))
         self._show_patches(patches)
         self._viewport.tool_layer.update()
@@ -82,16 +90,18 @@ class MotionGhost(MouseTool):
         )
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the axis, the path with a dot at its end, and the swept sector."""
+        """Draw axis and pivot, the path with a dot at its end, and the swept sector."""
         ink, halo = ("#ffffff", "#14161a") if self._viewport.is_dark else ("#14161a", "#ffffff")
         for color, trace in self.traces:
-            corners = np.vstack([trace.path, trace.axis])
+            corners = np.vstack([trace.path, trace.axis_with_pivot])
             if not len(trace.path) or not self._is_in_front(corners):
                 continue
             if len(trace.axis):
                 _draw_sector(painter, self._project(np.vstack([trace.axis.mean(axis=0), trace.path])), color)
-                _draw_axis(painter, self._project(trace.axis), QColor(ink), halo)
-            _draw_path(painter, self._project(trace.path), QColor(ink), halo)
+                _draw_axis(painter, self._project(trace.axis_with_pivot), QColor(ink), halo)
+                _draw_dots(painter, self._project(trace.pivot), QColor(halo), ink)
+            if len(trace.path) > 1:
+                _draw_path(painter, self._project(trace.path), QColor(ink), halo)
 
     def _project(self, points: np.ndarray) -> np.ndarray:
         return self._viewport.camera_controller.camera.project(points)
@@ -126,9 +136,14 @@ def _draw_axis(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> N
 
 def _draw_path(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> None:
     draw_polyline(painter, at, color, 2.2, halo)
-    painter.setPen(QPen(with_opacity(halo), 1.5))
+    _draw_dots(painter, at[-1:], color, halo)
+
+
+def _draw_dots(painter: QPainter, at: np.ndarray, color: QColor, rim: str) -> None:
+    painter.setPen(QPen(with_opacity(rim), 1.5))
     painter.setBrush(color)
-    painter.drawEllipse(QPointF(*at[-1]), _DOT, _DOT)
+    for point in at:
+        painter.drawEllipse(QPointF(*point), _DOT, _DOT)
     painter.setBrush(Qt.BrushStyle.NoBrush)
 
 
@@ -141,6 +156,8 @@ _CENTRAL = 0.5
 _ASIDE = 1.6
 # Half the drawn length of the axis, in radii of the handle.
 _AXIS = 1.8
+# Largest distance of a pivot from its axis, in drawn lengths of the axis.
+_ON_AXIS = 1e-3
 
 
 class MotionTrace(NamedTuple):
@@ -151,11 +168,23 @@ class MotionTrace(NamedTuple):
     path : (k, 3) float array
         Empty without a motion.
     axis : (2, 3) float array
-        End points of the axis; (0, 3) without a rotation.
+        End points of the axis beside the path; (0, 3) without a rotation.
+    pivot : (1, 3) float array
+        Centre of base or handle that the axis leads through; otherwise (0, 3).
     """
 
     path: np.ndarray
     axis: np.ndarray
+    pivot: np.ndarray = np.empty((0, 3))
+
+    @property
+    def axis_with_pivot(self) -> np.ndarray:
+        """End points of the axis, extended to the pivot; (0, 3) without a rotation."""
+        if not len(self.axis):
+            return self.axis
+        points = np.vstack([self.axis, self.pivot])
+        heights = points @ (self.axis[1] - self.axis[0])
+        return points[[heights.argmin(), heights.argmax()]]
 
 
 def motion_trace(initial: np.ndarray, poses: Sequence[np.ndarray]) -> MotionTrace:
@@ -199,6 +228,17 @@ def _rotation_axis_ends(step: np.ndarray, point: np.ndarray, reach: float) -> np
     return np.array([middle - reach * rigid.axis, middle + reach * rigid.axis])
 
 
+def _pivot_on(axis: np.ndarray, at: MotionReference) -> np.ndarray:
+    """Centre of base or handle on an axis, nearer to its middle; (0, 3) if none is."""
+    if not len(axis):
+        return np.empty((0, 3))
+    along, base = axis[1] - axis[0], at.document.base_centre
+    centres = np.array([at.pivot] if base is None else [at.pivot, base])
+    aside = np.linalg.norm(np.cross(centres - axis[0], along), axis=1)
+    centres = centres[aside <= _ON_AXIS * float(along @ along)]
+    return centres[np.argsort(np.linalg.norm(centres - axis.mean(axis=0), axis=1))[:1]]
+
+
 class MotionPreview:
     """Preview of the active handle after a motion, while it is typed.
 
@@ -233,8 +273,10 @@ class MotionPreview:
         if (state := self._session.store.state) is None:
             return
         try:
+            turns = motion.kind.amount is AmountKind.ANGLE  # about an axis to be shown before any amount
+            planned = text if text.strip() or not turns else motion.kind.example
             step = self._session.handles.plan_motion(
-                motion, text, self._parts.handle, self._canvas.bend_line, to
+                motion, planned, self._parts.handle, self._canvas.bend_line, to and planned is text
             )
             way = step.intermediate_documents(state.document)
         except InputError as error:
@@ -242,4 +284,4 @@ class MotionPreview:
             self._field.show_error_later(str(error) if text.strip() else "")
         else:
             self._field.show_error_later("")
-            self.ghost.show_motion(state.document, way)
+            self.ghost.show_motion(state.document, way, planned is text)

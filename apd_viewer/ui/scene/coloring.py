@@ -41,7 +41,7 @@ class Coloring:
         """Set a new mesh; return its colours (n, 4) uint8, without preview or marks."""
         if self._document is None or self._document.mesh.F is not document.mesh.F:
             self._pictured = None
-        self._document, self.previewed_ids = self._without_pictured(document), None
+        self._document, self.previewed_ids = self.without_pictured(document), None
         self._marks.mark_vertices(None)
         return colors_of(self._document, unpainted_colors=self._file_colors)
 
@@ -50,7 +50,8 @@ class Coloring:
         self._pictured, self._member = pictured, np.empty(0)
         self.follow_document(document)
 
-    def _without_pictured(self, document: Document) -> Document:
+    def without_pictured(self, document: Document) -> Document:
+        """Document whose regions end where a picture is."""
         if self._pictured is None:
             return document
         if self._member is not document.member:
@@ -81,7 +82,7 @@ class Coloring:
 
     def follow_document(self, document: Document) -> None:
         """Update the colours to a new document of the mesh."""
-        before, self._document = self._document, self._without_pictured(document)
+        before, self._document = self._document, self.without_pictured(document)
         if before is not None and not _have_same_colors(before, self._document):
             self._restore(differing_vertices(before, self._document))
 

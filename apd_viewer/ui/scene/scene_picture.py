@@ -15,6 +15,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
 from apd_viewer.session.model.state import State
@@ -240,8 +241,8 @@ class _OffscreenViewport:
 
     is_dark = False
 
-    def __init__(self) -> None:
-        self.renderer = vtkRenderer()
+    def __init__(self, viewport: Viewport) -> None:
+        self.renderer, self.antialiasing = vtkRenderer(), viewport.antialiasing
         self.pre_draw: list[Callable[[], None]] = []
         self.box: Callable[[], tuple[float, ...]] | None = None
         self.pick_point: object = None
@@ -259,13 +260,17 @@ class OffscreenScene:
         Draws the pictures, which have no background.
     shading : Shading
         See :class:`apd_viewer.ui.scene.surface.Surface`.
+    texture : Texture or None
+        Under the paint.
     """
 
-    def __init__(self, viewport: Viewport, state: State, edges: bool, shading: Shading) -> None:
-        self._viewport, self._set = viewport, _OffscreenViewport()
+    def __init__(
+        self, viewport: Viewport, state: State, edges: bool, shading: Shading, texture: Texture | None = None
+    ) -> None:
+        self._viewport, self._set = viewport, _OffscreenViewport(viewport)
         self._surface = Surface(cast("Viewport", self._set))
         self._surface.set_mesh(state.surface_index, state.frame.U, colors_of(state.document))
-        self._surface.shows_edges, self._surface.shading = edges, shading
+        self._surface.shows_edges, self._surface.shading, self._texture = edges, shading, texture
         used = np.unique(state.surface_index.F)
         self.size = self._frame_points(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
 
@@ -286,11 +291,13 @@ class OffscreenScene:
     def painted_picture(self, U: np.ndarray) -> QImage:
         """Picture of the shape ``U`` (n, 3) with its paint."""
         self._surface.set_color_map(None)
+        self._surface.texture = self._texture
         return self._take_picture(U)
 
     def colored_picture(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
         """Picture of ``U`` coloured by scalars on a ``scale``."""
         neutral = scale.neutral_fraction if scale.measure.is_signed else -1.0
+        self._surface.texture = None
         self._surface.set_color_map(scale.measure.colors, neutral)
         self._surface.shades[:] = shades
         self._surface.update_shades()

@@ -228,7 +228,9 @@ class ReportController:
 
     def _images(self, state: State, measured: _ReportMeasurements) -> list[QImage]:
         surface = self._canvas.surface
-        studio = OffscreenScene(self._canvas.viewport, state, surface.shows_edges, surface.shading)
+        shown = replace(state, document=self._canvas.coloring.without_pictured(state.document))
+        look = surface.shows_edges, surface.shading, surface.texture
+        studio = OffscreenScene(self._canvas.viewport, shown, *look)
         V, U = state.document.mesh.V, state.frame.U
         return [
             studio.painted_picture(V),

@@ -36,6 +36,7 @@ from apd_viewer.ui.widgets.theme import Theme
 
 _REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: duration of all steps, and limits of that of one step
 
+_TICK = 1000  # ms; updates the time of a run even without new steps
 _CORNERS = tuple(itertools.product((0, 1), repeat=3))
 
 
@@ -100,7 +101,14 @@ class PressController(QObject):
         The wall as typed.
     wall_settings : callable
         Settings by name that follow from it.
+
+    Attributes
+    ----------
+    hidden_progress : Signal(str)
+        Progress of the Wall method while the panel is closed; empty while it is open or none runs.
     """
+
+    hidden_progress = Signal(str)
 
     def __init__(
         self,
@@ -134,6 +142,7 @@ class PressController(QObject):
         panel.effort_view.chart = self.step_charts.effort_chart
         self._replay = TimelineReplay(self, session, panel.loop.isChecked)
         self._replay.step_shown.connect(self.refresh)
+        self._ticks = QTimer(self, interval=_TICK, timeout=self._show_progress)
         self._connect()
 
     def _connect(self) -> None:
@@ -284,6 +293,7 @@ class PressController(QObject):
     def refresh(self, *_: object) -> None:
         """Show the state of the session, if the dock is visible."""
         self._wall_run_controller.update()
+        self._show_progress()
         state = self._session.store.state
         if state is None or not self._dock.isVisible():
             return
@@ -294,7 +304,7 @@ class PressController(QObject):
         self.panel.show_directions(self._direction_titles(state), self._axis)
         shown = self._shown_number
         may_open = pair is not None and pair.reading(state).deflection > 1e-9 * pair.extent(state.document)
-        self.panel.show_run(player.is_playing, player.is_paused, self._progress, may_open)
+        self.panel.show_run(player.is_playing, player.is_paused, may_open)
         last = len(steps) - 1 if player.is_playing else None
         self.panel.show_steps(len(steps), shown if shown is not None else last, self._replay.isActive())
         is_press = pair is not None or not steps
@@ -313,6 +323,14 @@ class PressController(QObject):
         if not player.is_playing:
             self.charts.reach = 0.0
         self.panel.update_charts()
+
+    def _show_progress(self) -> None:
+        """Show the progress of the motion or Wall method, with its current time."""
+        is_shown, is_running = self._dock.isVisible(), self._session.wall_run.is_running
+        self.panel.progress.setText(self._progress)
+        self.hidden_progress.emit("" if is_shown else self._wall_run_controller.progress)
+        if is_running is not self._ticks.isActive():
+            (self._ticks.start if is_running else self._ticks.stop)()
 
     def _show_texts(
         self,
@@ -356,3 +374,4 @@ class PressController(QObject):
     def close(self) -> None:
         """End a running replay."""
         self._replay.stop()
+        self._ticks.stop()

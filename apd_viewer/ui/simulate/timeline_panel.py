@@ -233,8 +233,8 @@ class TimelinePanel(QWidget):
             self.direction.addItems(list(titles))
         self.direction.setCurrentIndex(axis)
 
-    def show_run(self, is_playing: bool, is_paused: bool, said: str, may_open: bool) -> None:
-        """Show whether a press is running, and a text about its progress."""
+    def show_run(self, is_playing: bool, is_paused: bool, may_open: bool) -> None:
+        """Show whether a press is running."""
         go_on = tr("Continue") if is_paused else tr("Pause")
         self.press.setText(go_on if is_playing else tr("Press"))
         self.press.setToolTip(
@@ -245,7 +245,6 @@ class TimelinePanel(QWidget):
         self.open.setEnabled(may_open)
         for field in (self.direction, self.end, self.steps):
             field.setEnabled(not is_playing)
-        self.progress.setText(said)
 
     def show_steps(self, count: int, shown: int | None, is_replaying: bool) -> None:
         """Show the number of steps, and the position of the displayed one."""

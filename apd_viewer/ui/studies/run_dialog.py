@@ -58,6 +58,11 @@ class RunDialog(QDialog):
         self._rows = grid = QGridLayout(self._asks, horizontalSpacing=16, verticalSpacing=8)
         grid.setContentsMargins(0, 0, 0, 0)
         add_titled_rows(grid, rows)
+        tip = tr("Show or hide the options, whose room the figure takes on a low screen")
+        self.options = QPushButton(tr("Options"), toolTip=tip, checkable=True, checked=True, visible=False)
+        self.options.toggled.connect(self._asks.setVisible)
+        self.options.toggled.connect(lambda: self._fit(self.width()))
+        self.run.add_button(self.options, lambda: self.figure is not None)
         self.summary = QLabel(wordWrap=True, visible=False)
         self.summary.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         add_parts(self._column, self.summary, STRETCH, self.run)
@@ -81,17 +86,22 @@ class RunDialog(QDialog):
         self.figure = FigureView(folder / self._named, self._caption)
         self._column.insertWidget(self._column.indexOf(self.summary), self.figure)
         self.figure.show()  # hidden widgets take no room
-        self._fit(max(self.width(), _WIDTH_WITH_FIGURE))
+        self.options.show()
+        width = max(self.width(), _WIDTH_WITH_FIGURE)
+        self.options.setChecked(True)
+        self.options.setChecked(not self._fit(width))
 
-    def _fit(self, width: int) -> None:
-        """Set the width and the required height; a low screen shrinks the figure."""
+    def _fit(self, width: int) -> int:
+        """Set width and height; return the height that a low screen takes from the figure."""
         self._rows.activate()  # otherwise a longer text changes the layout only in the event loop
         self._column.activate()
+        lacking = 0
         if self.figure is not None:
             self.figure.shrink_by(0)
-            lacking = self._column.totalHeightForWidth(width) - largest_on_screen(self).height()
-            self.figure.shrink_by(max(0, lacking))
+            lacking = max(0, self._column.totalHeightForWidth(width) - largest_on_screen(self).height())
+            self.figure.shrink_by(lacking)
         resize_on_screen(self, QSize(width, self._column.totalHeightForWidth(width)))
+        return lacking
 
     def done(self, result: int) -> None:
         """Close the dialog, and end a run in progress."""
@@ -185,10 +195,10 @@ class RunBar(QWidget):
         self._row = row_layout(self.help, (self.message, 1), *buttons)
         column_layout(self.bar, self._row, spacing=8, parent=self)
 
-    def add_button(self, button: QPushButton) -> None:
+    def add_button(self, button: QPushButton, is_wanted: Callable[[], bool] = lambda: True) -> None:
         """Add a button beside the start button, hidden while a command runs."""
         self._row.insertWidget(self._row.indexOf(self.start), button)
-        self.busy_changed.connect(lambda on: button.setVisible(not on))
+        self.busy_changed.connect(lambda on: button.setVisible(not on and is_wanted()))
 
     @property
     def is_running(self) -> bool:

@@ -206,12 +206,13 @@ def rotated_pose(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: 
 
 
 # Lengths in logical pixels of a large view, unless noted.
-SHAFT = (15.0, 92.0)
-TIP = 110.0
-TIP_RADIUS = 6.5
-LABEL = 124.0
-GIZMO_RADIUS = 136.0  # radius of a circle around the whole gizmo, letters included
 RING_RADIUS = 76.0
+SHAFT = (15.0, 100.0)
+OUTER_SHAFT = (RING_RADIUS + 9.0, SHAFT[1])  # with rings, which an arrow never meets outside of them
+TIP = 118.0
+TIP_RADIUS = 6.5
+LABEL = 132.0
+GIZMO_RADIUS = 144.0  # radius of a circle around the whole gizmo, letters included
 SQUARE = (27.0, 43.0)
 DOT_RADIUS = 5.0
 SCALE = (86.0, -86.0)  # offset of the scale handle from the centre, right and down
@@ -297,7 +298,13 @@ class GizmoFrame:
 
     def arrow(self, i: int) -> np.ndarray:
         """Shaft ends, tip and letter position of an arrow, (4, 2) pixels."""
-        return self.to_screen(np.outer([*SHAFT, TIP, LABEL], np.eye(3)[i]))
+        shaft = SHAFT if self.offered_handles.isdisjoint(RINGS) else OUTER_SHAFT
+        return self.to_screen(np.outer([*shaft, TIP, LABEL], np.eye(3)[i]))
+
+    def stem_foot(self, i: int) -> np.ndarray:
+        """Pixel position (2,) beside the centre where the stem of an arrow begins."""
+        foot: np.ndarray = self.to_screen(SHAFT[0] * np.eye(3)[i : i + 1])[0]
+        return foot
 
     def tip(self, i: int) -> np.ndarray:
         """Unordered outline points (k, 2) of an arrow's cone, in pixels."""

@@ -17,7 +17,7 @@ AXIS_COLOURS = {False: ("#cf2458", "#6f9f0a", "#4b45d1"), True: ("#ff6f97", "#b4
 INK = {False: "#ffffff", True: "#14161a"}  # halo that sets lines off from the background
 CENTRE = {False: "#3a3f47", True: "#f2f4f7"}
 FADED = 0.16  # opacity of the other gizmo handles during a drag
-BACK = 0.34  # opacity of the far half of a ring
+BACK = 0.34  # opacity of the far half of a ring, and of the stem of an arrow inside the rings
 
 
 @dataclass(frozen=True)
@@ -123,8 +123,10 @@ def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: GizmoAppearance, i: 
         return
     start, end, _, letter = frame.arrow(i)
     visible = min(1.0, (gizmo_drag.ALONG_VIEW - abs(frame.view_cosines[i])) / 0.06)
-    painter.setOpacity(look.opacity(name) * visible)
     color = look.color(name)
+    painter.setOpacity(look.opacity(name) * visible * BACK)
+    draw_polyline(painter, np.array([frame.stem_foot(i), start]), color, 1.4)
+    painter.setOpacity(look.opacity(name) * visible)
     draw_polyline(painter, np.array([start, end]), color, look.width(name), INK[look.is_dark])
     painter.setPen(QPen(QColor(INK[look.is_dark]), 1.2))
     painter.setBrush(color)

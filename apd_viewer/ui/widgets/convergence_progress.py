@@ -15,6 +15,7 @@ from apd_viewer.ui.widgets.thin_bar import ThinBar
 PROGRESS_WIDTH = 88  # px: width of the bar
 # Faster convergence needs no progress bar; during a drag of a handle the solver restarts constantly.
 _PATIENCE = 2.0  # s
+_SOON = 0.5  # s; the same while nothing moves yet, as matrices are factored first
 _ESTIMATION = 8.0  # s; without an estimate by then, the iterations done are shown instead
 _TICK = 500  # ms; updates the time left even without new frames
 _UNKNOWN, _SEARCHING = tr("estimating the time left…"), tr("looking for a lower energy…")
@@ -38,7 +39,7 @@ class ConvergenceProgress(QWidget):
         self._clock, self._waits = clock, is_waiting
         self._forecast: TimeLeftEstimate | None = None
         self._frame: Frame | None = None
-        self._iteration = 0
+        self._iteration, self._prepared = 0, ""
         self.bar = ThinBar()
         self.bar.setFixedWidth(PROGRESS_WIDTH)
         self.time_left = QLabel()
@@ -47,8 +48,12 @@ class ConvergenceProgress(QWidget):
         self._timer = QTimer(self, interval=_TICK, timeout=self._show)
         self.hide()
 
-    def set_frame(self, frame: Frame | None, solving: bool) -> None:
-        """Update from a solver's frame; ``solving`` is True while it works."""
+    def set_frame(self, frame: Frame | None, solving: bool, prepared: str = "") -> None:
+        """Update from a solver's frame; ``solving`` is True while it works.
+
+        ``prepared`` is the title of the method until its matrix is factored, empty afterwards.
+        """
+        self._prepared = prepared
         if not solving or frame is None:
             self._forecast = self._frame = None
             self._timer.stop()
@@ -75,7 +80,10 @@ class ConvergenceProgress(QWidget):
         passed = now - forecast.start_moment
         unknown = _UNKNOWN if passed < _ESTIMATION else self._elapsed_text(passed)
         self.time_left.setText(_SEARCHING if rests else unknown if left is None else time_left_text(left))
-        self.setVisible(passed >= _PATIENCE and not self._waits())
+        if self._prepared:
+            said = tr("preparing the method {method}, {duration} so far")
+            self.time_left.setText(said.format(method=self._prepared, duration=duration_text(passed)))
+        self.setVisible(passed >= (_SOON if self._prepared else _PATIENCE) and not self._waits())
 
     def _elapsed_text(self, seconds: float) -> str:
         """Text of the iterations and the time so far."""

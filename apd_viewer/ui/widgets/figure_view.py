@@ -1,10 +1,11 @@
-"""Figures on white cards, scaled to the available width."""
+"""Figures on cards in the colours of the window, scaled to the available width."""
 
 from contextlib import suppress
 from pathlib import Path
 
-from PySide6.QtCore import QRectF, QSize, Qt
-from PySide6.QtGui import QPainter, QPainterPath, QPaintEvent, QPixmap
+import numpy as np
+from PySide6.QtCore import QEvent, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from apd_viewer.files.storage.regular_files import read_bytes
@@ -14,19 +15,22 @@ _ROUND = 8
 
 
 class FigureView(QWidget):
-    """Picture on a white card, scaled to the card's width.
+    """Picture on a card, scaled to the card's width.
 
     Parameters
     ----------
     description : str
         Description of the figure for screen readers.
+    is_drawn : bool
+        Whether it consists of lines and text on white, which dark windows show light on dark.
     """
 
-    def __init__(self, path: Path, description: str) -> None:
+    def __init__(self, path: Path, description: str, is_drawn: bool = True) -> None:
         super().__init__()
-        self._picture, self._less = QPixmap(), 0
+        self._file, self._less, self._is_drawn = QImage(), 0, is_drawn
         with suppress(OSError):
-            self._picture.loadFromData(read_bytes(path))
+            self._file.loadFromData(read_bytes(path))
+        self._apply_palette()
         self.setAccessibleName(description)
         policy = QSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
@@ -36,7 +40,21 @@ class FigureView(QWidget):
     @property
     def has_picture(self) -> bool:
         """True if the picture could be loaded."""
-        return not self._picture.isNull()
+        return not self._file.isNull()
+
+    def _apply_palette(self) -> None:
+        """Prepare the picture in the colours of the window."""
+        ink, paper = self.palette().text().color(), self.palette().base().color()
+        is_dark = self._is_drawn and paper.lightnessF() < ink.lightnessF()
+        self._paper = paper if is_dark else QColor(Qt.GlobalColor.white)
+        self._picture = _light_on_dark(self._file, ink, paper) if is_dark else self._file
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Follow the colours of the window."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self._apply_palette()
+            self.update()
 
     def shrink_by(self, pixels: int) -> None:
         """Reduce the preferred height of the figure by ``pixels``."""
@@ -63,7 +81,7 @@ class FigureView(QWidget):
         painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
         card = QPainterPath()
         card.addRoundedRect(QRectF(self.rect()), _ROUND, _ROUND)
-        painter.fillPath(card, Qt.GlobalColor.white)
+        painter.fillPath(card, self._paper)
         if self._picture.isNull():
             return
         room = self.rect().adjusted(_EDGE, _EDGE, -_EDGE, -_EDGE)
@@ -77,4 +95,17 @@ class FigureView(QWidget):
         size = scaled.deviceIndependentSize()
         left = room.left() + (room.width() - size.width()) / 2
         top = room.top() + (room.height() - size.height()) / 2
-        painter.drawPixmap(round(left), round(top), scaled)
+        painter.drawImage(round(left), round(top), scaled)
+
+
+def _light_on_dark(picture: QImage, ink: QColor, paper: QColor) -> QImage:
+    """Picture with inverted lightness, from ``paper`` for white to ``ink`` for black."""
+    opaque = picture.convertToFormat(QImage.Format.Format_RGB32)
+    wide, high = opaque.width(), opaque.height()
+    bgra = np.asarray(opaque.constBits(), np.uint8).reshape(high, wide, 4)
+    bgr = bgra[..., :3] / np.float32(255.0)
+    inverted = bgr + (1.0 - bgr.max(axis=2, keepdims=True) - bgr.min(axis=2, keepdims=True))
+    first, last = (np.array([color.blue(), color.green(), color.red()], np.float32) for color in (paper, ink))
+    shown = np.full_like(bgra, 255)
+    shown[..., :3] = np.rint(first + inverted * (last - first))
+    return QImage(shown.data, wide, high, QImage.Format.Format_RGB32).copy()

@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMenu
 
 SCHEMES = Qt.ColorScheme.Light, Qt.ColorScheme.Dark
 
@@ -56,7 +56,7 @@ def test_theme_marks_checked_entries_of_menus_and_fills_only_the_hovered_one(qtb
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     view = opened(qtbot, window, "&View")
-    hovered, checked, plain = actions.view.frame, actions.view.edges, actions.view.camera.orthographic
+    hovered, checked, plain = actions.view.frame, actions.view.edges, actions.display.switches["cut"]
     assert view.activeAction() is hovered
     assert checked.isChecked()
     picture = view.grab().toImage()
@@ -80,3 +80,10 @@ def test_theme_marks_checked_entries_of_menus_and_fills_only_the_hovered_one(qtb
     assert inked(checked)
     assert not inked(plain)
     view.close()
+
+
+def test_actions_keep_every_menu_within_the_smallest_window_and_view_within_a_small_screen(window):
+    bar = window.shell.menuBar()
+    heights = {menu.title(): menu.sizeHint().height() for menu in bar.findChildren(QMenu)}
+    assert max(heights.values()) <= 700 - bar.height()
+    assert heights["&View"] <= 520

@@ -1,6 +1,10 @@
 """Picture on a region, on the screen: upright, not mirrored, carried along, under overlays, and removed."""
 
+import base64
+import io
+import re
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +15,9 @@ from PIL import Image
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.overlays import region_picture
 from apd_viewer.ui.scene.scene_picture import scene_picture
 from apd_viewer.ui.scene.surface_shading import Finish
 
@@ -214,3 +220,52 @@ def test_region_picture_costs_no_more_than_a_few_draws_without_it(qtbot, window,
     without = seconds()
     lay(qtbot, window, monkeypatch, image(tmp_path))
     assert seconds() < 8.0 * without
+
+
+def test_region_picture_is_kept_by_a_session_with_its_file_and_place(qtbot, window, monkeypatch, tmp_path):
+    path = image(tmp_path)
+    lay(qtbot, window, monkeypatch, path)
+    content, saved = path.read_bytes(), tmp_path / "labelled.apd"
+    window.session.files.save(saved, window.view(), embed=True)
+    idle(qtbot, window)
+    path.unlink()
+    window.session.files.open_mesh(Mesh(*tube(12, 6)))
+    idle(qtbot, window)
+    assert window.region_picture.image is None
+    window.session.files.open(saved)
+    qtbot.waitUntil(lambda: window.region_picture.image is not None)
+    idle(qtbot, window)
+    kept = window.region_picture.image
+    assert (kept.name, kept.content) == (path.name, content)
+    np.testing.assert_array_equal(kept.inside, BAND)
+    check_colors(seen(qtbot, window, PLACES), COLORS)
+    state, view = open_session(saved)
+    without = replace(view, image=None)
+    save_session(saved, state, without, embed=True)
+    assert open_session(saved)[1] == without, "as in sessions of before"
+
+
+def test_region_picture_too_large_for_sessions_says_so(qtbot, window, monkeypatch, tmp_path):
+    path = image(tmp_path)
+    monkeypatch.setattr(region_picture, "LARGEST_IMAGE", path.stat().st_size - 1)
+    lay(qtbot, window, monkeypatch, path)
+    check_colors(seen(qtbot, window, PLACES), COLORS)
+    assert "sessions do not keep it" in window.notice.text
+    assert window.view().image is None
+
+
+def test_region_picture_is_in_the_pictures_of_a_report(qtbot, window, monkeypatch, tmp_path):
+    lay(qtbot, window, monkeypatch, image(tmp_path))
+    window.reports.write_report(tmp_path / "report.html")
+    idle(qtbot, window)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    pictures = re.findall(r"data:image/png;base64,([A-Za-z0-9+/=]+)", page)
+    rest, current, colored = (
+        np.array(Image.open(io.BytesIO(base64.b64decode(one))).convert("RGB")).reshape(-1, 3).astype(float)
+        for one in pictures[:3]
+    )
+    for drawn in (rest, current):
+        shades = drawn / np.maximum(drawn.max(axis=1, keepdims=True), 1.0)
+        for color in COLORS:
+            assert (np.abs(shades - color / color.max()).max(axis=1) < 0.15).mean() > 0.01
+    assert np.ptp(colored, axis=1).max() < 60, "nothing has changed its area"

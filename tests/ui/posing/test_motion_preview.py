@@ -6,7 +6,7 @@ from meshes import rotation
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from apd_viewer.geometry.pose.constraints import HANDLE, transform
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE, transform
 from apd_viewer.geometry.pose.transforms import rotation_about, translation
 from apd_viewer.ui.posing.motion_ghost import motion_trace
 
@@ -131,3 +131,38 @@ def test_motion_trace_translation_is_the_way_of_the_center():
     assert not len(trace.axis)
     np.testing.assert_allclose(np.diff(trace.path, axis=0), [[1.0, 2.0, 3.0]])
     assert not len(motion_trace(grip, [np.eye(4)]).path)
+
+
+@pytest.mark.parametrize(("motion", "axis"), [("BEND_X", 0), ("BEND_Z", 2), ("TURN_Y", 1)])
+def test_motion_ghost_shows_the_axis_of_a_rotation_before_any_amount(typing, motion, axis):
+    field, ghost = typing.panel.handles.motion, typing.motion_preview.ghost
+    document = typing.session.store.state.document
+    choose(typing, motion)
+    field.choice.activated.emit(field.choice.currentIndex())
+    ((_, trace),) = ghost.traces
+    assert not len(ghost.patches.vertices), "nothing moves yet"
+    way = trace.axis[1] - trace.axis[0]
+    np.testing.assert_allclose(np.abs(way) / np.linalg.norm(way), np.eye(3)[axis], atol=1e-6)
+    base = document.initial_positions[document.labels == BASE].mean(axis=0)
+    centre = base if motion.startswith("BEND") else document.pivot(0)
+    np.testing.assert_allclose(trace.pivot, centre[None], atol=1e-6 * np.linalg.norm(way))
+    ends = trace.axis_with_pivot
+    np.testing.assert_allclose(np.delete(ends - centre, axis, axis=1), 0.0, atol=1e-6 * np.linalg.norm(way))
+    assert (ends[0] - centre)[axis] * (ends[1] - centre)[axis] <= 1e-9, "it leads as far as the pivot"
+    retype(typing, "20deg")
+    assert len(ghost.patches.vertices)
+    field.amount.clear()
+    choose(typing, "MOVE_X")
+    field.choice.activated.emit(field.choice.currentIndex())
+    assert not ghost.traces, "nothing turns"
+
+
+def test_motion_ghost_shows_the_axis_of_a_motion_chosen_from_the_list_until_that_is_left(typing):
+    field, ghost = typing.panel.handles.motion, typing.motion_preview.ghost
+    field.choice.setFocus()
+    assert not ghost.traces
+    field.choice.setCurrentIndex(field.choice.findData("BEND_X"))
+    field.choice.activated.emit(field.choice.currentIndex())
+    assert len(ghost.traces) == 1
+    field.relation.setFocus()
+    assert not ghost.traces

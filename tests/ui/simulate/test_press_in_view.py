@@ -490,6 +490,25 @@ def test_press_in_view_lets_the_wall_be_stopped_after_its_plates_are_undone(qtbo
     assert not panel.controls.isVisible()
 
 
+def test_status_bar_tells_and_stops_the_run_of_the_wall_while_the_timeline_is_closed(walled):
+    status, dock = walled.status, walled.docks["timeline"]
+    shown = status.run, status.run_stop
+    assert not any(one.isVisible() for one in shown), "the timeline tells"
+    dock.hide()
+    work_off()
+    assert status.run.text().startswith("Wall 0.3 mm: step ")
+    assert all(one.isVisible() for one in shown)
+    dock.show()
+    work_off()
+    assert not any(one.isVisible() for one in shown)
+    dock.hide()
+    work_off()
+    status.run_stop.click()
+    work_off()
+    assert not walled.session.wall_run.is_running
+    assert not any(one.isVisible() for one in shown)
+
+
 @pytest.mark.parametrize("shows_wall", [True, False])
 def test_press_in_view_opens_a_session_on_the_shape_that_was_saved(qtbot, walled, tmp_path, shows_wall):
     panel, session = walled.press.panel, walled.session

@@ -297,6 +297,12 @@ def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_field
         monkeypatch.setattr(module, "largest_on_screen", lambda _: low)
     end_run(ball, written, tmp_path / "scratch")
     qtbot.waitUntil(lambda: ball.height() <= low.height())
+    qtbot.waitUntil(ball.options.isVisible)
+    assert not ball.options.isChecked()
+    assert not ball.to.isVisible()
+    assert ball.figure.height() == ball.figure.heightForWidth(ball.figure.width()), "the figure is whole"
+    ball.options.click()
+    qtbot.waitUntil(lambda: ball.to.isVisible() and ball.height() <= low.height())
     height = ball.figure.height()
     for field in (ball.to, ball.steps, ball.stiffness):
         assert field.height() >= field.minimumSizeHint().height()

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from driving import document, idle, work_off
 from meshes import box
+from PIL import Image
 from process_tree import tree_of
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QDesktopServices
+from PySide6.QtGui import QColor, QDesktopServices
 from PySide6.QtWidgets import QFileDialog, QLabel
 from study_driving import click, finish, open_bar
 
@@ -18,6 +19,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.widgets.figure_view import FigureView
+from apd_viewer.ui.widgets.theme import DARK
 
 
 @pytest.fixture
@@ -277,8 +279,6 @@ def test_paper_dialog_shows_the_papers_tables_beside_ours(qtbot, window, tmp_pat
 
 
 def test_figure_view_keeps_the_shape_of_a_figure_and_stands_on_white(qtbot, tmp_path):
-    from PIL import Image
-
     Image.new("RGB", (200, 100), (0, 114, 178)).save(tmp_path / "a.png")
     view = FigureView(tmp_path / "a.png", "words")
     qtbot.addWidget(view)
@@ -293,6 +293,37 @@ def test_figure_view_keeps_the_shape_of_a_figure_and_stands_on_white(qtbot, tmp_
 
     assert color(212, 112) == pytest.approx((0, 114, 178), abs=8)  # scaled
     assert color(212, 5) == (255, 255, 255)
+
+
+@pytest.mark.parametrize("is_drawn", [True, False])
+def test_figure_view_shows_drawn_figures_light_on_dark_in_dark_windows(qtbot, window, tmp_path, is_drawn):
+    picture = np.full((100, 300, 3), 255, np.uint8)
+    picture[:, 100:200], picture[:, 200:] = 0, (0, 114, 178)
+    Image.fromarray(picture).save(tmp_path / "a.png")
+    view = FigureView(tmp_path / "a.png", "words", is_drawn)
+    qtbot.addWidget(view)
+    view.resize(324, 124)
+    view.show()
+
+    def colors():
+        image = view.grab().toImage()
+        scale = image.width() / view.width()
+        return [image.pixelColor((QPointF(x, 62) * scale).toPoint()) for x in (5, 62, 162, 262)]
+
+    window.actions_.view.schemes[Qt.ColorScheme.Light].trigger()
+    card, white, black, blue = colors()
+    assert card.lightnessF() == white.lightnessF() == 1.0
+    assert black.lightnessF() == 0.0
+    window.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()
+    work_off()
+    card, white, black, after = colors()
+    if is_drawn:
+        for shown, wanted in ((card, DARK.raised), (white, DARK.raised), (black, DARK.ink)):
+            assert shown.getRgb() == pytest.approx(QColor(wanted).getRgb(), abs=8), "of 16 bits under Xvfb"
+        assert after.hueF() == pytest.approx(blue.hueF(), abs=0.05)
+        assert after.lightnessF() > blue.lightnessF()
+    else:
+        assert [one.name() for one in (card, white, black)] == ["#ffffff", "#ffffff", "#000000"]
 
 
 def test_sweep_dialog_lists_the_methods_in_the_order_of_the_panel(bar, dialog):

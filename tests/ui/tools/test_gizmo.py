@@ -16,6 +16,7 @@ from apd_viewer.ui.tools.gizmo_drag import (
     GizmoFrame,
     GizmoOrientation,
     begin_drag,
+    distance_to_polyline,
     nice_step,
     rotated_pose,
     snapped_value,
@@ -193,6 +194,17 @@ def test_handle_at_finds_each_handle_where_it_is_drawn(direction):
             assert frame.handle_at(*frame.arrow(i)[2]) == ARROWS[i]
         assert frame.handle_at(*frame.square(i).mean(axis=0)) in (SQUARES[i], *SQUARES, "centre")
     assert frame.handle_at(5, 5) is None
+
+
+@pytest.mark.parametrize("direction", ASKEW)
+def test_arrow_stands_clear_of_the_rings_through_its_axis_and_alone_begins_at_the_centre(direction):
+    frame = frame_from(direction)
+    for i in np.flatnonzero(np.abs(frame.view_cosines) < 0.8):
+        for ring in {0, 1, 2} - {int(i)}:
+            gaps = [distance_to_polyline(frame.ring(ring)[0], point) for point in frame.arrow(i)[:3]]
+            assert min(gaps) > 2.0
+    alone = replace(frame, offered_handles=frozenset({"x"}))
+    assert alone.arrow(0)[0] == pytest.approx(alone.stem_foot(0))
 
 
 def test_is_usable_refuses_arrows_along_the_view_and_squares_from_the_side():

@@ -15,7 +15,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.presentation import readings
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.tools.gizmo_drag import RING_RADIUS, RINGS, GizmoOrientation
+from apd_viewer.ui.tools.gizmo_drag import ARROWS, RING_RADIUS, RINGS, GizmoOrientation
 from apd_viewer.ui.tools.tool_modes import Tool
 
 CONTROL = Qt.KeyboardModifier.ControlModifier
@@ -80,7 +80,9 @@ def test_gizmo_arrows_and_rings_move_the_way_the_cursor_goes(bottle, mouse, axis
     # Not straight along an axis, or one arrow could not be seen.
     view.camera_controller.camera = view.camera_controller.camera.orbited(60.0, 23.0)
     hand = mouse(view)
-    for i in range(3):
+    usable = [i for i in range(3) if bottle.canvas.gizmo.frame.is_usable(ARROWS[i])]
+    assert len(usable) >= 2
+    for i in usable:
         frame = bottle.canvas.gizmo.frame
         start, tip = frame.arrow(i)[1], frame.arrow(i)[2]
         end = start + 0.6 * (tip - frame.screen_centre)

@@ -84,6 +84,17 @@ def test_convergence_progress_has_no_number_while_it_is_not_known(solving):
     assert solving.progress.time_left.text() == "iteration 21, 54 s so far"
 
 
+def test_convergence_progress_tells_soon_what_is_prepared_before_anything_moves(solving):
+    progress = solving.progress
+    for later in (0.4, 0.2, 4.0):
+        solving.now += later
+        progress.set_frame(solving.frame, solving=True, prepared="Wall")
+        assert progress.isVisible() is (solving.now >= 100.5)
+    assert progress.time_left.text() == "preparing the method Wall, 5 s so far"
+    solving.go_on(1)
+    assert progress.time_left.text() == "estimating the time left…"
+
+
 def test_convergence_progress_counts_iterations_where_no_time_is_known_for_long(solving):
     """As by the method Wall on a large mesh, whose measure does not fall for minutes."""
     progress, began = solving.progress, solving.now
