@@ -44,23 +44,30 @@ class CameraController:
         self._extent = 1.0  # height of the framed view, mesh units
         # Framed points, padding and overlays around them, and resulting camera position.
         self._framed: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None = None
+        self._read: tuple[tuple[object, ...], Camera] | None = None  # what the latest camera was made of
         eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), PERSPECTIVE, 1, 1)
         self.camera = replace(eye, position=HOME_DIRECTION)
 
     @property
     def camera(self) -> Camera:
-        """Current camera; assignment moves it."""
+        """Current camera, the same object until it changes; assignment moves it."""
         camera = self._viewport.renderer.GetActiveCamera()
-        return Camera(
-            position=np.array(camera.GetPosition()),
-            focal=np.array(camera.GetFocalPoint()),
-            up=np.array(camera.GetViewUp()),
-            angle=np.deg2rad(camera.GetViewAngle()),
-            width=max(self._viewport.width(), 1),
-            height=max(self._viewport.height(), 1),
-            up_axis=self._up_axis,
-            left=max(0.0, -camera.GetWindowCenter()[0] * self._viewport.width()),
-        )
+        width, height = self._viewport.width(), self._viewport.height()
+        # A picture asks for it some forty times, and each new one derives its axes anew.
+        current = camera, camera.GetMTime(), width, height, self._up_axis
+        if self._read is None or self._read[0] != current:
+            eye = Camera(
+                position=np.array(camera.GetPosition()),
+                focal=np.array(camera.GetFocalPoint()),
+                up=np.array(camera.GetViewUp()),
+                angle=np.deg2rad(camera.GetViewAngle()),
+                width=max(width, 1),
+                height=max(height, 1),
+                up_axis=self._up_axis,
+                left=max(0.0, -camera.GetWindowCenter()[0] * width),
+            )
+            self._read = current, eye
+        return self._read[1]
 
     @camera.setter
     def camera(self, eye: Camera) -> None:
