@@ -17,7 +17,7 @@ from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import hull_fields
-from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings, mesh_volumes
@@ -26,7 +26,7 @@ from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.presentation import volume_text
-from apd_viewer.presentation.number_format import format_significant
+from apd_viewer.presentation.number_format import format_short, format_significant
 from apd_viewer.session.model.up_axis import UpAxis, standing_axis
 from apd_viewer.session.quantities.expressions import parse_number, parse_volume
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
@@ -55,6 +55,8 @@ def volumes_parser() -> Parser:
     about = tr("volume that is filled in, such as 250ml or 80%% of the brimful one")
     add_option(parser, "--fill VOLUME", about)
     add_option(parser, "--levels C.csv", tr("write the volume at each level"), type=Path)
+    about = tr("draw the level over the volume, as F.png and F.svg")
+    add_option(parser, "--figure F.png", about, type=Path)
     add_option(parser, "--json V.json", tr("write the readings as JSON"), type=Path)
     parser.set_defaults(run=_volumes)
     return parser
@@ -75,6 +77,8 @@ def _volumes(options: argparse.Namespace) -> None:
     now = now if rest is None else now.of_rest(rest)
     if options.levels is not None and up is not None:
         _write_levels(options.levels, Vessel(mesh.V, mesh.F, up))
+    if options.figure is not None and up is not None:
+        _draw_levels(options.figure, [mesh, *([] if before is None else [before])], up, fill, unit)
     if options.json is not None:
         names = mesh.name, None if before is None else before.name
         report = volumes_report(names, now, rest, unit, wall.density, litres)
@@ -96,7 +100,7 @@ def _volumes(options: argparse.Namespace) -> None:
 
 def _filling(options: argparse.Namespace, rest: Mesh, unit: Unit) -> tuple[np.ndarray | None, float | None]:
     """Upward direction and filled volume, None if unknown; raises InputError."""
-    wanted = options.fill is not None or options.levels is not None
+    wanted = any(value is not None for value in (options.fill, options.levels, options.figure))
     if options.up is not None:
         up = checked_direction(parse_axis(options.up))
     elif (axis := standing_axis(rest)) is not None:
@@ -129,12 +133,39 @@ def _up_name(up: np.ndarray | None) -> str:
     return " ".join(format_significant(float(x), 3) for x in up)
 
 
+def _levels(vessel: Vessel) -> np.ndarray:
+    """Volumes and levels above the lowest point, evenly spaced up to the brim, (k, 2)."""
+    levels = np.linspace(vessel.bottom, vessel.brim, _LEVELS)
+    return np.array([(vessel.volume(level), level - vessel.bottom) for level in levels])
+
+
 def _write_levels(path: Path, vessel: Vessel) -> None:
     """Write the volume at evenly spaced levels up to the brim as CSV."""
-    levels = np.linspace(vessel.bottom, vessel.brim, _LEVELS)
-    rows = [(format(x - vessel.bottom, ".9g"), format(vessel.volume(x), ".9g")) for x in levels]
+    rows = [(format(level, ".9g"), format(volume, ".9g")) for volume, level in _levels(vessel)]
     with replacing_file(path) as scratch:
         scratch.write_text("\n".join(map(",".join, [("level", "volume"), *rows])) + "\n", encoding="utf-8")
+
+
+def _draw_levels(path: Path, meshes: Sequence[Mesh], up: np.ndarray, fill: float | None, unit: Unit) -> None:
+    """Draw the levels of shapes; the first is filled."""
+    # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
+    from apd_viewer.figures.curves import draw_fill_levels
+
+    vessels = [Vessel(mesh.V, mesh.F, up) for mesh in meshes]
+    litres = unit.to_litres(max(vessel.brimful for vessel in vessels))
+    word, fraction = ("", 1.0) if litres is None else unit.capacity_unit(litres)
+    scale = fraction * (unit.to_litres(1.0) or 1.0)
+    curves = {mesh.name: _levels(vessel) * (scale, 1.0) for mesh, vessel in zip(meshes, vessels, strict=True)}
+    filled = None
+    if fill is not None and fill <= vessels[0].brimful:
+        level = vessels[0].level(fill) - vessels[0].bottom
+        words = tr("{volume}: level {level}").format(
+            volume=f"{format_short(scale * fill)}\u00a0{word}".strip(),
+            level=unit.format_length(format_significant(level, 4)),
+        )
+        filled = words, scale * fill, level
+    with staging_folder(path.parent) as folder:
+        draw_fill_levels(curves, (word, unit.symbol), folder / path.name, filled)
 
 
 def _bag(text: str | None, unit: Unit) -> float:

@@ -1,6 +1,6 @@
 """Curves of presses, sweeps and the paper's experiments."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +90,52 @@ def _load(step: PressStep) -> float:
 def _volume(step: PressStep) -> float:
     """Enclosed volume, openings capped; 0 if none is enclosed."""
     return step.volume or step.volume_capped or 0.0
+
+
+_LEVEL_SIZE = (6.4, 4.2)
+
+
+def draw_fill_levels(
+    curves: Mapping[str, np.ndarray],
+    units: tuple[str, str],
+    path: Path,
+    filled: tuple[str, float, float] | None = None,
+) -> None:
+    """Draw the level of a liquid over its volume, up to the brim.
+
+    Parameters
+    ----------
+    curves : mapping of str to (k, 2) float array
+        Volumes and levels above the lowest point, of each shape by its name.
+    units : (str, str)
+        Of volumes and of levels; empty if unknown.
+    path : Path
+        Path of the picture; its suffix is replaced.
+    filled : str, float and float, optional
+        Words about a filled volume, it, and its level.
+    """
+
+    def fill(figure: Figure) -> None:
+        axes = figure.subplots()
+        names = [f", {unit}" if unit else tr(", in the unit of the mesh") for unit in units]
+        axes.set_xlabel(tr("volume{unit}").format(unit=names[0]))
+        axes.set_title(tr("Level above the lowest point{unit}").format(unit=names[1]))
+        for (name, (volumes, levels)), style in zip(
+            ((name, rows.T) for name, rows in curves.items()), ("-", "--"), strict=False
+        ):
+            (line,) = axes.plot(volumes, levels, style, label=name)
+            axes.plot(volumes[-1:], levels[-1:], "o", color=line.get_color())
+        if filled is not None:
+            axes.annotate(
+                filled[0], filled[1:], xytext=(8, -8), textcoords="offset points", ha="left", va="top"
+            )
+            axes.plot(*np.array(filled[1:])[:, None], "s", color="black")
+        axes.set_xlim(left=0.0)
+        axes.set_ylim(bottom=0.0)
+        if len(curves) > 1:
+            axes.legend()
+
+    draw_figure(fill, _LEVEL_SIZE, path.parent, path.stem)
 
 
 _SWEEP_SIZE = (11.0, 3.9)

@@ -8,6 +8,7 @@ import pytest
 import apd_viewer
 from apd_viewer.__main__ import main
 from apd_viewer.commands.volumes_command import volume_lines
+from apd_viewer.figures import curves
 from apd_viewer.presentation.volume_text import PUBLISHED_VOLUMES, VolumeName, VolumeRow
 from apd_viewer.session.quantities.expressions import parse_volume
 from apd_viewer.session.quantities.units import Unit
@@ -114,6 +115,23 @@ def test_volumes_command_fills_a_shape_and_says_what_spills(files, tmp_path, cap
     assert [tuple(map(float, row.split(","))) for row in rows] == [
         pytest.approx((0.05 * k, 20.0 * 0.05 * k), abs=1e-9) for k in range(101)
     ]
+
+
+def test_volumes_command_draws_the_level_of_both_shapes(files, tmp_path, monkeypatch):
+    """Boxes of 20 cm²: straight lines up to their brims, with the filled volume on that of the shape."""
+    rest, half = files
+    seen, draw = [], curves.draw_fill_levels
+    monkeypatch.setattr(curves, "draw_fill_levels", lambda *given: (seen.append(given), draw(*given)))
+    words = ["volumes", str(half), "--rest", str(rest), "--unit", "cm", "--up", "z", "--fill", "80ml"]
+    assert main([*words, "--figure", str(tmp_path / "levels.png")]) == 0
+    ((drawn, units, _, filled),) = seen
+    assert units == ("l", "cm")
+    for (name, rows), path, most in zip(drawn.items(), (half, rest), (0.1, 0.2), strict=True):
+        assert name == path.name
+        assert rows[-1, 0] == pytest.approx(most)
+        assert rows[:, 0] == pytest.approx(0.02 * rows[:, 1])
+    assert filled == ("0.08\u00a0l: level 4.000\u00a0cm", pytest.approx(0.08), pytest.approx(4.0))
+    assert {path.name for path in tmp_path.glob("levels.*")} == {"levels.png", "levels.svg"}
 
 
 @pytest.mark.parametrize(
