@@ -25,6 +25,7 @@ from apd_viewer.presentation.time_left import progress_text
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall
 from apd_viewer.session.session import Session
 
@@ -44,15 +45,16 @@ class KnownWall:
         self._session, self.text = session, text
         self._conversions: dict[tuple[Settings, Wall], NewtonConversion | None] = {}
         self._mesh: Mesh | None = None
+        self._typed: tuple[WallText, Unit] | None = None
+        self._value: Wall | None = None
 
     @property
     def value(self) -> Wall | None:
         """The wall as numbers; None if newtons are unknown."""
-        try:
-            wall = parse_wall(self.text(), self._session.store.unit)
-        except InputError:
-            return None
-        return None if wall.rigidity is None or wall.unit.metres is None else wall
+        typed = self.text(), self._session.store.unit
+        if typed != self._typed:
+            self._typed, self._value = typed, _known_wall(*typed)
+        return self._value
 
     @property
     def yield_radius(self) -> float | None:
@@ -114,6 +116,15 @@ class KnownWall:
         if thickness is None or metres is None:
             return settings.traits.short_title
         return tr("Wall {thickness} mm").format(thickness=format_short(_MILLIMETRES * metres * thickness))
+
+
+def _known_wall(text: WallText, unit: Unit) -> Wall | None:
+    """Wall as typed for a mesh in ``unit``; None if its newtons are unknown."""
+    try:
+        wall = parse_wall(text, unit)
+    except InputError:
+        return None
+    return None if wall.rigidity is None or wall.unit.metres is None else wall
 
 
 class PressReadings:
