@@ -13,7 +13,7 @@ from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver.press_band import PressBand
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import format_short
+from apd_viewer.presentation.number_format import format_exact, format_grouped, format_short
 from apd_viewer.presentation.obstacle_readings import force_text
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 
@@ -93,7 +93,7 @@ def band_lines(
             tr("        yield at {loads}, mean {mean}, deflection {deflections}").format(
                 loads=_range_text(loads[known], newtons),
                 mean=force_text(float(loads[known].mean()), newtons),
-                deflections=_between(*(f"{d:.4g}" for d in _ends(deflections[known]))),
+                deflections=_between(*(format_exact(d, 4) for d in _ends(deflections[known]))),
             )
         )
     counts = {
@@ -115,7 +115,7 @@ def _cylinder_lines(
     if len(loads):
         least, most = (100.0 * load / cylinder.classical_load for load in _ends(loads))
         share = tr("; the runs yield at {range} % of it").format(
-            range=_between(f"{least:.0f}", f"{most:.0f}")
+            range=_between(format_grouped(least, 0), format_grouped(most, 0))
         )
     lines = [
         tr("        A perfect cylinder as wide would buckle at {load} along its axis{share}.").format(
