@@ -15,7 +15,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import folder_write_error
 
 _WINDOW = 600.0  # seconds over which the rate is measured
-_LEAST = 2  # cases needed for a rate; the first may include compilation
+_LEAST = 1  # cases needed for a rate
 
 
 class CaseCounts(NamedTuple):

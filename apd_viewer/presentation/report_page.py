@@ -50,6 +50,16 @@ class ReportStep(NamedTuple):
     newtons: NewtonConversion | None
 
 
+class ReportHeading(NamedTuple):
+    """Title and customer of a report; empty for the name of the mesh, and for none."""
+
+    title: str = ""
+    customer: str = ""
+
+
+NO_HEADING = ReportHeading()
+
+
 @dataclass(frozen=True, eq=False)
 class ReportSubject:
     """Subject of a report: state, view and measurements.
@@ -74,6 +84,7 @@ class ReportSubject:
     up_axis: UpAxis = UpAxis.PLUS_Y
     newtons: NewtonConversion | None = None
     steps: Sequence[ReportStep] = ()
+    heading: ReportHeading = NO_HEADING
 
 
 def report_page(
@@ -110,10 +121,15 @@ def report_page(
             tr("How to reproduce it"), tuple(report_blocks.reproduction_blocks(state, evidence)), is_wide=True
         ),
     ]
-    name = state.document.mesh.name
+    name, (title, customer) = state.document.mesh.name, subject.heading
+    lines = [
+        tr("Prepared for {customer}").format(customer=customer) if customer else "",
+        name if title else "",
+        tr("Report of a deformation, {date}").format(date=date),
+    ]
     return Page(
-        title=name,
-        subtitle=tr("Report of a deformation, {date}").format(date=date),
+        title=title or name,
+        subtitle=" · ".join(filter(None, lines)),
         hero=(
             readings.area_percent(state),
             tr("area: {verdict}").format(verdict=readings.area_verdict(state)),

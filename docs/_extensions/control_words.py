@@ -257,6 +257,12 @@ GROUPS = (
         "The view as a PNG file. See [Save, export and report](../howto/save.md).",
     ),
     Group(
+        "ReportDialog",
+        _DIALOGS,
+        "Save report",
+        "The heading of a report. See [Save, export and report](../howto/save.md).",
+    ),
+    Group(
         "SettingsDialog",
         _DIALOGS,
         "Settings",
@@ -356,6 +362,8 @@ SENTENCES = {
     "PictureDialog/Gizmo": "Draws the gizmo, where it is shown",
     "PictureDialog/Save": "Asks for a file and writes the picture",
     "PictureDialog/Cancel": "Closes the dialog without a picture",
+    "ReportDialog/Save": "Asks for a file and writes the report",
+    "ReportDialog/Cancel": "Closes the dialog without a report",
     "SettingsDialog/Close": "Closes the dialog; every setting holds as soon as it is chosen",
     "FindingList/Close mesh check": "Closes the list",
     "StatusBar/Issues of the mesh": "Lists what was found in the mesh, and shows where",

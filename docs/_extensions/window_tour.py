@@ -11,9 +11,11 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QWidget
 
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.presentation.report_page import ReportHeading
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
+from apd_viewer.ui.sharing.report_dialog import ReportDialog
 from apd_viewer.ui.workbench import Workbench
 
 # What adds a row, shows a card or opens a dialog. The handle is moved first, so that methods differ.
@@ -60,6 +62,7 @@ def show_all(window: Workbench, wait: Callable[[Callable[[], object]], object]) 
         actions[name].trigger()
     wait(lambda: _document(window).obstacles and _document(window).poses)
     window.picture_dialog = PictureDialog(window.shell, _NoPictures(), PictureSettings(QSize(640, 480)))
+    window.report_dialog = ReportDialog(window.shell, ReportHeading(), "bottle.obj")
 
 
 def _document(window: Workbench) -> Document:

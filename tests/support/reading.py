@@ -34,6 +34,7 @@ from apd_viewer.files.known_file import FileState
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.presentation.report_page import ReportHeading
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.part_operations import PartOperation
@@ -44,6 +45,7 @@ from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import file_controller, file_dialogs
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
+from apd_viewer.ui.sharing.report_dialog import ReportDialog
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 
 PROPERTIES = (
@@ -480,6 +482,10 @@ def handouts(driver):
     driver.scene("a picture", dialog)
     dialog.width_.setValue(32_768)
     driver.scene("another picture", dialog)
+    dialog.reject()
+    dialog = ReportDialog(window.shell, ReportHeading(), "bottle.obj")
+    dialog.show()
+    driver.scene("a report", dialog)
     dialog.reject()
     for act in (
         pictures.copy,

@@ -94,6 +94,15 @@ class Preferences:
         self._settings.setValue("compared", " ".join(names))
 
     @property
+    def report_customer(self) -> str:
+        """Customer named by the last report; empty if none was."""
+        return str(self._settings.value("customer", ""))
+
+    @report_customer.setter
+    def report_customer(self, name: str) -> None:
+        self._settings.setValue("customer", name)
+
+    @property
     def storage_problem(self) -> str:
         """Error message if the settings cannot be written; empty otherwise."""
         if self._settings.isWritable():

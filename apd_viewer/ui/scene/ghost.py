@@ -75,6 +75,9 @@ class Ghost(RestActor):
 
     def __init__(self, viewport: Viewport, glass: str = GLASS_SHADER) -> None:
         super().__init__(viewport)
+        # Behind the surface where both are equal, as on a part that has not moved.
+        self._mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        self._mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(2.0, 2.0)
         self._actor.ForceTranslucentOn()
         self._actor.GetProperty().SetBackfaceCulling(True)
         self._actor.GetShaderProperty().AddFragmentShaderReplacement("//VTK::Light::Impl", True, glass, False)

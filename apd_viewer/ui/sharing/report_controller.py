@@ -29,7 +29,14 @@ from apd_viewer.presentation.legend_svg import legend_svg
 from apd_viewer.presentation.plate_readings import FindConversion
 from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_blocks import ReportReadings
-from apd_viewer.presentation.report_page import ReportStep, ReportSubject, report_page, volumes_block
+from apd_viewer.presentation.report_page import (
+    NO_HEADING,
+    ReportHeading,
+    ReportStep,
+    ReportSubject,
+    report_page,
+    volumes_block,
+)
 from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
@@ -48,6 +55,7 @@ from apd_viewer.ui.plots.plots import svg_element
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.scene_picture import OffscreenScene, encode_png
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureRenderer, PictureSettings
+from apd_viewer.ui.sharing.report_dialog import ReportDialog
 from apd_viewer.ui.sharing.volumes_dialog import VolumesDialog
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
@@ -96,6 +104,7 @@ class ReportController:
         self._session, self._newtons = session, newtons
         self.pictures = PictureRenderer(canvas, display_options, notice, session.jobs)
         self._wish: PictureSettings | None = None
+        self._titles: dict[str, str] = {}  # of the reports on a mesh, by its name
         self.volumes: VolumesDialog | None = None
 
     def copy_diagnostics(self) -> None:
@@ -140,14 +149,19 @@ class ReportController:
         return self._canvas.viewport.camera_controller.camera.up_axis
 
     def ask_for_report(self) -> None:
-        """Ask for a file and write a report to it."""
+        """Ask for title, customer and file of a report, and write it."""
         if (state := self._session.store.state) is None:
             return
-        path = file_dialogs.ask_where_to_save_report(
-            self._window, self._memory.last_folder, state.document.mesh
-        )
-        if path is not None:
-            self.write_report(path)
+        mesh = state.document.mesh
+        proposed = ReportHeading(self._titles.get(mesh.name, ""), self._memory.report_customer)
+        dialog = ReportDialog(self._window, proposed, mesh.name)
+        if dialog.exec():
+            heading = dialog.heading
+            self._titles[mesh.name], self._memory.report_customer = heading
+            path = file_dialogs.ask_where_to_save_report(self._window, self._memory.last_folder, mesh)
+            if path is not None:
+                self.write_report(path, heading)
+        dialog.deleteLater()
 
     def ask_for_picture(self) -> None:
         """Ask for a picture's settings and file, and save it."""
@@ -164,7 +178,7 @@ class ReportController:
                 pictures.save(path, wish)
         dialog.deleteLater()
 
-    def write_report(self, path: Path) -> None:
+    def write_report(self, path: Path, heading: ReportHeading = NO_HEADING) -> None:
         """Write a report of the displayed shape, in the background."""
         session = self._session
         if (state := session.store.state) is None:
@@ -183,7 +197,7 @@ class ReportController:
             found, at_rest = _completed_checks(state, *checks)
             all_made = complete_readings(made, state)
             subject = ReportSubject(
-                state, unit, view.wall, found, at_rest, moment, all_made, up_axis, newtons, steps
+                state, unit, view.wall, found, at_rest, moment, all_made, up_axis, newtons, steps, heading
             )
             return _measure(subject, view, chosen)
 

@@ -165,7 +165,7 @@ class CaseCurves(QWidget):
             y = scale * np.array(found.get(name, []), dtype=float)
             if np.isfinite(y).any():
                 curves.append(Curve(100.0 * np.array(found[_ABSCISSA], dtype=float), y, color))
-                legend += [("━", color), (f"{self._model.rows[row].line}", "quiet")]
+                legend += [("━", color), (self._model.row_name(row, is_short=True), "quiet")]
         if not curves:
             return Chart("", empty_text=tr("Choose finished cases to see their curves; Ctrl adds one."))
         every = np.concatenate([curve.y for curve in curves])
@@ -245,11 +245,10 @@ class ScatterPlot(QWidget):
         return Chart("", x=across, y=upright, dots=dots, color_bar=ramp)
 
     def _row_tooltip(self, row: int) -> str:
-        """Tooltip text of a row: its line number and the values of the chosen columns."""
+        """Tooltip text of a row: its name and the values of the chosen columns."""
         named = {self.upright.name, self.across.name, self.color.name}
-        shown: list[ResultColumn] = [self._model.columns[0]]
-        shown += [column for column in self._model.columns if column.name in named]
-        return "\n".join(f"{column.title}: {column.texts[row]}" for column in shown)
+        shown = [each for each in self._model.columns if each.name in named and not each.is_from_plan]
+        return "\n".join([self._model.row_name(row), *(f"{each.title}: {each.texts[row]}" for each in shown)])
 
 
 class CaseColors:

@@ -196,9 +196,10 @@ class CaseStudyController(QObject):
             return
         if found.status != DONE:
             words = found.sentence or status_text(found.status)
-            self._notice.show_message(tr("Case of line {line}: {words}").format(line=found.line, words=words))
+            self._notice.show_message(f"{self.panel.model.row_name(row)}: {words}")
             return
-        name = tr("case {line} of {study}").format(line=found.line, study=folder.name)
+        case = self.panel.model.row_name(row, is_short=True)
+        name = tr("{case} of {study}").format(case=case, study=folder.name)
 
         def go() -> None:
             before = self._opened()

@@ -122,15 +122,16 @@ class ResultModel(QAbstractTableModel):
         if role == _ROLES.TextAlignmentRole:
             return _RIGHT if column.is_numeric else _LEFT
         if role == _ROLES.ToolTipRole:
-            return self.rows[k].sentence or self._row_name(k) or None
+            return self.rows[k].sentence or self.row_name(k)
         if role == _ROLES.ForegroundRole:
             return self._text_color(self.rows[k].status, column.name)
         return None
 
-    def _row_name(self, k: int) -> str:
-        """Name of a row: what the plan varies, with its values."""
-        varied = (column for column in self.columns if column.is_from_plan and column.texts[k])
-        return comma_separated(f"{column.title} {column.texts[k]}" for column in varied)
+    def row_name(self, k: int, is_short: bool = False) -> str:
+        """Name of a row: what the plan varies with its values, or only those."""
+        varied = [column for column in self.columns if column.is_from_plan and column.texts[k]]
+        words = [column.texts[k] if is_short else f"{column.title} {column.texts[k]}" for column in varied]
+        return comma_separated(words) or tr("case {line}").format(line=self.rows[k].line)
 
     def _text_color(self, status: str, column: str) -> QBrush | None:
         if status in (FAILED, WRONG) and column in (STATUS_COLUMN, REMARK_COLUMN):

@@ -194,7 +194,7 @@ class StudyStatus:
         self._counts: CaseCounts | None = None
         self._wrong = 0
         self._pace: ProgressMeter | None = None
-        self._grown = -_SILENT
+        self._grown, self._began = -_SILENT, time.monotonic()
 
     def reset_for(self, folder: Path) -> None:
         """Reset the counts for the study in another folder."""
@@ -206,6 +206,7 @@ class StudyStatus:
         """Set whether this program runs the study, and the sentence about its end."""
         if is_running and not self.is_running:
             self._forget()
+            self._began = time.monotonic()
         self.is_running, self.is_stopping, self._sentence = is_running, stopping, sentence
 
     def set_progress(self, progress: dict[str, Any]) -> None:
@@ -292,6 +293,10 @@ class StudyStatus:
         ):
             words.append(tr("{rate:.3g} per minute").format(rate=60.0 * now.rate))
             words.append(tr("{time} left").format(time=duration_text(now.seconds_left)))
+        elif self.is_running and now.running:
+            words.append(
+                tr("{duration} so far").format(duration=duration_text(time.monotonic() - self._began))
+            )
         if self.is_stopping:
             words.append(tr("finishing the running cases"))
         summary = comma_separated(words)

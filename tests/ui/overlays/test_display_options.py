@@ -85,6 +85,18 @@ def test_ghost_is_seen_where_the_mesh_was_and_leaves_no_trace(qtbot, globe):
     np.testing.assert_array_equal(picture(globe), plain)
 
 
+def test_ghost_of_an_equal_shape_is_not_seen_through_the_mesh(qtbot, globe):
+    plain, view = picture(globe), globe.canvas.viewport
+    switch(globe, "ghost").trigger()
+    settle(qtbot, view)
+    changed = np.abs(picture(globe) - plain).max(axis=2)
+    rows, columns = np.indices(changed.shape)
+    away = np.hypot(rows - view.height() / 2, columns - view.width() / 2)
+    edge = view.camera_controller.camera.project(np.array([[0.999, 0.0, 0.0]]))[0]
+    radius = np.linalg.norm(edge - np.array([view.width(), view.height()]) / 2)
+    assert changed[away < 0.95 * radius].max() == 0
+
+
 def test_display_options_make_nothing_that_is_not_shown(qtbot, globe):
     switch(globe, "shadow").trigger()
     qtbot.waitUntil(lambda: not globe.canvas.viewport.is_stale)

@@ -33,6 +33,7 @@ from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.sharing.report_dialog import ReportDialog
 
 
 def write(qtbot, window, path):
@@ -304,10 +305,35 @@ def test_report_controller_leaves_nothing_of_a_report_it_cannot_write(qtbot, bot
     path = tmp_path / "file" / "report.html"
     path.parent.write_text("no folder")
     monkeypatch.setattr(file_dialogs, "ask_where_to_save_report", lambda *_: path)
+    monkeypatch.setattr(ReportDialog, "exec", lambda _: True)
     bottle.actions_.file.report.trigger()
     qtbot.waitUntil(lambda: "cannot be written" in bottle.notice.text, timeout=30_000)
     assert [one.name for one in tmp_path.iterdir() if one.suffix != ".ini"] == ["file"]
     assert path.parent.read_text() == "no folder"
+
+
+def test_report_has_the_title_and_customer_entered_which_are_proposed_again(
+    qtbot, bottle, tmp_path, monkeypatch
+):
+    path, proposed = tmp_path / "report.html", []
+
+    def enter(dialog):
+        proposed.append((dialog.heading, dialog.report_title.placeholderText()))
+        dialog.report_title.setText("Aqua 500 <draft>")
+        dialog.customer.setText("ACME")
+        return True
+
+    monkeypatch.setattr(ReportDialog, "exec", enter)
+    monkeypatch.setattr(file_dialogs, "ask_where_to_save_report", lambda *_: path)
+    for _ in range(2):
+        bottle.actions_.file.report.trigger()
+        idle(qtbot, bottle)
+    page = path.read_text(encoding="utf-8")
+    assert "<h1>Aqua 500 &lt;draft&gt;</h1>" in page
+    name = bottle.session.store.state.document.mesh.name
+    assert f"Prepared for ACME · {name} · Report of a deformation" in page
+    assert proposed == [(("", ""), name), (("Aqua 500 <draft>", "ACME"), name)]
+    assert bottle.preferences.report_customer == "ACME"
 
 
 def test_report_controller_can_be_given_up(qtbot, bottle, tmp_path):

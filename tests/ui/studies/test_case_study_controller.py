@@ -155,7 +155,10 @@ def test_case_study_controller_stops_at_the_next_case_and_goes_on(qtbot, bar, di
     monkeypatch.setattr(command, "interrupt", lambda: interrupted.append(1) or True)
     begin(dialog, home / "stopped")
     said = {"finished": 3, "running": 1, "failed": 0, "rate": 1.0, "seconds_left": 9.0}
+    command.reported.emit({"cases": CASES} | said | {"finished": 0, "rate": None, "seconds_left": None})
+    assert panel.message.text().endswith("1 running, 0 s so far"), "nothing can be foretold yet"
     command.reported.emit({"cases": CASES} | said)
+    assert panel.message.text().endswith("9 s left")
     click(panel.stop)
     assert panel.stop.text() == "Stop now"
     assert interrupted == [1]
@@ -231,7 +234,10 @@ def test_case_study_controller_opens_the_shape_of_a_clicked_case_bit_for_bit(qtb
         state.document.handles[0].pose, handle_paths(whole)[0].pose_at(part), atol=1e-12
     )
     assert not bar.session.saved_work.is_unsaved
-    assert bar.shell.windowTitle().startswith(f"case {found.line} of {studied.name}[*] – ")
+    title = bar.shell.windowTitle()
+    assert title.startswith(f"{100.0 * part:g}"), "named by what the plan varies"
+    assert f" of {studied.name}[*] – " in title
+    assert results.model.row_name(2).endswith(title.split(f" of {studied.name}")[0])
     assert bar.canvas.view.saved_view("").camera == camera
 
 
