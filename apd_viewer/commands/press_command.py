@@ -13,7 +13,12 @@ from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.commands.terminal.setting_options import add_criteria, add_setting_options, given_criteria
+from apd_viewer.commands.terminal.setting_options import (
+    add_criteria,
+    add_setting_options,
+    given_criteria,
+    volume_arguments,
+)
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh, unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
@@ -39,7 +44,7 @@ from apd_viewer.session.storage.session_file import open_session
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
-_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "area", "volume"
+_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "area", "volume"
 
 
 def press_parser() -> Parser:
@@ -144,6 +149,7 @@ def _press(options: argparse.Namespace) -> None:
     newtons = newton_conversion(wall, material, rest)
     gas = _parsed_gas_amount(options.gas, newtons, rest)
     settings = {name: getattr(options, name) for name in _SETTINGS} | {
+        **volume_arguments(options.volume, wall.unit.symbol),
         "method": method,
         "wall_thickness": wall.thickness if METHODS[method].is_wall else None,
         "poisson": wall.nu,
