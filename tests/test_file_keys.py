@@ -316,7 +316,8 @@ KEYS = {
         mesh: name vertices faces digest path sample relative embedded
         target: name vertices faces digest path sample relative embedded
         document: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
-            poisson area volume tolerance hold_area calm contact thickness yield_radius gas convergence
+            poisson tension_field area volume filled_volume tolerance hold_area calm contact thickness
+            yield_radius gas convergence
             obstacles staying measurements base poses mirror
         document.handles: name pose pivot locked hidden waypoints earlier line falloff
         document.regions: name area locked hidden
@@ -336,7 +337,8 @@ KEYS = {
         view.wall: thickness density young poisson yield_radius material
         timeline: dropped shown documents wall_documents steps
         timeline.documents: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
-            poisson area volume tolerance hold_area calm contact thickness yield_radius gas convergence
+            poisson tension_field area volume filled_volume tolerance hold_area calm contact thickness
+            yield_radius gas convergence
             obstacles staying base mirror labels grip
         timeline.documents.handles: name pose pivot locked hidden waypoints earlier line falloff
         timeline.documents.convergence: most_iterations energy_tolerance step_tolerance imperfection seed

@@ -21,6 +21,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.posing.motion_text import ANY_LENGTHS, parse_motion
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import NoUnitError, Unit
+from apd_viewer.session.quantities.volume_target import parse_volume_target
 
 T = TypeVar("T")
 
@@ -73,6 +74,8 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
     motion = _parse("motion", lambda text: _motion(text, typed), cells["motion"]) if "motion" in cells else ()
     for column in plan_columns.LENGTH_COLUMNS & cells.keys():
         _parse(column, lambda text: _length(text, typed), cells[column])
+    if isinstance(volume := settings.get("volume"), str):
+        _parse("volume", lambda text: parse_volume_target(text, typed), volume)
     mesh = sources.mesh(folder / name)
     if not whole:
         own = {name: value for name, value in settings.items() if name in _OLD or value != _USUAL.get(name)}

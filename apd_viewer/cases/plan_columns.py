@@ -14,6 +14,7 @@ from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Sett
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS
+from apd_viewer.session.quantities.volume_target import is_percentage
 
 NOTE_PREFIX = "#"
 AUTO = "auto"
@@ -56,6 +57,11 @@ def _percent(text: str) -> float:
     if not text.endswith(PERCENT_SIGN):
         check_not_factor(value)
     return value
+
+
+def _volume(text: str) -> float | str:
+    """Percentage, or the text of a volume, whose unit depends on the mesh."""
+    return _percent(text) if is_percentage(text) else text
 
 
 def _part(text: str) -> float:
@@ -120,7 +126,7 @@ def _parser(setting: Setting) -> Callable[[str], CaseSetting]:
             return _percent
         case SettingKind.SWITCH:
             return _switch
-        case SettingKind.LENGTH | SettingKind.CONVERGENCE:
+        case SettingKind.LENGTH | SettingKind.VOLUME | SettingKind.CONVERGENCE:
             return str
 
 
@@ -149,8 +155,9 @@ SETTING_COLUMNS = {
     **{
         name: PlanColumn(_parser(setting), _with_default(name, setting))
         for name, setting in SETTINGS.items()
-        if setting.kind is not SettingKind.CONVERGENCE
+        if setting.kind not in (SettingKind.CONVERGENCE, SettingKind.VOLUME)
     },
+    "volume": PlanColumn(_volume, SETTINGS["volume"].help),
     "contact": PlanColumn(
         _contact,
         tr(

@@ -32,6 +32,7 @@ from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.volume_target import parse_volume_target
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.storage.session_json import frame_from_json, frame_to_json
 
@@ -134,7 +135,11 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
         said["contact"] = len(state.document.mesh.V) <= int(said["contact"])
     for name in LENGTH_COLUMNS & said.keys():
         said[name] = parse_length(str(said[name]), unit, state.document.mesh.named_lengths)
-    if said.get("volume") is not None and state.inspection.missing_volume_phrase:
+    wanted = said.get("volume")
+    if wanted is not None:
+        in_percent = not isinstance(wanted, str)
+        said |= parse_volume_target(f"{wanted}%" if in_percent else str(wanted), unit)._asdict()
+    if wanted is not None and state.inspection.missing_volume_phrase:
         raise InputError(
             tr("There is no volume to keep: {why}; leave the volume free.").format(
                 why=state.inspection.missing_volume_phrase

@@ -40,8 +40,9 @@ from apd_viewer.session.model.state import initial_document
 from apd_viewer.session.posing.motion_path import document_along_paths, motion_paths
 from apd_viewer.session.storage.part_json import read_obstacles
 
-# Left out: hold_area, implied by an area target, and contact, whose default depends on the mesh size.
-_SETTINGS = [name for name in SETTINGS if name not in ("hold_area", "contact")]
+# Left out: hold_area, implied by an area target, contact, whose default depends on the mesh size, and
+# filled_volume, a volume target in a unit.
+_SETTINGS = [name for name in SETTINGS if name not in ("hold_area", "contact", "filled_volume")]
 _PICTURE = (1600, 1000)  # size of the picture in pixels
 
 
@@ -111,7 +112,7 @@ def _deform(options: argparse.Namespace) -> None:
     check_shapes(mesh, output, selection.labels != BASE)
     regions = [_region(words, len(mesh.V)) for words in options.region]
     ways = [
-        constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles))
+        constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles) or options.volume is not None)
         for poses in _handle_poses(options, mesh, selection)
     ]
     held = ways[-1]
@@ -126,7 +127,7 @@ def _deform(options: argparse.Namespace) -> None:
         iterations=options.iterations,
         handle=held.handles,
         loose=options.loose,
-        **setting_options.setting_arguments(options) | {"contact": contact or options.contact},
+        **setting_options.setting_arguments(options, mesh.unit) | {"contact": contact or options.contact},
         obstacles=pushing,
         shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
         regions=regions,
@@ -162,7 +163,8 @@ def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection)
 
 def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
     """Painted selection from the options; optional only if obstacles push the mesh."""
-    if options.selection and (options.transform or options.motion or options.obstacles):
+    moves = options.transform or options.motion or options.obstacles or options.volume is not None
+    if options.selection and moves:
         return read_selection_file(options.selection, mesh)
     if not options.obstacles:
         raise InputError(

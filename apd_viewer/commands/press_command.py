@@ -16,7 +16,12 @@ from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
-from apd_viewer.commands.terminal.setting_options import add_criteria, add_setting_options, given_criteria
+from apd_viewer.commands.terminal.setting_options import (
+    add_criteria,
+    add_setting_options,
+    given_criteria,
+    volume_arguments,
+)
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh, unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
@@ -46,7 +51,7 @@ _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
 _DENTS, _DEEPEST = 10.0, 1000.0  # % of the wall thickness: depth of dents by default, and the largest
 _DENT_LENGTH = 0.5  # length over which dents are smooth, in roots of diagonal times thickness
 _MOST_RUNS = 1000
-_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "area", "volume"
+_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "area", "volume"
 
 
 def press_parser() -> Parser:
@@ -155,6 +160,7 @@ def _press(options: argparse.Namespace) -> None:
     newtons = newton_conversion(wall, material, rest)
     gas = _parsed_gas_amount(options.gas, newtons, rest)
     settings = {name: getattr(options, name) for name in _SETTINGS} | {
+        **volume_arguments(options.volume, wall.unit.symbol),
         "method": method,
         "wall_thickness": wall.thickness if METHODS[method].is_wall else None,
         "poisson": wall.nu,

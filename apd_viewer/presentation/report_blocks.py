@@ -165,6 +165,9 @@ def _setting_rows(
         case SettingKind.AMOUNT:
             if value is not None:
                 yield setting.title, format_exact(value), ""
+        case SettingKind.VOLUME:
+            if value is not None:
+                yield setting.title, unit.format_volume(format_significant(value, 4)), ""
         case SettingKind.LENGTH:
             if value is not None:
                 yield setting.title, unit.format_length(format_significant(value, 4)), ""

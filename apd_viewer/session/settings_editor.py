@@ -19,7 +19,11 @@ class SettingsEditor(DocumentEditor):
     def change(self, **settings: Any) -> None:
         """Change settings by name as one gesture; refuse a target for a missing volume."""
         why = self._store.required_state().inspection.missing_volume_phrase
-        if settings.get("volume") is not None and why:
+        wanted = [name for name in ("volume", "filled_volume") if settings.get(name) is not None]
+        if wanted:  # a volume is given in percent or in cubic mesh units
+            settings = {"volume": None, "filled_volume": None} | settings
+            settings = {wanted[0]: settings.pop(wanted[0]), **settings}
+        if wanted and why:
             self._listener.failed(
                 tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
             )

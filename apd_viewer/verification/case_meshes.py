@@ -51,6 +51,40 @@ def cube(cells: int) -> Arrays:
     return merged_triangles(np.concatenate(sides))
 
 
+def disc(rings: int) -> Arrays:
+    """Disc of radius 1 of six sectors; the last ``6 * rings`` vertices are its rim."""
+    points, faces, inner = [np.zeros((1, 2))], [], np.zeros(1, dtype=int)
+    for k in range(1, rings + 1):
+        angle = 2.0 * np.pi * np.arange(6 * k) / (6 * k)
+        outer = inner[-1] + 1 + np.arange(6 * k)
+        points.append(k / rings * np.column_stack([np.cos(angle), np.sin(angle)]))
+        for sector in range(6):
+            a = inner[(sector * (k - 1) + np.arange(k)) % len(inner)]
+            b = outer[(sector * k + np.arange(k + 1)) % len(outer)]
+            faces += [(a[i], b[i], b[i + 1]) for i in range(k)]
+            faces += [(a[i], b[i + 1], a[i + 1]) for i in range(k - 1)]
+        inner = outer
+    return np.concatenate(points), np.array(faces)
+
+
+def sewn_sheets(points: np.ndarray, F: np.ndarray, gap: float) -> Arrays:
+    """Closed bag of two sheets (n, 2) with one boundary, a ``gap`` apart inside it.
+
+    The vertices of the upper sheet come first, with the boundary among them.
+    """
+    edges, count = np.unique(
+        np.sort(np.concatenate([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]]), axis=1),
+        axis=0,
+        return_counts=True,
+    )
+    inside = np.setdiff1d(np.arange(len(points)), edges[count == 1])
+    below = np.arange(len(points))
+    below[inside] = len(points) + np.arange(len(inside))
+    V = np.insert(np.concatenate([points, points[inside]]), 2, 0.0, axis=1)
+    V[inside, 2], V[len(points) :, 2] = 0.5 * gap, -0.5 * gap
+    return V, np.concatenate([F, below[F][:, ::-1]])
+
+
 def lune(rings: int, sectors: int) -> Arrays:
     """Polar parameters (n, 2) and triangles of a closed lune, pole to pole.
 

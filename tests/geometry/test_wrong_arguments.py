@@ -56,10 +56,10 @@ NONE, VERTICES = {"None"}, {"0", "3", "np.int8"}
 IDS = {"0", "3", "np.int8", "[]", "array"}
 # Sound values by the name of the argument, or by function and name where they differ.
 SOUND = {
-    **dict.fromkeys(("calm", "plain", "weld", "contact", "release"), FLAGS),
+    **dict.fromkeys(("calm", "plain", "weld", "contact", "release", "tension_field"), FLAGS),
     **dict.fromkeys(("stiffness", "area_stiffness", "shear_stiffness", "container"), NUMBERS),
     **dict.fromkeys(("tolerance", "radius", "size"), LENGTHS - {"None"}),
-    **dict.fromkeys(("thickness", "gas"), LENGTHS),
+    **dict.fromkeys(("thickness", "gas", "filled_volume"), LENGTHS),
     "yield_radius": NONE,  # needs a stiffness
     "volume_readings up": NONE,
     "vessel volume level": NUMBERS | {"-1", "1e308", "-1e308", "inf", "huge"},

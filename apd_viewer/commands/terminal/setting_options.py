@@ -5,10 +5,13 @@ from collections.abc import Iterable
 from typing import Any
 
 from apd_viewer.commands.terminal.parser import Parser, add_option
+from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.geometry.solver.convergence import CRITERIA, DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.methods import METHODS, MOST_VERTICES_IN_CONTACT, contact_by_default
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind
 from apd_viewer.language import tr
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.volume_target import parse_volume_target
 
 
 def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[str] = METHODS) -> None:
@@ -23,9 +26,9 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
             case SettingKind.NUMBER | SettingKind.TOLERANCE:
                 more |= {"metavar": "A", "type": float}
             case SettingKind.PERCENTAGE:
-                more |= {"metavar": "PERCENT", "help": words}
+                more |= {"metavar": "VOLUME" if name == "volume" else "PERCENT", "help": words}
                 default = None  # the default depends on the method
-            case SettingKind.LENGTH:
+            case SettingKind.LENGTH | SettingKind.VOLUME:
                 more |= {"metavar": "LENGTH", "type": float, "help": words}
             case SettingKind.AMOUNT:
                 more |= {"metavar": "A", "type": float, "help": words}
@@ -82,7 +85,16 @@ def has_contact(options: argparse.Namespace, vertices: int) -> bool:
     return options.iterations is None and contact_by_default(options.method, vertices)
 
 
-def setting_arguments(options: argparse.Namespace) -> dict[str, Any]:
-    """Arguments of :func:`deform` from the options."""
+@unit_option_in_errors()
+def volume_arguments(text: str | None, unit: str) -> dict[str, float | None]:
+    """Arguments of a volume target from its text; raises InputError."""
+    if text is None:
+        return {"volume": None, "filled_volume": None}
+    return parse_volume_target(text, Unit(unit))._asdict()
+
+
+def setting_arguments(options: argparse.Namespace, unit: str) -> dict[str, Any]:
+    """Arguments of :func:`deform` from the options, for a mesh in ``unit``."""
     given = {name: getattr(options, name) for name in SETTINGS if hasattr(options, name)}
+    given |= volume_arguments(options.volume, unit)
     return {**given, "convergence": Convergence(**given_criteria(options))}

@@ -28,6 +28,8 @@ class Material:
         Of a thin elastic wall, mesh units, instead of all the others; 0 for none.
     poisson : float
         Of the wall.
+    is_relaxed : bool
+        True for a wall that wrinkles finer than its mesh: a tension field.
     """
 
     rigidity: float = 1.0
@@ -38,6 +40,7 @@ class Material:
     yield_curvature: float = np.inf
     thickness: float = 0.0
     poisson: float = 0.0
+    is_relaxed: bool = False
 
     @property
     def tensile_stiffness(self) -> float:

@@ -12,6 +12,7 @@ edges e opposite to its corners, those of a volume ``-[x_k]_x / 6``.
 import numpy as np
 from numba import prange
 
+from apd_viewer.geometry.energy.tension_field import relaxed_moduli, relaxed_stress
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
@@ -45,6 +46,7 @@ def _add_triangle(
     lame: float,
     mu: float,
     strains: np.ndarray,
+    relaxed: bool,
     tension: float,
     pressure: float,
     share: float,
@@ -64,13 +66,22 @@ def _add_triangle(
     trace = lame * (e00 + e11)
     s00, s11, s01 = _clamped(trace + 2.0 * mu * e00, trace + 2.0 * mu * e11, 2.0 * mu * e01, share)
     g, h = hats[t, c, 0], hats[t, c, 1]
-    whole = lame + 2.0 * mu
+    whole, moduli = lame + 2.0 * mu, np.empty((3, 3))
+    if relaxed:
+        _, s00, s11, s01 = relaxed_stress(e00, e11, e01, lame, mu)
+        s00, s11, s01 = _clamped(s00, s11, s01, share)
+        relaxed_moduli(e00, e11, e01, lame, mu, moduli)
     for d in range(3):
         if at[d] < 0:
             continue
         p, q = hats[t, d, 0], hats[t, d, 1]
         turning = area * (g * (s00 * p + s01 * q) + h * (s01 * p + s11 * q))
         block = blocks[at[d]]
+        if relaxed:
+            _add_strained(area, x, y, g, h, p, q, moduli, block)
+            for a in range(3):
+                block[a, a] += turning
+            continue
         for a in range(3):
             ax, ay, az = area * x[a] * g, area * y[a] * h, area * mu * (x[a] * h + y[a] * g)
             for b in range(3):
@@ -80,6 +91,28 @@ def _add_triangle(
             block[a, a] += turning
     if tension != 0.0 or pressure != 0.0:
         _add_goals(U, F[t], c, tension, pressure, share, at, blocks)
+
+
+@njit(cache=True, nogil=True)
+def _add_strained(
+    area: float,
+    x: np.ndarray,
+    y: np.ndarray,
+    g: float,
+    h: float,
+    p: float,
+    q: float,
+    moduli: np.ndarray,
+    block: np.ndarray,
+) -> None:
+    """Add ``moduli`` (3, 3) between corners with hat gradients (g, h) and (p, q)."""
+    for b in range(3):
+        b0, b1, b2 = x[b] * p, y[b] * q, x[b] * q + y[b] * p
+        s0 = area * (moduli[0, 0] * b0 + moduli[0, 1] * b1 + moduli[0, 2] * b2)
+        s1 = area * (moduli[1, 0] * b0 + moduli[1, 1] * b1 + moduli[1, 2] * b2)
+        s2 = area * (moduli[2, 0] * b0 + moduli[2, 1] * b1 + moduli[2, 2] * b2)
+        for a in range(3):
+            block[a, b] += x[a] * g * s0 + y[a] * h * s1 + (x[a] * h + y[a] * g) * s2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -198,6 +231,7 @@ def wall_blocks(
     lame: float,
     mu: float,
     strains: np.ndarray,
+    relaxed: bool,
     tensions: np.ndarray,
     pressure: float,
     hinges: np.ndarray,
@@ -221,7 +255,7 @@ def wall_blocks(
     U : (n, 3) float array
     F, start, corner
         Triangles, and the corners at each vertex: see :class:`Patch`.
-    hats, areas, lame, mu
+    hats, areas, lame, mu, strains, relaxed
         See :class:`Stretching`.
     tensions : (m,) float array
         Weight of each triangle's area in the Lagrangian.
@@ -257,7 +291,21 @@ def wall_blocks(
                     j = place[F[t, d]]
                     at[d] = table[j] if j >= 0 else -1
                 _add_triangle(
-                    U, F, t, c, hats, areas[t], lame, mu, strains, tensions[t], pressure, share, at, blocks
+                    U,
+                    F,
+                    t,
+                    c,
+                    hats,
+                    areas[t],
+                    lame,
+                    mu,
+                    strains,
+                    relaxed,
+                    tensions[t],
+                    pressure,
+                    share,
+                    at,
+                    blocks,
                 )
             for e in range(hinge_start[i], hinge_start[i + 1]):
                 hinge, own = hinge_at[e] // 4, hinge_at[e] % 4

@@ -19,6 +19,8 @@ neighbours is added by how much more it shrinks,
 less the same at rest: l_0 is its length there, t the thickness, and m^2 the mean of the squared edges of its
 triangles and 3 % more. The curvature k along the edge follows from the angles of five hinges as slopes do.
 Where edges are long against the thickness a wall folds at single edges, and chords are right.
+
+A wall of film or cloth may have the relaxed membrane of :mod:`tension_field` instead, without arcs.
 """
 
 from dataclasses import replace
@@ -33,6 +35,7 @@ from apd_viewer.geometry.energy.hinges import Hinges, angles_and_gradients
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.plastic_hinges import PlasticHinges
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.energy.tension_field import relaxed_stress
 from apd_viewer.geometry.energy.wall_hessian import wall_blocks
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
@@ -230,7 +233,16 @@ class WallSurface(HeldSurface):
         )
         corners = np.concatenate([hinges.corners, hinges.edges[:, [0, 1, 0, 0]]])
         J = np.concatenate([J, flat.edge_gradients(U)])
-        triangles = patch.F, patch.start, patch.corner, flat.hats, flat.areas, *flat.lame, strains
+        triangles = (
+            patch.F,
+            patch.start,
+            patch.corner,
+            flat.hats,
+            flat.areas,
+            *flat.lame,
+            strains,
+            flat.relaxed,
+        )
         inner = corners, *hinges.at_vertices, M.indptr, M.indices, M.data, J, moments
         rows = self.free, self.rows, pattern.start, pattern.column
         blocks = wall_blocks(U, *triangles, tensions, pressure, *inner, share, *rows)
@@ -273,6 +285,8 @@ class Stretching:
     areas : (m,) float array
     lame : tuple of float
         lambda and mu.
+    relaxed : bool
+        True for a tension field, see :mod:`tension_field`.
     arcs : (e, h) csr_array
         From the angles of the hinges to the square roots of what arcs add to the squared lengths of edges.
     """
@@ -291,7 +305,10 @@ class Stretching:
         at, count = hinges.edge_of, len(hinges.edges)
         places = np.repeat(at, 3, axis=1).ravel(), np.tile(at, 3).ravel()
         self._firmness = sp.coo_array((firmness.ravel(), places), shape=(count, count)).tocsr()
-        self.arcs = _arcs(V, hinges, material.thickness)
+        self.relaxed = material.is_relaxed
+        # Wrinkles take up what the chords of arcs lack.
+        self.arcs = (0.0 if self.relaxed else 1.0) * _arcs(V, hinges, material.thickness)
+        self.arcs.eliminate_zeros()
         self._to_hinges = self.arcs.T.tocsr()
         self._at_rest = (self.arcs @ hinges.rest) ** 2
 
@@ -305,7 +322,8 @@ class Stretching:
     def _stressed(self, U: np.ndarray, roots: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """Energy, forces of :func:`_stresses`, and derivatives (e,) by squared lengths."""
         at, triangles = self._hinges.edge_of, (self.patch.F, self.hats, self.areas, *self.lame)
-        energy, forces, pulls = _stresses(U, *triangles, at, self._strains, roots * roots - self._at_rest)
+        longer = roots * roots - self._at_rest
+        energy, forces, pulls = _stresses(U, *triangles, at, self._strains, longer, self.relaxed)
         return energy, forces, np.bincount(at.ravel(), pulls.ravel(), minlength=len(roots))
 
     def second_derivatives(
@@ -382,6 +400,7 @@ def _stresses(
     edge_of: np.ndarray,
     strains: np.ndarray,
     longer: np.ndarray,
+    relaxed: bool,
 ) -> tuple[float, np.ndarray, np.ndarray]:
     """Energy, area times ``D S`` of every triangle (m, 3, 2), and derivatives (m, 3).
 
@@ -411,8 +430,12 @@ def _stresses(
                 e11 += added * strains[t, 1, k]
                 e01 += added * strains[t, 2, k]
             trace = e00 + e11
-            own += area * (0.5 * lame * trace * trace + mu * (e00 * e00 + e11 * e11 + 2.0 * e01 * e01))
             s00, s11, s01 = lame * trace + 2.0 * mu * e00, lame * trace + 2.0 * mu * e11, 2.0 * mu * e01
+            if relaxed:
+                density, s00, s11, s01 = relaxed_stress(e00, e11, e01, lame, mu)
+                own += area * density
+            else:
+                own += area * (0.5 * lame * trace * trace + mu * (e00 * e00 + e11 * e11 + 2.0 * e01 * e01))
             for k in range(3):
                 stretch = s00 * strains[t, 0, k] + s11 * strains[t, 1, k]
                 pulls[t, k] = area * (stretch + 2.0 * s01 * strains[t, 2, k])

@@ -10,7 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.percentage import GOAL_WORDS, percentage
-from apd_viewer.geometry.mesh.arrays import checked_integers
+from apd_viewer.geometry.mesh.arrays import check_argument, checked_integers
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.mesh.weighted_areas import Patch, WeightedAreas, triangle_weights
 from apd_viewer.language import in_quotes, tr
@@ -72,6 +72,8 @@ class Goal:
         A triangle has the mean of its corners' weights; without, the least, so that only those count that
         are wholly inside.
     is_volume : bool
+    is_absolute : bool
+        The target is a value in mesh units, and not a part of that at rest.
     tolerance : float
         Relative error that is accepted, where the goal is not met to the last digits.
     """
@@ -83,6 +85,7 @@ class Goal:
     weight: np.ndarray | None = None
     is_smooth: bool = False
     is_volume: bool = False
+    is_absolute: bool = False
     tolerance: float = 0.0
 
     @property
@@ -96,6 +99,10 @@ class Goal:
 
     def shortfall_sentence(self, value: float) -> str:
         """Sentence about a value short of the target."""
+        if self.is_absolute:
+            return tr("{name} is at {reached:.4g} instead of {wanted:.4g} cubic mesh units").format(
+                name=GOAL_WORDS.get(self.name, self.name), reached=value, wanted=self.target
+            )
         reached, wanted = 100.0 * value / self.rest, 100.0 * self.target / self.rest
         # Enough digits to show the difference between value and target.
         digits = next((d for d in range(4, 17) if f"{reached:.{d}g}" != f"{wanted:.{d}g}"), 17)
@@ -224,6 +231,46 @@ def make_goals(
     return tuple(goals)
 
 
+def filled_volume_goal(rest: RestMesh, volume: float, area: float | str | None) -> Goal:
+    """Goal of a volume in cubic mesh units, also of a surface that is flat at rest.
+
+    Parameters
+    ----------
+    rest : RestMesh
+    volume : float
+    area : float, str or None
+        Target of the total area, in percent; None if it is free.
+
+    Raises
+    ------
+    InputError
+        If the surface is not closed, or a ball of its area holds less.
+    """
+    check_argument("filled_volume", volume)
+    if rest.missing_volume_reason:
+        raise InputError(
+            tr("There is no volume to keep: {why}; leave the volume free.").format(
+                why=rest.missing_volume_reason
+            )
+        )
+    if area is not None:
+        most = ball_volume(rest.area * percentage(area, "the area") / 100.0)
+        if volume > most:
+            raise InputError(
+                tr(
+                    "With its area the surface holds at most {most:.4g} cubic mesh units, as a ball; "
+                    "enter less than that."
+                ).format(most=most)
+            )
+    shape = rest.solve_mesh.all_triangles
+    return Goal("the volume", shape, float(volume), float(volume), is_volume=True, is_absolute=True)
+
+
+def ball_volume(area: float) -> float:
+    """Volume of a ball with a surface of this ``area``, the largest of all."""
+    return float(area**1.5 / (6.0 * np.sqrt(np.pi)))
+
+
 def _region_goal(solve_mesh: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
     inside = np.zeros(len(solve_mesh.V))
     inside[corners] = 1.0
@@ -254,6 +301,8 @@ def _goal(
 
 def goal_at_rest(goal: Goal, V: np.ndarray) -> Goal:
     """Goal at the same percentage of its value for other rest positions ``V`` (n, 3)."""
+    if goal.is_absolute:
+        return goal
     return _rescaled_goal(goal, float(GoalMeasures((goal,)).values(V)[0]))
 
 

@@ -228,7 +228,7 @@ _TEXT = _Kind(lambda given: isinstance(given, str), tr("{name} must be a text.")
 _STIFFNESS = _number_kind(0.0, MOST_STIFFNESS)
 
 _KINDS = {
-    **dict.fromkeys(("calm", "contact", "plain", "weld", "release"), _FLAG),
+    **dict.fromkeys(("calm", "contact", "plain", "weld", "release", "tension_field"), _FLAG),
     **dict.fromkeys(("stiffness", "area_stiffness", "shear_stiffness"), _STIFFNESS),
     **dict.fromkeys(("thickness", "wall_thickness", "yield_radius", "radius", "size"), _LENGTH),
     **dict.fromkeys(("iterations", "steps"), _COUNT),
@@ -240,9 +240,12 @@ _KINDS = {
     "regions": _LIST,
     "poisson": _number_kind(0.0, 0.5),
     "tolerance": _number_kind(1e-12, 1e9),
-    "gas": _Kind(
-        lambda given: 0.0 < as_float(given) <= _LARGEST,
-        tr("{name} must be a number greater than 0 and at most 1e38."),
+    **dict.fromkeys(
+        ("gas", "filled_volume"),
+        _Kind(
+            lambda given: 0.0 < as_float(given) <= _LARGEST,
+            tr("{name} must be a number greater than 0 and at most 1e38."),
+        ),
     ),
     "container": _number_kind(0.0, _LARGEST),
     "factored": _CALL,

@@ -71,6 +71,14 @@ def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
         raise InputError(tr("Obstacles need contact; switch it on, or remove the obstacles."))
 
 
+def needs_contact(contact: bool, gas: float | None, yield_radius: float | None) -> bool:
+    """True if gas or creases need contact; raises InputError if it is off then."""
+    needed = gas is not None or yield_radius is not None
+    if needed and not contact:
+        raise InputError(tr("Creases and gas need contact; switch it on, or omit them."))
+    return needed
+
+
 def stop_sentence(fraction: float, contact: ContactDescent | None = None) -> str:
     """Sentence about the handle or obstacle that contact stops on its path."""
     moves = (contact.path.moves_held, contact.path.moves_obstacles) if contact else (True, False)

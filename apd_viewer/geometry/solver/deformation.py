@@ -27,6 +27,7 @@ from apd_viewer.geometry.solver.contact_descent import (
     check_contact,
     check_obstacles,
     contact_descent,
+    needs_contact,
     stop_sentence,
 )
 from apd_viewer.geometry.solver.convergence import (
@@ -38,6 +39,7 @@ from apd_viewer.geometry.solver.convergence import (
 from apd_viewer.geometry.solver.goal_set import GoalSet
 from apd_viewer.geometry.solver.held_vertices import (
     HeldVertices,
+    check_any_free,
     checked_rest_mesh,
     checked_shifts,
     checked_soft_targets,
@@ -87,10 +89,14 @@ class Deformation:
         Wall thickness for "wall", mesh units; 1/1000 of the bounding box's diagonal by default.
     poisson : float
         Poisson's ratio of the wall.
+    tension_field : bool
+        Whether the wall wrinkles finer than its mesh, resisting no compression, as film and cloth do.
     area, volume : float or str, optional
         Targets of the total area and the enclosed volume, in percent of the rest values; below 10 as a string
         with a percent sign, such as ``"5%"``, since 1.1 could be meant as 110 percent. By default "exact" and
         "paper" preserve the area; all else is free. "paper" cannot preserve a volume.
+    filled_volume : float, optional
+        Target of the volume in cubic mesh units instead, also of a closed surface that is flat at rest.
     regions : sequence of Region, optional
         Regions to measure, some of them with target areas.
     plain : bool
@@ -161,8 +167,10 @@ class Deformation:
         shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
         wall_thickness: float | None = None,
         poisson: float = DEFAULT_POISSON,
+        tension_field: bool = False,
         area: float | str | None = None,
         volume: float | str | None = None,
+        filled_volume: float | None = None,
         regions: Sequence[Region] = (),
         plain: bool = False,
         rest: RestMesh | None = None,
@@ -183,21 +191,16 @@ class Deformation:
         self._held = HeldVertices(fixed, handle, rest)
         held, handle_of = self._held.ids, self._held.handle_of
         check_obstacles(obstacles, contact)
-        needs_contact = gas is not None or yield_radius is not None
-        if needs_contact and not contact:
-            raise InputError(tr("Creases and gas need contact; switch it on, or omit them."))
+        in_contact = needs_contact(contact, gas, yield_radius)
         self._traits = checked_method(method, handle_of, len(obstacles) > 0)
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = soft_solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
-        thin = wall_material(rest.diagonal, wall_thickness, poisson, yield_radius)
-        if len(held) and np.isin(rest.solve_mesh.component, rest.solve_mesh.component[held]).sum() == len(
-            held
-        ):
-            raise InputError(tr("Every vertex is held; leave some free to deform."))
+        thin = wall_material(rest.diagonal, wall_thickness, poisson, yield_radius, tension_field)
+        check_any_free(rest, held)
         with cores_for(len(rest.solve_mesh.V)):
             levels = partial(calm_level_weights, rest.solve_mesh, held, handle_of, self._soft)
-            self._kept = GoalSet(rest, method, self._traits, tolerance, levels)
+            self._kept = GoalSet(rest, method, self._traits, tolerance, levels, filled_volume)
             self._kept.set_targets(area, volume, regions, calm and len(held) > 0)
             started = time.perf_counter()
             of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
@@ -209,7 +212,7 @@ class Deformation:
                 inner = WallSurface(rest.solve_mesh, held, thin, self._soft)
             else:
                 surface = ElasticSurface(rest.solve_mesh, held, material, factored, self._soft)
-                inner = make_solver(surface, goals, self._traits, of, plain or needs_contact)
+                inner = make_solver(surface, goals, self._traits, of, plain or in_contact)
             self.contact: ContactDescent | None = None
             if contact or self._traits.is_wall:
                 check_contact(self._traits, plain)
@@ -308,13 +311,11 @@ class Deformation:
         targets : (k, 3) float array
             Target position of each vertex in ``fixed``.
         U : (n, 3) float array, optional
-            Continue from these positions, with their creases by the yield radius; by default from the end of
-            the last iteration.
+            Start positions, with their creases by the yield radius; by default those of the last iteration.
         soft_targets : (s, 3) float array, optional
             Targets of the soft vertices; their rest positions by default.
         shifts : (o, 3) float array, optional
-            Final displacement of each obstacle, moving straight and together with the held vertices; zero by
-            default.
+            Final displacement of each obstacle, moving straight with the held vertices; zero by default.
         begin : (o, 3) float array, optional
             Displacement of each obstacle at ``U``; by default the final one. If it intersects ``U`` there, it
             starts at its initial position; if also there, the surface starts at rest.
@@ -345,8 +346,7 @@ class Deformation:
             self._begin()
 
     def _begin(self) -> None:
-        self._iteration = 0
-        self._steps = StepConvergence()
+        self._iteration, self._steps = 0, StepConvergence()
         self._stability.reset()
 
     def step(self) -> Frame:
@@ -456,9 +456,9 @@ class Deformation:
     def warnings(self) -> tuple[str, ...]:
         """Warnings about loose parts, a missing volume and open seams, a sentence each."""
         why = None if self.rest.volume_capped else self.rest.missing_volume_reason
-        said = self.loose.warning, tr("There is no volume: {why}.").format(why=why) if why else None
-        joints = joints_sentence(self.solver.surface)
-        return tuple(sentence for sentence in (*said, joints, *self.rest.seams.sentences) if sentence)
+        volume = tr("There is no volume: {why}.").format(why=why) if why else None
+        said = self.loose.warning, volume, joints_sentence(self.solver.surface), *self.rest.seams.sentences
+        return tuple(sentence for sentence in said if sentence)
 
     def readings(self, frame: Frame) -> tuple[RegionReading, ...]:
         """Readings of the regions in ``frame``."""

@@ -155,8 +155,10 @@ def deform(
     shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
     wall_thickness: float | None = None,
     poisson: float = DEFAULT_POISSON,
+    tension_field: bool = False,
     area: float | str | None = None,
     volume: float | str | None = None,
+    filled_volume: float | None = None,
     regions: Sequence[Region] = (),
     loose: str | Sequence[int] | np.ndarray = GO,
     calm: bool = True,
@@ -175,9 +177,10 @@ def deform(
     Parameters
     ----------
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness,
-    wall_thickness, poisson
+    wall_thickness, poisson, tension_field
         See :class:`Deformation`.
-    area, volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, convergence, weld
+    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, convergence,
+    weld
         Also there.
     contact : bool, optional
         Whether to prevent self-intersections beyond those at rest; held vertices may be stopped by contact.
@@ -231,8 +234,10 @@ def deform(
         shear_stiffness=shear_stiffness,
         wall_thickness=wall_thickness,
         poisson=poisson,
+        tension_field=tension_field,
         area=area,
         volume=volume,
+        filled_volume=filled_volume,
         regions=regions,
         loose=loose,
         calm=calm,

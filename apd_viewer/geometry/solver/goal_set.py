@@ -9,7 +9,14 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
-from apd_viewer.geometry.goals.goals import Goal, Region, RegionReading, make_goals, region_patch
+from apd_viewer.geometry.goals.goals import (
+    Goal,
+    Region,
+    RegionReading,
+    filled_volume_goal,
+    make_goals,
+    region_patch,
+)
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import check_argument
@@ -32,6 +39,8 @@ class GoalSet:
         Relative error of the total area that "paper" accepts.
     levels : callable
         The levels of calmness, (k, n) float array.
+    filled_volume : float, optional
+        Volume to hold, cubic mesh units, in place of a percentage.
 
     Attributes
     ----------
@@ -40,10 +49,16 @@ class GoalSet:
     """
 
     def __init__(
-        self, rest: RestMesh, name: str, method: Method, tolerance: float, levels: Callable[[], np.ndarray]
+        self,
+        rest: RestMesh,
+        name: str,
+        method: Method,
+        tolerance: float,
+        levels: Callable[[], np.ndarray],
+        filled_volume: float | None = None,
     ) -> None:
         check_argument("tolerance", tolerance)
-        self._rest = rest
+        self._rest, self._filled_volume = rest, filled_volume
         self._levels = cache(levels)
         self._name = name
         self._method = method
@@ -71,7 +86,12 @@ class GoalSet:
         patches = [region_patch(self._rest, region) for region in regions]
         if area is None and self._method.keeps_total_area:
             area = 100.0
-        others = volume is not None or any(region.area is not None for region in regions)
+        filled = self._filled_volume
+        if filled is not None and volume is not None:
+            raise InputError(tr("A volume is given in percent and in cubic mesh units; omit one of them."))
+        others = (
+            filled is not None or volume is not None or any(region.area is not None for region in regions)
+        )
         if others and self._method.keeps_only_total_area:
             raise InputError(
                 tr(
@@ -80,7 +100,10 @@ class GoalSet:
                 ).format(method=self._name)
             )
         levels = self._levels() if calm and self._method.keeps_calm_parts else None
-        self.goals = self._with_tolerance(make_goals(self._rest, area, volume, regions, levels))
+        goals = make_goals(self._rest, area, volume, regions, levels)
+        if filled is not None:
+            goals = *goals, filled_volume_goal(self._rest, filled, area)
+        self.goals = self._with_tolerance(goals)
         self.regions, self._patches, self._dropped = tuple(regions), patches, ()
 
     @property

@@ -257,7 +257,11 @@ def check_wall_size(vertices: int) -> None:
 
 
 def wall_material(
-    diagonal: float, thickness: float | None, poisson: float, yield_radius: float | None = None
+    diagonal: float,
+    thickness: float | None,
+    poisson: float,
+    yield_radius: float | None = None,
+    tension_field: bool = False,
 ) -> Material:
     """Material of a thin elastic wall; raises InputError unless it is thin.
 
@@ -270,6 +274,8 @@ def wall_material(
     poisson : float
     yield_radius : float, optional
         Mesh units; by default the wall is elastic.
+    tension_field : bool
+        Whether the wall wrinkles finer than its mesh.
     """
     check_argument("poisson", poisson)
     if thickness is None:
@@ -288,4 +294,9 @@ def wall_material(
             )
         )
     curvature = np.inf if yield_radius is None else 1.0 / yield_radius
-    return Material(thickness=float(thickness), poisson=float(poisson), yield_curvature=curvature)
+    return Material(
+        thickness=float(thickness),
+        poisson=float(poisson),
+        yield_curvature=curvature,
+        is_relaxed=bool(tension_field),
+    )

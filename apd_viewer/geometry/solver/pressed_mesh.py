@@ -92,8 +92,10 @@ def press(
     shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
     wall_thickness: float | None = None,
     poisson: float = DEFAULT_POISSON,
+    tension_field: bool = False,
     area: float | None = None,
     volume: float | None = None,
+    filled_volume: float | None = None,
     thickness: float | None = None,
     yield_radius: float | None = None,
     start: np.ndarray | None = None,
@@ -116,8 +118,8 @@ def press(
         Number of equal steps of the closing plates; after each, the mesh comes to rest.
     fixed : (k,) ints
         Vertices held at their positions; may be empty.
-    method, stiffness, area_stiffness, shear_stiffness, wall_thickness, poisson, area, volume, thickness,
-    convergence, weld
+    method, stiffness, area_stiffness, shear_stiffness, wall_thickness, poisson, tension_field, area, volume,
+    filled_volume, thickness, convergence, weld
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
     yield_radius : float, optional
         Walls bent from flat to a smaller radius, mesh units, keep a crease; by default they are elastic.
@@ -166,8 +168,10 @@ def press(
         shear_stiffness=shear_stiffness,
         wall_thickness=wall_thickness,
         poisson=poisson,
+        tension_field=tension_field,
         area=area,
         volume=volume,
+        filled_volume=filled_volume,
         thickness=thickness,
         yield_radius=yield_radius,
         gas=gas,

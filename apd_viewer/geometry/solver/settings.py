@@ -29,6 +29,7 @@ from apd_viewer.geometry.solver.methods import (
 from apd_viewer.language import alternatives, tr
 
 _LARGEST_STIFFNESS = 1e6
+_LARGEST_VOLUME = 1e12  # cubic mesh units
 
 
 class SettingKind(Enum):
@@ -40,6 +41,7 @@ class SettingKind(Enum):
     PERCENTAGE = auto()
     SWITCH = auto()
     LENGTH = auto()
+    VOLUME = auto()
     AMOUNT = auto()
     CONVERGENCE = auto()
 
@@ -100,10 +102,14 @@ class Settings:
         Of a thin elastic wall, mesh units; None is a thousandth of the size of the mesh.
     poisson : float
         Of a thin elastic wall.
+    tension_field : bool
+        Whether a thin elastic wall wrinkles finer than its mesh, and resists no compression.
     area : float
         Target of the total area, in percent of its rest value.
     volume : float or None
         Target of the volume, in percent; None leaves it free. Always None without a volume.
+    filled_volume : float or None
+        Target of the volume in cubic mesh units, in place of a percentage; None for none.
     hold_area : bool
         Whether "local" and "wall" keep the total area too.
     calm : bool
@@ -163,6 +169,15 @@ class Settings:
         applies=attrgetter("traits.is_wall"),
         most=0.5,
     )
+    tension_field: bool = _setting(
+        False,
+        SettingKind.SWITCH,
+        tr("Tension field"),
+        tr("the wall wrinkles finer than the mesh and resists no compression, as film and cloth do"),
+        tr("Turn tension field on"),
+        applies=attrgetter("traits.is_wall"),
+        off_gesture=tr("Turn tension field off"),
+    )
     area: float = _percentage(
         100.0,
         tr("Area target"),
@@ -172,8 +187,17 @@ class Settings:
     volume: float | None = _percentage(
         None,
         tr("Volume target"),
-        tr("target of the volume, in percent of the rest volume; default: free"),
+        tr("target of the volume, in percent of the rest volume, or such as 250ml; default: free"),
         tr("Change volume"),
+    )
+    filled_volume: float | None = _setting(
+        None,
+        SettingKind.VOLUME,
+        tr("Filled volume"),
+        tr("volume to hold, in cubic mesh units, also of a shape that is flat at rest; default: free"),
+        tr("Change volume"),
+        applies=lambda settings: not settings.traits.keeps_only_total_area,
+        most=_LARGEST_VOLUME,
     )
     tolerance: float = _setting(
         DEFAULT_TOLERANCE,

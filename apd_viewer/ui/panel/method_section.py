@@ -20,8 +20,9 @@ from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
-from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, LengthField, NumberField
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.folding_section import Heading, Section, quiet_label
+from apd_viewer.ui.widgets.quantity_fields import LengthField, VolumeField
 from apd_viewer.ui.widgets.slider_field import DECADES, SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.quantities.units import Unit
 
-_FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
+_FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT, SettingKind.VOLUME)
 # Settings without a field here: stiffness has a slider, and thickness follows the wall fields.
 _ELSEWHERE = ("stiffness", "thickness")
 # Words for 0 in the fields of unset settings.
@@ -37,6 +38,7 @@ _UNSET = {
     "wall_thickness": trc("wall thickness", "default"),
     "yield_radius": trc("yield radius", "none"),
     "gas": trc("enclosed gas", "none"),
+    "filled_volume": trc("filled volume", "free"),
 }
 
 
@@ -91,6 +93,12 @@ class MethodSection(Section):
             tr("Keep walls from passing through each other; slower where they touch"),
         )
         self.contact.clicked.connect(self.contact_chosen)
+        self.tension_field = self._switch(
+            "tension_field",
+            tr("Tension field"),
+            tr("Let the wall wrinkle finer than the mesh, as film and cloth do: it resists no compression"),
+        )
+        self.tension_field.clicked.connect(partial(self.changed.emit, "tension_field"))
         self.tolerance = NumberField(
             accessibleName=tr("Area tolerance in percent"),
             toolTip=tr("Allowed deviation of the total area from its target"),
@@ -125,8 +133,12 @@ class MethodSection(Section):
 
     def _add_number(self, name: str, setting: Setting) -> None:
         tip = setting.help[0].upper() + setting.help[1:]
-        kind = LengthField if setting.kind is SettingKind.LENGTH else NumberField
-        field = kind(brief=True, accessibleName=setting.title, toolTip=tip, maximum=setting.most, decimals=4)
+        kinds = {SettingKind.LENGTH: LengthField, SettingKind.VOLUME: VolumeField}
+        kind = kinds.get(setting.kind, NumberField)
+        # A millilitre is a millionth of a cubic metre.
+        decimals = 9 if setting.kind is SettingKind.VOLUME else 4
+        limits = {"maximum": setting.most, "decimals": decimals}
+        field = kind(brief=True, accessibleName=setting.title, toolTip=tip, **limits)
         field.setSpecialValueText(_UNSET.get(name, ""))
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
         default = getattr(DEFAULT_SETTINGS, name)
@@ -153,6 +165,7 @@ class MethodSection(Section):
             field.show_value(getattr(settings, name) or 0.0)
         self.calm.setChecked(settings.calm)
         self.contact.setChecked(settings.contact)
+        self.tension_field.setChecked(settings.tension_field)
         self.tolerance.show_value(100.0 * settings.tolerance)
         self.stiffness.show_value(settings.stiffness)
         self.convergence.show_settings(document)

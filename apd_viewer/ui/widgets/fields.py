@@ -13,14 +13,12 @@ from apd_viewer.geometry.goals import percentage
 from apd_viewer.language import tr
 from apd_viewer.notation import editable_number, localized_number, notation
 from apd_viewer.presentation.number_format import format_short
-from apd_viewer.session.quantities.expressions import check_unambiguous, parse_length, unambiguous_text
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 _UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to users
 _MOST_IN_SIGHT = 24  # entries of a list
 _QUOTED = 20  # characters quoted from invalid input
-_WITH_UNIT = re.compile(r"[\d.]\s*(?!e[-+]?\d)[a-zA-Z\"″'′µμ]")  # not the exponent of 1e-3
 _SYMBOLS = '%°"′″'  # units that are no letters
 
 
@@ -259,35 +257,6 @@ class NumberField(QtWidgets.QDoubleSpinBox):
         if problem:
             self.error.show_message(problem)
         return bool(problem)
-
-
-class LengthField(NumberField):
-    """Number field for a length in the unit of the mesh, typed in any unit."""
-
-    def __init__(self, **properties: Any) -> None:
-        self._unit = Unit.NONE
-        super().__init__(**properties)
-
-    def show_unit(self, unit: Unit) -> None:
-        """Set the unit of the mesh."""
-        self._unit = unit
-        self.setSuffix(unit.format_length(""))
-
-    def _digits(self, text: str) -> str:
-        digits = super()._digits(text)
-        if _WITH_UNIT.search(digits):
-            with suppress(InputError):
-                return repr(parse_length(unambiguous_text(self._number_text(text)), self._unit, {}))
-        return digits
-
-    def _problem(self, text: str) -> str:
-        digits = super()._digits(text)
-        if _WITH_UNIT.search(digits) and not self._is_special(text):
-            try:
-                parse_length(unambiguous_text(self._number_text(text)), self._unit, {})
-            except InputError as error:
-                return str(error)
-        return super()._problem(text)
 
 
 class TextField(QtWidgets.QLineEdit):

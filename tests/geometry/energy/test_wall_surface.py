@@ -1,5 +1,7 @@
 """Energy of a thin wall against closed forms, and its derivatives against differences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from meshes import grid, rotation, sphere, tube
@@ -57,12 +59,13 @@ def uneven(V, F):
 MESHES = {"tube": tube(8, 5), "uneven": uneven(*tube(8, 5)), "sheet": grid(4, 5), "sphere": sphere(1)}
 
 
+@pytest.mark.parametrize("is_relaxed", [False, True], ids=["plain", "relaxed"])
 @pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES)
-def test_wall_surface_has_the_derivatives_of_its_energy_and_of_goals(mesh):
+def test_wall_surface_has_the_derivatives_of_its_energy_and_of_goals(mesh, is_relaxed):
     V, F = mesh
     fixed, rng = [0, 1, 2], np.random.default_rng(1)
     soft = SoftConstraints(np.array([5, 7]), np.ones(2), np.array([3.0, 2.0]), np.array([0, 0]))
-    surface = wall(V, F, fixed, soft=soft)
+    surface = wall(V, F, fixed, replace(MATERIAL, is_relaxed=is_relaxed), soft=soft)
     U = V + 0.05 * rng.normal(size=V.shape)
     targets = np.concatenate([U[fixed], V[[5, 7]] + 0.1])
     surface.restart(U)
@@ -110,6 +113,15 @@ def test_wall_surface_has_a_definite_matrix_without_what_may_be_indefinite():
     whole = np.linalg.eigvalsh(hessian(surface, np.zeros(len(F)), 0.0).toarray())
     safe = np.linalg.eigvalsh(hessian(surface, np.zeros(len(F)), 0.0, share=0.0).toarray())
     assert whole[0] < 0.0 < safe[0]
+
+
+def test_wall_surface_with_a_tension_field_pulls_but_does_not_push():
+    V, F = grid(4, 4)
+    plain, relaxed = (wall(V, F, material=replace(MATERIAL, is_relaxed=on)) for on in (False, True))
+    for share in (0.9, 1.1):
+        U = V * [share, 1.0, 1.0]
+        energies = [surface.energy_after_local_step(U) for surface in (plain, relaxed)]
+        assert energies[1] == pytest.approx(energies[0] if share > 1.0 else 0.0, abs=1e-3 * energies[0])
 
 
 def test_wall_surface_resists_the_collapse_of_a_triangle():

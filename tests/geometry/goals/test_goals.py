@@ -6,7 +6,15 @@ from meshes import box, soup, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals, region_patch
+from apd_viewer.geometry.goals.goals import (
+    GoalMeasures,
+    Region,
+    ball_volume,
+    filled_volume_goal,
+    goal_at_rest,
+    make_goals,
+    region_patch,
+)
 from apd_viewer.geometry.mesh.operators import face_areas
 
 V, F = box(2, 3, 4)
@@ -101,3 +109,28 @@ def test_make_goals_needs_something_to_measure():
 def test_region_patch_refuses_what_is_no_region(region):
     with pytest.raises(InputError, match="Regions must be a list of Region"):
         region_patch(REST, region)
+
+
+def test_ball_volume_is_that_of_the_ball_of_an_area():
+    assert ball_volume(4.0 * np.pi * 2.0**2) == pytest.approx(4.0 / 3.0 * np.pi * 2.0**3)
+
+
+def test_filled_volume_goal_asks_for_cubic_mesh_units_whatever_the_rest_shape():
+    for U in (V, V * [1.0, 1.0, 1e-6]):
+        goal = filled_volume_goal(RestMesh(U, F), 7.5, None)
+        assert goal.target == 7.5
+        assert value(goal, 2 * V) == pytest.approx(8 * 24)
+        assert goal.relative_deviation(15.0) == pytest.approx(1.0)
+        assert goal_at_rest(goal, 2 * V) is goal
+        assert goal.shortfall_sentence(7.25) == "the volume is at 7.25 instead of 7.5 cubic mesh units"
+
+
+def test_filled_volume_goal_refuses_more_than_a_ball_of_the_kept_area_holds():
+    most = ball_volume(52.0)
+    for area, share in ((100, 1.0), ("121%", 1.331)):
+        assert filled_volume_goal(REST, 0.999 * share * most, area).target > 0.0
+        with pytest.raises(InputError, match=f"at most {share * most:.4g} cubic mesh units"):
+            filled_volume_goal(REST, 1.001 * share * most, area)
+    assert filled_volume_goal(REST, 2.0 * most, None).target == 2.0 * most
+    with pytest.raises(InputError, match="open"):
+        filled_volume_goal(RestMesh(*tube(8, 4)), 1.0, None)

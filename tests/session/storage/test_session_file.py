@@ -44,6 +44,7 @@ SETTINGS: dict[str, Change] = {
     "a soft handle": lambda settings: settings.set_falloff(1, 1.7),
     "sr-arap": lambda settings: settings.change(method="sr-arap", stiffness=0.02),
     "wall": lambda settings: settings.change(method="wall", wall_thickness=0.05, poisson=0.3),
+    "bag": lambda settings: settings.change(method="wall", tension_field=True, filled_volume=24.5),
     "in contact": lambda settings: settings.set_contact(True, 0.0123),
 }
 assert set(METHODS) <= set(SETTINGS)
