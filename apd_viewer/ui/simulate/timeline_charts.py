@@ -128,14 +128,13 @@ class PressCharts:
         color: str,
         said: Callable[[float], str],
     ) -> list[tuple[str, str]]:
-        """Value of each curve at a step, with names if there are two curves."""
-        (first, wall), found = names, []
-        names = (first, f"\u25cf\u00a0{wall}") if first and wall else ("", "")
-        for rows, name, its_color in zip(points, names, (color, "ink"), strict=True):
-            value = np.nan if number is None else rows[number, 1]
-            text = said(value) if np.isfinite(value) else ""
-            found.append((f"{name}: {text}" if name and text else name or text, its_color))
-        return [row for row in found if row[0]]
+        """Value of the curve at a step, or the names of two with values beside them."""
+        first, wall = names
+        if first and wall:
+            return [(first, color), (f"\u25cf\u00a0{wall}", "ink")]
+        values = [np.nan if number is None else rows[number, 1] for rows in points]
+        colors = color, "ink"
+        return [(said(value), its) for value, its in zip(values, colors, strict=True) if np.isfinite(value)]
 
     @property
     def names(self) -> tuple[str, str]:
