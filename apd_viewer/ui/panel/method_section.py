@@ -137,8 +137,8 @@ class MethodSection(Section):
         kind = kinds.get(setting.kind, NumberField)
         # A millilitre is a millionth of a cubic metre.
         decimals = 9 if setting.kind is SettingKind.VOLUME else 4
-        limits = {"maximum": setting.most, "decimals": decimals}
-        field = kind(brief=True, accessibleName=setting.title, toolTip=tip, **limits)
+        field = kind(brief=True, accessibleName=setting.title, toolTip=tip, decimals=decimals)
+        field.setMaximum(setting.most)
         field.setSpecialValueText(_UNSET.get(name, ""))
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
         default = getattr(DEFAULT_SETTINGS, name)
