@@ -248,7 +248,7 @@ class GroundShadow:
 
 
 def _samples(X: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points (3, k) spread over triangles of positions (3, n), and the area (k,) of each."""
+    """Points (3, k) on triangles of positions (3, n), and the area (k,) of each."""
     every = max(1, len(F) // _SAMPLES)
     corners = np.array([row[F[::every]] for row in np.ascontiguousarray(X)])
     (a, b, c), (d, e, f) = corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0]
