@@ -64,7 +64,7 @@ def band_fields(
         "dents_percent": dents,
         "yield_loads": loads,
         "yield_deflections": [deflection for deflection, _ in yields],
-        "last_loads": [0.5 * (each.steps[-1].load_low + each.steps[-1].load_high) for each in band.presses],
+        "last_loads": [each.steps[-1].load for each in band.presses],
         "settled": [all(step.settled for step in each.steps) for each in band.presses],
     }
     if scale is not None:

@@ -40,7 +40,7 @@ def draw_press_curves(
     """
     scale = 1.0 if newtons is None else newtons[0]
     ways = [way for way in (pressed.steps, pressed.steps[-1:] + pressed.released) if len(way) > 1]
-    charts = [(_load_title(pressed, newtons), lambda step: scale * _load(step))]
+    charts = [(_load_title(pressed, newtons), lambda step: scale * step.load)]
     first = pressed.steps[0]
     if _volume(first):
         title = tr("Change of the volume within caps, %") if first.volume is None else tr("Volume change, %")
@@ -81,10 +81,6 @@ def _load_title(found: Pressed, newtons: tuple[float, str] | None) -> str:
     if newtons is None:
         return tr("Load, at stiffness 1") + f"\n{known}"
     return tr("Load, N, {conditions}").format(conditions=newtons[1]) + f"\n{known}"
-
-
-def _load(step: PressStep) -> float:
-    return 0.5 * (step.load_low + step.load_high)
 
 
 def _volume(step: PressStep) -> float:

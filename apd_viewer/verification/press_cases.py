@@ -22,10 +22,6 @@ def _extent(step: PressStep) -> float:
     return float(np.ptp(step.U @ _ACROSS))
 
 
-def _load(step: PressStep) -> float:
-    return 0.5 * (step.load_low + step.load_high)
-
-
 # Elastic tube
 
 # Integrals of sin(t)^(-1/2) and of sin(t)^(1/2) from 0 to pi / 2.
@@ -66,7 +62,7 @@ def _tube(n: int, _: bool) -> CaseResults:
     ring = slice(2 * n, 3 * n)
     gaps = [_extent(step) for step in steps]
     shares = [_section_area(step.U[ring]) / _section_area(V[ring]) for step in steps]
-    loads = [_load(step) / (wall.plate_rigidity * np.ptp(V[:, 1])) for step in steps]
+    loads = [step.load / (wall.plate_rigidity * np.ptp(V[:, 1])) for step in steps]
     answers = [ResultPair(flattened_volume(gap), share) for gap, share in zip(gaps, shares, strict=True)]
     answers += [ResultPair(flattened_load(gap), load) for gap, load in zip(gaps, loads, strict=True)]
     return CaseResults(tuple(answers), np.column_stack([np.array(gaps) / 2.0, shares]))
@@ -145,7 +141,7 @@ def _ring(n: int, _: bool) -> CaseResults:
     steps = found.steps[2::2]
     moment = wall.plate_rigidity * float(np.ptp(V[:, 1])) / _YIELD_RADIUS
     deflections = [1.0 - _extent(step) / 2.0 for step in steps]
-    loads = [_load(step) / moment for step in steps]
+    loads = [step.load / moment for step in steps]
     answers = [ResultPair(hinged_load(x), load) for x, load in zip(deflections, loads, strict=True)]
     return CaseResults(tuple(answers), np.column_stack([deflections, loads]))
 

@@ -322,6 +322,11 @@ class PressStep:
     stable: bool | None
     iterations: int
 
+    @property
+    def load(self) -> float:
+        """Mean load on both plates."""
+        return 0.5 * (self.load_low + self.load_high)
+
 
 class PlateTravel(NamedTuple):
     """Travel of two parallel plates.

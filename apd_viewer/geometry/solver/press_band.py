@@ -113,6 +113,6 @@ class PressBand:
         """Mean loads (r, s) at ``deflections`` (s,); NaN beyond the last step."""
         rows = []
         for each in self.presses:
-            x, load = np.array([(s.deflection, 0.5 * (s.load_low + s.load_high)) for s in each.steps]).T
+            x, load = np.array([(step.deflection, step.load) for step in each.steps]).T
             rows.append(np.interp(deflections, x, load, right=np.nan))
         return np.array(rows)

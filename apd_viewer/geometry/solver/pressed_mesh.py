@@ -195,7 +195,7 @@ def pressed_mesh(
     steps: Sequence[PressStep], released: Sequence[PressStep], is_stopped: bool, excess: float | None
 ) -> Pressed:
     """Result of pressing from its steps, with the readings of its load curve."""
-    loads = [0.5 * (step.load_low + step.load_high) for step in steps]
+    loads = [step.load for step in steps]
     curve = load_curve(np.array([step.deflection for step in steps]), np.array(loads))
     return Pressed(tuple(steps), tuple(released), curve, is_stopped, excess)
 
