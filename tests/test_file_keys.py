@@ -20,7 +20,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection import Selection, selection_to_json
 from apd_viewer.geometry.analysis.target_shape import TargetShape
-from apd_viewer.geometry.measuring.measurement import Measurement, Plane
+from apd_viewer.geometry.measuring.measurement import Contents, Measurement, Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.arrays import frozen
@@ -189,6 +189,7 @@ def whole_state():
         measurements=(
             Measurement("Span", MeasurementKind.DISTANCE, points),
             Measurement("Cut", MeasurementKind.SECTION, plane=Plane((0.0, 0.0, 1.0), 1.0)),
+            Measurement("Level", MeasurementKind.FILL_LEVEL, contents=Contents((0.0, 0.0, 1.0), 1.0)),
         ),
         poses=(NamedPose("Start", (HandlePlacement("Top", pose, (pose,)),)),),
         mirror_axis=0,
@@ -323,9 +324,10 @@ KEYS = {
         document.regions: name area locked hidden
         document.convergence: most_iterations energy_tolerance step_tolerance imperfection seed
         document.obstacles: name kind place axis radius length shift
-        document.measurements: name kind points plane
+        document.measurements: name kind points plane contents
         document.measurements.points: face weights
         document.measurements.plane: normal offset
+        document.measurements.contents: up volume
         document.base: locked hidden
         document.poses: name handles
         document.poses.handles: name pose waypoints

@@ -42,7 +42,6 @@ from apd_viewer.session.storage.session_file import open_session
 
 # Largest number of shapes in an animation, for a length of ten seconds.
 _MOST = 240
-_FIELDS = {0: "angle", 1: "length", 2: "area", 3: "volume_below"}
 
 
 def replay_parser() -> Parser:
@@ -128,9 +127,9 @@ def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dic
             "name": each.name,
             "kind": each.kind.value,
             **{
-                f"{_FIELDS[power]}{suffix}": _number(value, power)
+                f"{name}{suffix}": _number(value, power)
                 for suffix, X in shapes
-                for value, power in zip(_values(each, X, F), each.kind.powers, strict=True)
+                for value, (name, power) in zip(_values(each, X, F), each.kind.fields.items(), strict=True)
             },
         }
         for each in document.measurements

@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from apd_viewer.session.quantities.units import Unit
 
 _DIGITS = 5
-_NAMES = {MeasurementKind.SECTION: (tr("Length"), tr("Enclosed area"), tr("Volume below"))}
+_NAMES = {
+    MeasurementKind.SECTION: (tr("Length"), tr("Enclosed area"), tr("Volume below")),
+    MeasurementKind.FILL_LEVEL: (tr("Fill level"), tr("Freeboard"), tr("Spilled volume")),
+}
 
 
 def value_names(reading: MeasurementReading) -> tuple[str, ...]:
@@ -103,6 +106,8 @@ def missing_reason(reading: MeasurementReading) -> str:
         return tr("The contour is open, or faces along it are flipped: it encloses no area.")
     if kind is MeasurementKind.SECTION and missing[2]:
         return tr("Below the plane the surface is open, or faces are flipped: it encloses no volume there.")
+    if kind is MeasurementKind.FILL_LEVEL and any(missing):
+        return tr("It holds nothing this way up: an opening is at the lowest point, or the mesh has defects.")
     if kind is MeasurementKind.GEODESIC and any(missing):
         return tr("No path over the surface joins the points.")
     return ""

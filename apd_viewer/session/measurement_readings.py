@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, Plane, measure
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.measuring.measurement import Contents, Measurement, MeasurementResult, Plane, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint
+from apd_viewer.geometry.measuring.vessel import Vessel
 from apd_viewer.language import tr
 from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.model.document_parts import next_name, unique_name
@@ -163,7 +165,30 @@ class MeasurementEditor(DocumentEditor):
             )
             return
         name = next_name(kind.title, [each.name for each in there])
-        self._set(tr("Add measurement"), (*there, Measurement(name, kind, points, plane)))
+        made = Measurement(name, kind, points, plane)
+        if kind is MeasurementKind.FILL_LEVEL and plane is not None:
+            try:
+                made = Measurement(name, kind, contents=self._contents_below(plane))
+            except InputError as error:
+                self._listener.failed(str(error))
+                return
+        self._set(tr("Add measurement"), (*there, made))
+
+    def _contents_below(self, plane: Plane) -> Contents:
+        """Contents of the displayed shape that rise to a plane."""
+        state = self._store.required_state()
+        vessel = Vessel.from_welded_surface(
+            state.frame.U, state.document.mesh.joined_F, np.array(plane.normal)
+        )
+        return Contents(plane.normal, vessel.volume(plane.offset))
+
+    def fill(self, k: int, volume: float) -> None:
+        """Set the contents of fill level ``k``, cubic mesh units."""
+        there = self._store.required_state().document.measurements
+        contents = there[k].contents
+        if contents is not None:
+            filled = replace(there[k], contents=contents._replace(volume=volume))
+            self._set(tr("Change contents"), (*there[:k], filled, *there[k + 1 :]))
 
     def remove(self, k: int) -> None:
         """Remove measurement ``k``."""

@@ -11,11 +11,12 @@ from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
 from apd_viewer.files.tables import unescaped_cell
 from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
-from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement import Contents, Measurement, Plane, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
+from apd_viewer.geometry.measuring.sections import plane_section
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.presentation import measurement_text as words
-from apd_viewer.session.measurement_readings import complete_readings
+from apd_viewer.session.measurement_readings import MeasurementReading, complete_readings
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session, save_session
 
@@ -30,6 +31,7 @@ def measure_all(session):
     session.measurements.add(MeasurementKind.ANGLE, POINTS)
     session.measurements.add(MeasurementKind.GEODESIC, POINTS[:2])
     session.measurements.add(MeasurementKind.SECTION, plane=HALF)
+    session.measurements.add(MeasurementKind.FILL_LEVEL, plane=HALF)
 
 
 def readings(session):
@@ -45,8 +47,9 @@ def test_measurement_editor_are_named_renamed_removed_and_undone(session):
     def names():
         return [each.name for each in session.store.state.document.measurements]
 
-    assert names() == ["Section 1 2", "Angle 1", "Geodesic 1", "Section 1", "Distance 2"]
+    assert names() == ["Section 1 2", "Angle 1", "Geodesic 1", "Section 1", "Fill level 1", "Distance 2"]
     session.measurements.rename(0, "Neck")
+    session.measurements.remove(3)
     session.measurements.remove(3)
     assert names() == ["Neck", "Angle 1", "Geodesic 1", "Distance 2"]
     session.measurements.clear()
@@ -80,7 +83,7 @@ def test_measurement_readings_follow_the_shape_and_geodesics_wait_until_it_rests
     session.gestures.begin()
     session.handles.drag(BENT)
     session.until(lambda: session.U is not mesh.V)
-    distance, _, geodesic, _ = readings(session)
+    distance, _, geodesic, *_ = readings(session)
     p, q = point_positions(POINTS[:2], session.U, mesh.F)
     assert distance.now.values == pytest.approx((np.linalg.norm(p - q),))
     assert geodesic.now.values == (None,)  # the old length would be wrong
@@ -151,8 +154,8 @@ def test_replay_reports_the_measurements(session, tmp_path):
     command = ["replay", str(path), "-o", str(tmp_path / "bar.obj"), "--report", str(tmp_path / "bar.json")]
     assert main(command) == 0
     said = json.loads((tmp_path / "bar.json").read_text())["measurements"]
-    assert [each["kind"] for each in said] == ["distance", "angle", "geodesic", "section"]
-    distance, angle, geodesic, section = said
+    assert [each["kind"] for each in said] == ["distance", "angle", "geodesic", "section", "level"]
+    distance, angle, geodesic, section, filled = said
     p, q, r = point_positions(POINTS, session.U, session.store.state.document.mesh.F)
     assert distance["length"] == pytest.approx(np.linalg.norm(p - q))
     a, b = p - q, r - q
@@ -161,6 +164,38 @@ def test_replay_reports_the_measurements(session, tmp_path):
     assert geodesic["length"] >= distance["length"]
     assert (section["length_rest"], section["area_rest"]) == pytest.approx((8.0, 4.0))
     assert section["volume_below_rest"] == pytest.approx(4.0 * HALF.offset)
+    height = session.store.state.document.mesh.V[:, 2]
+    assert filled["level_rest"] == pytest.approx(HALF.offset - height.min(), rel=1e-9)
+    assert filled["freeboard_rest"] == pytest.approx(height.max() - HALF.offset, rel=1e-9)
+    assert filled["spilled"] == 0.0
+    below = Plane(HALF.normal, session.U[:, 2].min() + filled["level"])
+    F = session.store.state.document.mesh.joined_F
+    assert plane_section(session.U, F, below.offset * np.array(below.normal), below.normal).volume_below == (
+        pytest.approx(4.0 * HALF.offset, rel=1e-9)
+    )  # the same liquid in the bent bar
+
+
+def test_measurement_editor_changes_the_contents_of_a_fill_level(session):
+    session.measurements.add(MeasurementKind.FILL_LEVEL, plane=HALF)
+    whole = session.store.state.inspection.volume
+    session.measurements.fill(0, whole + 3.0)
+    level, freeboard, spilled = readings(session)[0].now.values
+    assert (freeboard, spilled) == (0.0, pytest.approx(3.0))
+    assert level == pytest.approx(np.ptp(session.store.state.document.mesh.V[:, 2]))
+    session.gestures.undo()
+    assert readings(session)[0].now.values[2] == 0.0
+    document = session.store.state.document
+    path_up = Contents((0.0, 0.0, 1.0), document.measurements[0].contents.volume)
+    assert document.measurements[0].contents == path_up
+
+
+def test_measurement_editor_refuses_to_fill_what_holds_nothing(session, tmp_path):
+    m = session.store.state.document.mesh
+    F = m.F[~(m.V[m.F][:, :, 2] < m.V[:, 2].min() + 1e-9).all(axis=1)]  # without its bottom
+    measured = Measurement("Open below", MeasurementKind.FILL_LEVEL, contents=Contents((0.0, 0.0, 1.0), 1.0))
+    assert np.isnan(measure(measured, m.V, F).values).all()
+    reading = MeasurementReading(measured, *2 * [measure(measured, m.V, F)])
+    assert "holds nothing this way up" in words.detail_text(reading, Unit.NONE)
 
 
 def test_measurement_words_tell_values_changes_and_what_is_missing(session):
@@ -172,7 +207,7 @@ def test_measurement_words_tell_values_changes_and_what_is_missing(session):
     said = readings(session)
     assert words.short_text(said[2], Unit.MILLIMETRE) == "…"
     assert "stops moving" in words.detail_text(said[2], Unit.MILLIMETRE)
-    assert "misses" in words.detail_text(said[4], Unit.NONE)
+    assert "misses" in words.detail_text(said[5], Unit.NONE)
     now, rest = said[3].now.values, said[3].rest.values
     by = 100 * (now[1] / rest[1] - 1)
     change = f"{by:+.2f} %".replace("-", "−")

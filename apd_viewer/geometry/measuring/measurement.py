@@ -1,13 +1,15 @@
-"""Measurements of a shape: distances, angles, geodesics and sections."""
+"""Measurements of a shape: distances, angles, geodesics, sections and fill levels."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.sections import section
 from apd_viewer.geometry.measuring.surface_point import CarriedPath, SurfacePoint, point_positions
+from apd_viewer.geometry.measuring.vessel import Vessel
 
 _ARC = 0.4  # radius of an angle's arc, relative to its shorter side
 _ARC_STEPS = 24
@@ -28,6 +30,21 @@ class Plane(NamedTuple):
     offset: float
 
 
+class Contents(NamedTuple):
+    """Liquid in a shape.
+
+    Attributes
+    ----------
+    up : tuple of 3 floats
+        A unit vector against gravity.
+    volume : float
+        Cubic mesh units.
+    """
+
+    up: tuple[float, float, float]
+    volume: float
+
+
 @dataclass(frozen=True)
 class Measurement:
     """Definition of a measurement, applicable to any shape of a mesh.
@@ -40,12 +57,15 @@ class Measurement:
         They move with the surface. An angle is measured at the second one.
     plane : Plane or None
         Of a section: it stays in its place.
+    contents : Contents or None
+        Of a fill level: its volume stays, as far as the shape holds it.
     """
 
     name: str
     kind: MeasurementKind
     points: tuple[SurfacePoint, ...] = ()
     plane: Plane | None = None
+    contents: Contents | None = None
 
 
 class MeasurementResult(NamedTuple):
@@ -91,6 +111,8 @@ def measure(
     """
     if measurement.kind is MeasurementKind.SECTION and measurement.plane is not None:
         return _section(measurement.plane, U, F)
+    if measurement.contents is not None:
+        return _fill_level(measurement.contents, U, F)
     points = point_positions(measurement.points, U, F)
     if measurement.kind is MeasurementKind.ANGLE:
         return _angle(points)
@@ -134,6 +156,18 @@ def _geodesic(U: np.ndarray, path: CarriedPath | None, is_current: bool) -> Meas
     A, B, C = U[path.corners[1:]].transpose(1, 0, 2)
     value = _length(segments) if is_current else None
     return MeasurementResult((value,), segments, np.cross(B - A, C - A), points[len(points) // 2])
+
+
+def _fill_level(contents: Contents, U: np.ndarray, F: np.ndarray) -> MeasurementResult:
+    """Level of a liquid above the lowest point, its freeboard, and what is spilled."""
+    up = np.array(contents.up)
+    try:
+        vessel = Vessel.from_welded_surface(U, F, up)
+        filling = vessel.filling(contents.volume)
+    except InputError:
+        return MeasurementResult((float("nan"),) * 3, np.empty((0, 2, 3)))
+    surface = _section(Plane(contents.up, vessel.bottom + filling.level), U, vessel.F)
+    return surface._replace(values=tuple(filling))
 
 
 def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> MeasurementResult:

@@ -129,8 +129,27 @@ def volume_below(V: np.ndarray, F: np.ndarray, height: np.ndarray, normal: np.nd
         A unit vector.
     """
     T = F[(height < 0.0)[F].any(axis=1)]
-    across = np.cross(V[T[:, 1]] - V[T[:, 0]], V[T[:, 2]] - V[T[:, 0]]) @ normal
-    return -0.5 * float(across @ _mean_depths(-height[T]))
+    return volume_below_level(projected_areas(V, T, normal), np.sort(height[T]), 0.0)
+
+
+def projected_areas(V: np.ndarray, F: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Signed areas (m,) of triangles seen along a unit normal."""
+    areas: np.ndarray = 0.5 * (np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]) @ normal)
+    return areas
+
+
+def volume_below_level(projected: np.ndarray, heights: np.ndarray, level: float) -> float:
+    """Signed volume below a level, inside triangles that are closed there.
+
+    Parameters
+    ----------
+    projected : (m,) float array
+        Their :func:`projected_areas`.
+    heights : (m, 3) float array
+        Of their corners, each row ascending.
+    """
+    wet = heights[:, 0] < level
+    return -float((projected[wet] * _mean_depths(level - heights[wet])).sum())
 
 
 def _mean_depths(depth: np.ndarray) -> np.ndarray:
@@ -139,9 +158,9 @@ def _mean_depths(depth: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     depth : (k, 3) float array
-        Values at the corners, at least one of them positive.
+        Values at the corners, each row descending from a positive one.
     """
-    most, middle, least = np.sort(depth, axis=1).T[::-1]
+    most, middle, least = depth.T
     mean = (most + middle + least) / 3.0
     tip = middle <= 0.0
     a, b, c = most[tip], middle[tip], least[tip]

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.double_wall import inner_surface
-from apd_viewer.geometry.measuring.sections import volume_below
+from apd_viewer.geometry.measuring.sections import projected_areas, volume_below_level
 from apd_viewer.geometry.mesh.arrays import as_float, checked_direction, checked_floats, checked_integers
 from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -64,6 +64,8 @@ class Vessel:
         Height of the lowest point of the openings, or of the top without any.
     brimful : float
         Volume up to the brim, cubic mesh units.
+    F : (k, 3) int array
+        Triangles that the liquid can wet, of the vertices without seams.
 
     Raises
     ------
@@ -82,21 +84,22 @@ class Vessel:
 
     def __init__(self, U: np.ndarray, F: np.ndarray, up: np.ndarray) -> None:
         mesh = Mesh(checked_floats(U, tr("Vertices")), checked_integers(F, tr("Faces")))
-        V = mesh.V[mesh.weld.first]
-        self._stand(V, _wet_surface(V, mesh.weld.inverse[mesh.F]), checked_direction(up))
+        V, welded = mesh.V[mesh.weld.first], mesh.weld.inverse[mesh.F]
+        self._stand(V, welded, checked_direction(up))
 
     @classmethod
-    def from_open_surface(cls, U: np.ndarray, F: np.ndarray, up: np.ndarray) -> Vessel:
-        """Vessel of an open manifold surface without seams, and a unit vector ``up``."""
+    def from_welded_surface(cls, U: np.ndarray, F: np.ndarray, up: np.ndarray) -> Vessel:
+        """Vessel of validated arrays without seams, and a unit vector ``up``."""
         vessel = cls.__new__(cls)
         vessel._stand(U, F, up)
         return vessel
 
     def _stand(self, V: np.ndarray, F: np.ndarray, up: np.ndarray) -> None:
-        self._V, self._F, self._up, self._height = V, F, up, V @ up
-        used, border = np.unique(F), boundary_vertices(F, len(V))
-        self.bottom = float(self._height[used].min())
-        self.brim = float(self._height[border].min() if len(border) else self._height[used].max())
+        self.F, is_open = _wet_surface(V, F)
+        height = V @ up
+        self._heights, self._projected = np.sort(height[self.F]), projected_areas(V, self.F, up)
+        self.bottom = float(self._heights.min())
+        self.brim = float(height[boundary_vertices(self.F, len(V))].min() if is_open else self._heights.max())
         self.brimful = self.volume(self.brim)
         if not self.brimful > 0.0:
             raise InputError(
@@ -119,7 +122,7 @@ class Vessel:
         level = min(as_float(level), self.brim)
         if np.isnan(level):
             raise InputError(tr("A level must be a number."))
-        return abs(volume_below(self._V - level * self._up, self._F, self._height - level, self._up))
+        return abs(volume_below_level(self._projected, self._heights, level))
 
     def level(self, volume: float) -> float:
         """Height along ``up`` to which a volume rises.
@@ -162,14 +165,20 @@ class Vessel:
         return Filling(level - self.bottom, self.brim - level, volume - held)
 
 
-def _wet_surface(V: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Triangles (k, 3) that the liquid can wet; raises InputError if it leaks."""
+def _wet_surface(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Triangles (k, 3) that the liquid can wet, and whether they are open.
+
+    Raises
+    ------
+    InputError
+        If it leaks.
+    """
     border, crowded, one_way = edge_defect_counts(F, len(V))
     if crowded or one_way:
         why = missing_volume_reason(F, len(V))
         raise InputError(tr("It cannot be filled: {why}; repair it first.").format(why=why))
     if border:
-        return F
+        return F, True
     piece = vertex_components(F, len(V))[F[:, 0]]
     inner = inner_surface(V, F, piece, face_areas(V, F), volume(V, F))
-    return F if inner is None else inner
+    return (F, False) if inner is None else (inner, True)

@@ -10,7 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import default_name
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import read_bytes
-from apd_viewer.geometry.measuring.measurement import Measurement, Plane
+from apd_viewer.geometry.measuring.measurement import Contents, Measurement, Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.arrays import frozen
@@ -150,6 +150,11 @@ def _measurement_to_json(measurement: Measurement) -> dict[str, Any]:
             **said,
             "plane": {"normal": list(measurement.plane.normal), "offset": measurement.plane.offset},
         }
+    if measurement.contents is not None:
+        return {
+            **said,
+            "contents": {"up": list(measurement.contents.up), "volume": measurement.contents.volume},
+        }
     return {**said, "points": [{"face": p.face, "weights": list(p.weights)} for p in measurement.points]}
 
 
@@ -169,6 +174,8 @@ def _measurement_from_json(fields: JsonFields, faces: int) -> Measurement:
     kind = MeasurementKind(named)
     if kind is MeasurementKind.SECTION:
         return Measurement(name, kind, plane=_plane(fields.nested_fields("plane")))
+    if kind is MeasurementKind.FILL_LEVEL:
+        return Measurement(name, kind, contents=_contents(fields.nested_fields("contents")))
     points = tuple(_point(part, faces) for part in fields.nested_list("points", kind.points))
     if len(points) < kind.points:
         raise ValueError(tr("its “points” are damaged"))
@@ -184,11 +191,19 @@ def _point(fields: JsonFields, faces: int) -> SurfacePoint:
 
 
 def _plane(fields: JsonFields) -> Plane:
-    normal = fields.array("normal", 3)
-    if abs(np.linalg.norm(normal) - 1.0) > _ROUNDING:
-        raise ValueError(tr("its “plane” is damaged"))
-    x, y, z = normal.tolist()
-    return Plane((x, y, z), fields.number("offset"))
+    return Plane(_unit_vector(fields, "normal"), fields.number("offset"))
+
+
+def _contents(fields: JsonFields) -> Contents:
+    return Contents(_unit_vector(fields, "up"), fields.number("volume", 0.0))
+
+
+def _unit_vector(fields: JsonFields, key: str) -> tuple[float, float, float]:
+    vector = fields.array(key, 3)
+    if abs(np.linalg.norm(vector) - 1.0) > _ROUNDING:
+        raise ValueError(tr("its “{key}” is no direction").format(key=key))
+    x, y, z = vector.tolist()
+    return x, y, z
 
 
 _KINDS = {kind.value: kind for kind in ObstacleKind}

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QLineF, QObject, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QGuiApplication, QPainter, QPen
+from PySide6.QtGui import QColor, QFont, QGuiApplication, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, Plane, measure
@@ -25,7 +25,7 @@ from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane
+from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane, to_polygon
 from apd_viewer.ui.tools.tool_modes import Tool
 
 
@@ -68,6 +68,7 @@ class MeasureController(QObject):
         section.list.chosen.connect(self._choose)
         section.list.renamed.connect(session.measurements.rename)
         section.list.removed.connect(self._remove)
+        section.contents.valueChanged.connect(lambda volume: session.measurements.fill(self._chosen, volume))
         section.copy.clicked.connect(self.copy)
         section.clear.clicked.connect(self.clear)
         section.shown.toggled.connect(self._show_in_view)
@@ -192,6 +193,8 @@ class MeasureView(MouseTool):
             return
         for k, reading in enumerate(self._readings):
             chosen = k == self._chosen
+            if reading.measurement.contents is not None:
+                _draw_liquid(painter, eye, reading.now.segments)
             draw_lines(painter, eye, reading.now, chosen)
             draw_points(
                 painter, eye, point_positions(reading.measurement.points, self._surface.U, skin.F), chosen
@@ -200,18 +203,20 @@ class MeasureView(MouseTool):
         draw_labels(painter, eye, labels)
 
     def _label(self, reading: MeasurementReading) -> list[str]:
-        pairs = zip(words.current_texts(reading, self._unit), words.change_texts(reading), strict=True)
-        return ["  ".join(filter(None, pair)) for pair in pairs]
+        names = words.value_names(reading) if len(reading.now.values) > 1 else ("",)
+        texts = names, words.current_texts(reading, self._unit), words.change_texts(reading)
+        return ["  ".join(filter(None, line)) for line in zip(*texts, strict=True)]
 
     def _draw_plane(self, painter: QPainter) -> None:
         if (plane := self._tool.plane) is not None:
-            corners = axis_rectangle(self._surface.U, self._tool.axis, plane.offset)
+            axis = int(np.argmax(np.abs(plane.normal)))
+            corners = axis_rectangle(self._surface.U, axis, plane.offset * plane.normal[axis])
             draw_plane(painter, self._viewport.camera_controller.camera, corners, _PLANE, _HALO)
 
     def _draw_picking(self, painter: QPainter) -> None:
         tool, eye = self._tool, self._viewport.camera_controller.camera
         points = tool.points
-        if tool.kind is MeasurementKind.SECTION:
+        if tool.plane is not None:
             return
         draw_points(painter, eye, points, chosen=True)
         if len(points) < 2:
@@ -260,15 +265,35 @@ KIND_TEXTS = {
         tr("Measure the contour in which a plane cuts the mesh, and the area in it"),
         tr("Measure section: click where the plane cuts the mesh, wheel changes the axis, Ctrl+wheel zooms"),
     ),
+    MeasurementKind.FILL_LEVEL: KindTexts(
+        tr("&Fill level"),
+        "measure-level",
+        tr("Fill the shape up to a point: its level, freeboard and what is spilled, however it deforms"),
+        tr("Measure fill level: click the height to which it is filled; type its volume in Measure"),
+    ),
 }
 
 
 # Dark on a white halo, to be legible on any paint, overlay and background.
 _INK, _PALE = QColor("#1d2129"), QColor(255, 255, 255, 215)
 _CHOSEN = QColor("#2f6fde")
+_LIQUID = QColor(47, 111, 222, 90)
 _PAPER = QColor(255, 255, 255, 240)
 _BACK = 0.3  # opacity of lines on the far side of the surface
 _DOT, _ROOM, _GAP = 3.5, 6.0, 8.0
+
+
+def _draw_liquid(painter: QPainter, camera: Camera, segments: np.ndarray) -> None:
+    """Fill the inside of plane contours (s, 2, 3) in front of the camera."""
+    if not len(segments) or (camera.depth(segments.reshape(-1, 3)) <= 0.0).any():
+        return
+    ends = camera.project(segments.reshape(-1, 3)).reshape(-1, 2, 2)
+    # A point is inside where an odd number of triangles of one corner and the segments cover it.
+    surface = QPainterPath()
+    surface.setFillRule(Qt.FillRule.OddEvenFill)
+    for p, q in ends:
+        surface.addPolygon(to_polygon(np.array([ends[0, 0], p, q, ends[0, 0]])))
+    painter.fillPath(surface, _LIQUID)
 
 
 def draw_lines(painter: QPainter, camera: Camera, measured: MeasurementResult, chosen: bool) -> None:

@@ -69,12 +69,14 @@ class MeasureTool(MouseTool, QObject):
 
     @property
     def plane(self) -> Plane | None:
-        """Plane through the point under the cursor; None unless measuring a section."""
+        """Plane through the point under the cursor, of a section or a fill level."""
         points = self.points
-        if self._kind is not MeasurementKind.SECTION or not len(points):
+        if self._kind.points or not len(points):
             return None
-        x, y, z = np.eye(3)[self.axis].tolist()
-        return Plane((x, y, z), float(points[-1, self.axis]))
+        up = self._viewport.camera_controller.camera.up_axis.direction
+        normal = np.eye(3)[self.axis] if self._kind is MeasurementKind.SECTION else up
+        x, y, z = normal.tolist()
+        return Plane((x, y, z), float(points[-1] @ normal))
 
     def press(self, event: QMouseEvent) -> bool:
         """Show the point under the cursor; a drag can still move it."""

@@ -19,10 +19,10 @@ from apd_viewer.geometry.solver.convergence import (
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind
 from apd_viewer.language import tr, trc
-from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
+from apd_viewer.ui.widgets.box_layouts import add_parts, column_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.folding_section import Heading, Section, quiet_label
-from apd_viewer.ui.widgets.quantity_fields import LengthField, VolumeField
+from apd_viewer.ui.widgets.quantity_fields import LengthField, VolumeField, field_row
 from apd_viewer.ui.widgets.slider_field import DECADES, SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -290,11 +290,3 @@ def _tolerance(name: str, tip: str) -> NumberField:
     return NumberField(
         brief=True, accessibleName=name, toolTip=tip, minimum=_LEAST, maximum=LARGEST_TOLERANCE, decimals=18
     )
-
-
-def field_row(title: str, field: NumberField, *before: QWidget) -> QWidget:
-    """Row with a title on the left, and ``before`` and a field on the right."""
-    row = QWidget()
-    label = QLabel(title, toolTip=field.toolTip(), buddy=field)
-    row_layout(label, STRETCH, *before, field, parent=row, spacing=-1)
-    return row

@@ -1,4 +1,4 @@
-"""Number fields for lengths and volumes, typed in any unit."""
+"""Number fields for lengths and volumes in any unit, and rows of fields."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import re
 from contextlib import suppress
 from typing import Any
 
+from PySide6.QtWidgets import QLabel, QWidget
+
 from apd_viewer.errors import InputError
 from apd_viewer.session.quantities.expressions import parse_length, parse_volume, unambiguous_text
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.fields import NumberField
 
 _WITH_UNIT = re.compile(r"[\d.]\s*(?!e[-+]?\d)[a-zA-Z\"″'′µμ]")  # not the exponent of 1e-3
@@ -56,3 +59,11 @@ class VolumeField(LengthField):
 
     def _parsed(self, text: str) -> float:
         return parse_volume(text, self._unit)
+
+
+def field_row(title: str, field: NumberField, *before: QWidget) -> QWidget:
+    """Row with a title on the left, and ``before`` and a field on the right."""
+    row = QWidget()
+    label = QLabel(title, toolTip=field.toolTip(), buddy=field)
+    row_layout(label, STRETCH, *before, field, parent=row, spacing=-1)
+    return row

@@ -131,6 +131,32 @@ def test_measure_controller_has_values_follow_shape_and_unit_and_copies_them(qtb
     check_drawing(window, section)
 
 
+def test_measure_tool_fills_up_to_the_click_and_by_a_typed_volume(qtbot, measuring):
+    window, section = measuring, measuring.panel.measure
+    window.choose_unit(Unit.CENTIMETRE)
+    assert not section.contents.isVisible()
+    window.measurements.choose_kind(MeasurementKind.FILL_LEVEL)
+    before = window.canvas.viewport.tool_layer.grab().toImage()
+    vertex = front(window, 0.5)
+    click(window, vertex)
+    V = document(window).mesh.V
+    (filled,) = measured(window)
+    pixel = window.canvas.viewport.camera_controller.camera.world_per_pixel(V[vertex])
+    level = readings(window)[0].now.values[0]
+    assert level == pytest.approx(V[vertex, 1] - V[:, 1].min(), abs=3 * pixel)
+    assert window.canvas.viewport.tool_layer.grab().toImage() != before
+    qtbot.waitUntil(section.contents.isVisible)
+    field = section.contents.lineEdit()
+    field.selectAll()
+    qtbot.keyClicks(field, "0.45l")
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+    assert measured(window)[0].contents.volume == pytest.approx(450.0)
+    assert readings(window)[0].now.values[0] > level
+    assert "Freeboard" in section.list.rows[0].details.text()
+    window.session.gestures.undo()
+    assert measured(window) == (filled,)
+
+
 def check_copy(window, section, row):
     section.copy.click()
     lines = [line.split("\t") for line in QGuiApplication.clipboard().text().splitlines()]
