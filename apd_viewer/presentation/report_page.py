@@ -27,8 +27,8 @@ from apd_viewer.geometry.measuring.vessel import Vessel
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import measurement_text, readings, report_blocks
-from apd_viewer.presentation.number_format import format_length, format_short
-from apd_viewer.presentation.plate_readings import main_plate_readings
+from apd_viewer.presentation.number_format import format_length, format_short, format_significant
+from apd_viewer.presentation.plate_readings import has_given_way, main_plate_readings
 from apd_viewer.presentation.report_blocks import ReportReadings
 from apd_viewer.presentation.step_readings import step_reading_texts, step_verdict
 from apd_viewer.presentation.volume_text import volume_rows
@@ -60,6 +60,15 @@ class ReportHeading(NamedTuple):
 NO_HEADING = ReportHeading()
 
 
+class ReportDrawings(NamedTuple):
+    """Pictures of shape and steps, histogram of area change, curves of a timeline."""
+
+    shape: PagePictureRow
+    histogram: PageDrawing
+    steps: PagePictureRow
+    curves: tuple[PageDrawing, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class ReportSubject:
     """Subject of a report: state, view and measurements.
@@ -87,19 +96,17 @@ class ReportSubject:
     heading: ReportHeading = NO_HEADING
 
 
-def report_page(
-    subject: ReportSubject, evidence: ReportReadings, pictures: PagePictureRow, histogram: PageDrawing | None
-) -> Page:
+def report_page(subject: ReportSubject, evidence: ReportReadings, drawings: ReportDrawings) -> Page:
     """Build the report page."""
     state, unit = subject.state, subject.unit
     checks = subject.rest_check, subject.shape_check
     date = subject.requested_at.strftime("%Y-%m-%d %H:%M")
     parts = [
-        PageSection(tr("Shape"), (*_warnings(state, subject.shape_check), pictures), is_wide=True),
+        PageSection(tr("Shape"), (*_warnings(state, subject.shape_check), drawings.shape), is_wide=True),
         PageSection(tr("Area"), (PageTable(tuple(_area(state, unit))),)),
         PageSection(tr("Volume"), (PageTable(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
-        *_steps(subject),
+        *_steps(subject, drawings),
         *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(report_blocks.settings_blocks(state, unit))),
@@ -113,7 +120,10 @@ def report_page(
             (volumes_block(state, unit, subject.wall, checks, subject.up_axis),),
             is_wide=True,
         ),
-        PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), is_wide=True),
+        PageSection(
+            tr("Local area change"), tuple(_local_change(evidence.change, drawings.histogram)), is_wide=True
+        ),
+        PageSection(tr("Assumptions"), tuple(_assumptions(subject)), is_wide=True),
         PageSection(tr("Mesh check"), tuple(_findings(subject)), is_wide=True),
         PageSection(tr("Mesh and file"), tuple(report_blocks.mesh_blocks(state, unit, evidence.file))),
         PageSection(tr("Versions"), (PageTable(tuple(report_blocks.version_rows())),)),
@@ -227,7 +237,30 @@ def _compactness(state: State) -> tuple[str, str]:
     return value, change
 
 
-def _steps(subject: ReportSubject) -> Iterator[PageSection]:
+def _assumptions(subject: ReportSubject) -> Iterator[PageBlock]:
+    """Sentences about what the model assumes, and what it does not know."""
+    settings, unit = subject.state.document.settings, subject.unit
+    if subject.state.document.obstacles:
+        yield PageNote(tr("Everything is moved slowly, without gravity and friction."))
+        if subject.newtons is None:
+            yield PageNote(tr("Loads are relative: unit, thickness or Young's modulus are unknown."))
+    if settings.yield_radius is None:
+        yield PageNote(tr("The wall springs back from every bend; no crease stays."))
+    else:
+        radius = unit.format_length(format_significant(settings.yield_radius, 3))
+        sentence = tr(
+            "Creases stay where the wall is bent to less than {radius}. Stretched, it never yields."
+        )
+        yield PageNote(sentence.format(radius=radius))
+    if not subject.state.is_contact_active:
+        yield PageNote(tr("Without contact, walls may pass through each other."))
+    if has_given_way([step.state for step in subject.steps]):
+        yield PageNote(
+            tr("The load has fallen once: from there on imperfections of a real wall decide, not known here.")
+        )
+
+
+def _steps(subject: ReportSubject, drawings: ReportDrawings) -> Iterator[PageSection]:
     """Section on the steps of the motion that the shape belongs to, if there are any."""
     if len(subject.steps) < 2:
         return
@@ -244,7 +277,8 @@ def _steps(subject: ReportSubject) -> Iterator[PageSection]:
         row = (str(step.number), method), *cells, (step_verdict(step.state)[0], "")
         rows.append(tuple((cell,) for cell in row))
     titles = tr("Step"), *(each.title for each in texts), tr("State")
-    yield PageSection(tr("Steps"), (PageGrid(titles, tuple(rows)),), is_wide=True)
+    table = PageGrid(titles, tuple(rows))
+    yield PageSection(tr("Steps"), (drawings.steps, *drawings.curves, table), is_wide=True)
 
 
 def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> Iterator[PageSection]:
@@ -270,9 +304,8 @@ def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> I
     yield PageSection(tr("Target shape"), (PageTable(tuple(rows)),))
 
 
-def _local_change(change: LocalChange, histogram: PageDrawing | None) -> Iterator[PageBlock]:
-    if histogram is not None:
-        yield histogram
+def _local_change(change: LocalChange, histogram: PageDrawing) -> Iterator[PageBlock]:
+    yield histogram
     rows = (
         (tr("Mean"), change.mean),
         (tr("99 % of the surface within"), change.p99),

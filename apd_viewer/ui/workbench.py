@@ -167,7 +167,15 @@ class Workbench(QObject):
         self.comparison = CompareController(canvas, self.display_options, memory, notice, session.store)
         newtons = self.press.known_wall.newtons_of_displayed
         self.reports = ReportController(
-            shell, canvas, self.display_options, self.view, memory, notice, session, newtons
+            shell,
+            canvas,
+            self.display_options,
+            self.view,
+            memory,
+            notice,
+            session,
+            newtons,
+            self.press.report_charts,
         )
 
     def _make_actions(self) -> None:

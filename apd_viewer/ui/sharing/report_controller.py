@@ -1,7 +1,7 @@
 """Controller of reports, pictures and diagnostics."""
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -31,6 +31,7 @@ from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_blocks import ReportReadings
 from apd_viewer.presentation.report_page import (
     NO_HEADING,
+    ReportDrawings,
     ReportHeading,
     ReportStep,
     ReportSubject,
@@ -50,7 +51,7 @@ from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.display_options import DisplayOptions
 from apd_viewer.ui.overlays.notice import Notice
 from apd_viewer.ui.plots import reading_charts
-from apd_viewer.ui.plots.chart_drawing import draw_chart
+from apd_viewer.ui.plots.chart_drawing import Chart, draw_chart
 from apd_viewer.ui.plots.plots import svg_element
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.scene_picture import OffscreenScene, encode_png
@@ -60,7 +61,8 @@ from apd_viewer.ui.sharing.volumes_dialog import VolumesDialog
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
-_CHART, _LETTERS = QSize(1016, 230), 12  # px; size of the histogram, and font size
+_CHART, _LETTERS = QSize(1016, 230), 12  # px; size of a chart, and font size
+_PICTURED = 4  # most pictures of steps
 _LONGEST = 24_000_000  # largest embedded session in bytes; base64 adds a third
 
 
@@ -86,6 +88,8 @@ class ReportController:
         Returns the camera, the wall and the overlay.
     newtons : callable
         Conversion of the loads of a state into newtons, or None.
+    charts : callable
+        Charts of the timeline with their captions.
     """
 
     def __init__(
@@ -98,10 +102,11 @@ class ReportController:
         notice: Notice,
         session: Session,
         newtons: FindConversion,
+        charts: Callable[[], Sequence[tuple[Chart, str]]],
     ) -> None:
         self._window, self._canvas, self._looks = window, canvas, display_options
         self._view, self._memory, self._notice = view, preferences, notice
-        self._session, self._newtons = session, newtons
+        self._session, self._newtons, self._charts = session, newtons, charts
         self.pictures = PictureRenderer(canvas, display_options, notice, session.jobs)
         self._wish: PictureSettings | None = None
         self._titles: dict[str, str] = {}  # of the reports on a mesh, by its name
@@ -222,45 +227,53 @@ class ReportController:
         session, subject = self._session, measured.subject
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
-            images = self._images(subject.state, measured)
-            histogram = self._histogram(measured.evidence.change)
+            drawings = self._drawings(measured)
         except InputError as error:
             self._notice.show_failure(str(error))
             return
         finally:
             QGuiApplication.restoreOverrideCursor()
-        legend = self._legend(subject, measured)
 
         def work() -> str:
-            html_page.write_page(
-                path, report_page(subject, measured.evidence, _picture_row(images, legend), histogram)
-            )
+            html_page.write_page(path, report_page(subject, measured.evidence, drawings()))
             return tr("Saved {name}.").format(name=path.name)
 
         title = tr("Writing {name}").format(name=path.name)
         session.jobs.run(title, work, partial(self._notice.show_message, file=path), can_be_cancelled=False)
 
-    def _images(self, state: State, measured: _ReportMeasurements) -> list[QImage]:
-        surface = self._canvas.surface
+    def _drawings(self, measured: _ReportMeasurements) -> Callable[[], ReportDrawings]:
+        """Render all pictures; encoding them, by the function returned, needs no display."""
+        surface, subject = self._canvas.surface, measured.subject
+        state, steps = subject.state, _pictured_steps(subject.steps)
         shown = replace(state, document=self._canvas.coloring.without_pictured(state.document))
         look = surface.shows_edges, surface.shading, surface.texture
         studio = OffscreenScene(self._canvas.viewport, shown, *look)
         V, U = state.document.mesh.V, state.frame.U
-        return [
-            studio.painted_picture(V),
-            studio.painted_picture(U),
-            studio.colored_picture(U, measured.shades, measured.scale),
-        ]
-
-    def _legend(self, subject: ReportSubject, measured: _ReportMeasurements) -> str:
-        return legend_svg(measured.scale, subject.unit, span_of(measured.values))
+        images = {
+            tr("Rest shape"): studio.painted_picture(V),
+            tr("Current shape"): studio.painted_picture(U),
+            tr("Local area change"): studio.colored_picture(U, measured.shades, measured.scale),
+        }
+        of_steps = {
+            tr("Step {number}").format(number=step.number): studio.painted_picture(step.state.frame.U)
+            for step in steps
+        }
+        legend = legend_svg(measured.scale, subject.unit, span_of(measured.values))
+        histogram = self._histogram(measured.evidence.change)
+        charts = [(chart, caption) for chart, caption in self._charts() if steps and chart.curves]
+        curves = tuple(self._drawing(chart, caption, 0.0) for chart, caption in charts)
+        return lambda: ReportDrawings(_picture_row(images, legend), histogram, _picture_row(of_steps), curves)
 
     def _histogram(self, change: LocalChange) -> html_page.PageDrawing:
         chart = replace(reading_charts.local_change(change), title="", readings=())
+        # The page has the title and the readings; their rows are left out.
+        return self._drawing(chart, tr("Share of the surface by local area change"), 2.5)
+
+    def _drawing(self, chart: Chart, caption: str, rows: float) -> html_page.PageDrawing:
+        """Drawing of a chart, without its upper ``rows`` of text."""
         font = QFont(self._window.font())
         font.setPixelSize(_LETTERS)
-        caption = tr("Share of the surface by local area change")
-        words = 2.5 * QFontMetricsF(font).height()  # height of the omitted title and readings
+        words = rows * QFontMetricsF(font).height()
         room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
 
         def drawn(theme: Theme) -> str:
@@ -270,6 +283,16 @@ class ReportController:
             return svg_element(_CHART, draw, caption)
 
         return html_page.PageDrawing(drawn(LIGHT), drawn(DARK), caption)
+
+
+def _pictured_steps(steps: Sequence[ReportStep]) -> list[ReportStep]:
+    """Evenly spaced steps of a run, by the method that solved its last one."""
+    if len(steps) < 2:
+        return []
+    method = steps[-1].state.document.settings.method
+    same = [step for step in steps if step.state.document.settings.method == method]
+    chosen = np.unique(np.linspace(0, len(same) - 1, min(_PICTURED, len(same))).round().astype(int))
+    return [same[k] for k in chosen]
 
 
 def _completed_checks(
@@ -322,12 +345,9 @@ def _session_of(state: State, view: View) -> bytes:
         return path.read_bytes() if path.stat().st_size <= _LONGEST else b""
 
 
-def _picture_row(images: list[QImage], legend: str) -> html_page.PagePictureRow:
-    captions = tr("Rest shape"), tr("Current shape"), tr("Local area change")
-    pictures = [
-        html_page.PagePicture(encode_png(image), caption)
-        for image, caption in zip(images, captions, strict=True)
-    ]
+def _picture_row(images: dict[str, QImage], legend: str = "") -> html_page.PagePictureRow:
+    """Row of pictures by their captions."""
+    pictures = [html_page.PagePicture(encode_png(image), caption) for caption, image in images.items()]
     return html_page.PagePictureRow(tuple(pictures), legend)
 
 

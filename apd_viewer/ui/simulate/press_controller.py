@@ -24,6 +24,7 @@ from apd_viewer.session.state_store import Activity
 from apd_viewer.session.storage.timeline_file import TIMELINE_FORMATS
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.notice import Notice
+from apd_viewer.ui.plots.chart_drawing import Chart
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.simulate.known_wall import KnownWall, PressReadings, WallRunController
@@ -154,7 +155,8 @@ class PressController(QObject):
         panel.step_shown.connect(self._show_step)
         panel.show_ended.connect(player.accept_shown_step)
         panel.show_cancelled.connect(self._session.gestures.cancel)
-        panel.play_requested.connect(self._play_or_stop)
+        for go in (self._replay.begin_or_end, self.refresh):
+            panel.play_requested.connect(go)
         panel.wall_requested.connect(self._wall_run_controller.begin_or_stop)
         panel.wall_chosen.connect(self._choose_wall)
         panel.clear_requested.connect(player.clear)
@@ -272,10 +274,6 @@ class PressController(QObject):
             QTimer.singleShot(0, self, self._frame)  # after the layout has resized the view
         self.show_timeline()
 
-    def _play_or_stop(self) -> None:
-        self._replay.begin_or_end()
-        self.refresh()
-
     def _choose_wall(self, shows_wall: bool) -> None:
         self._replay.end()
         self._session.player.choose_wall_results(shows_wall)
@@ -289,6 +287,17 @@ class PressController(QObject):
             self._session.files.export_timeline(path, self._timeline, newtons, of_wall)
 
     # Display
+
+    def report_charts(self) -> tuple[tuple[Chart, str], ...]:
+        """Charts of the timeline with their captions, for a report."""
+        state = self._session.store.state
+        self.charts.timeline = self.step_charts.timeline = self._timeline
+        if state is not None and plate_pair(state.document) is not None:
+            return (
+                (self.charts.load_chart(), tr("Load over the way of the plates")),
+                (self.charts.volume_chart(), tr("Volume over the way of the plates")),
+            )
+        return ((self.step_charts.size_chart(), tr("Area and volume by step")),)
 
     def refresh(self, *_: object) -> None:
         """Show the state of the session, if the dock is visible."""

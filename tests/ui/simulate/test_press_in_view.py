@@ -299,6 +299,16 @@ def test_press_in_view_has_its_steps_in_the_report(qtbot, window, tmp_path):
         if title[0] not in ("Step", "State"):
             assert cell == " ".join(reading(window, title[0])).split()
     assert lines[-1][-1] == ["At", "rest."]
+    captions = re.findall("<figcaption>(.*?)</figcaption>", table)
+    curves = ["Load over the way of the plates", "Volume over the way of the plates"]
+    assert captions == ["Step 0", "Step 1", "Step 2", *curves]
+    loads = [each.frame.loads for each in (step.non_wall_state for step in steps(window))]
+    assert len({row.tobytes() for row in loads}) == 3, "each picture is of another shape"
+    pictures = re.findall("base64,([^\"]*)", table.partition("<svg")[0])
+    assert len(set(pictures)) == 3
+    notes = path.read_text(encoding="utf-8").partition("<h2>Assumptions</h2>")[2].partition("</section>")[0]
+    assert "without gravity and friction" in notes
+    assert "Loads are relative" in notes, "the thickness of the wall is not known"
 
 
 def test_press_in_view_reads_newtons_of_a_known_wall(qtbot, window, monkeypatch):
