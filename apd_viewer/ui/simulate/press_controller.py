@@ -373,7 +373,12 @@ class PressController(QObject):
     def _direction_titles(self, state: State) -> list[str]:
         size, unit = state.inspection.size, self._session.store.unit
         lengths = [unit.format_length(format_length(float(side), float(max(size)))) for side in size]
-        return [f"{letter} ({length})" for letter, length in zip("XYZ", lengths, strict=True)]
+        names = [tr("{axis}, side load ({length})")] * 3
+        names[self._viewport.camera_controller.camera.up_axis.index] = tr("{axis}, top load ({length})")
+        return [
+            name.format(axis=letter, length=length)
+            for name, letter, length in zip(names, "XYZ", lengths, strict=True)
+        ]
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw icons and charts."""

@@ -162,6 +162,10 @@ def test_press_in_view_puts_plates_into_the_hand_and_lets_paint_go(qtbot, window
     assert window.parts.obstacle is not None
     window.press.panel.direction.activated.emit(2)
     assert np.abs(plate_pair(document(window)).axis).tolist() == [0.0, 0.0, 1.0]
+    up = window.canvas.viewport.camera_controller.camera.up_axis.index
+    titles = [window.press.panel.direction.itemText(k).partition(" (")[0] for k in range(3)]
+    assert titles[up] == f"{'XYZ'[up]}, top load"
+    assert sum("side load" in title for title in titles) == 2
     assert len(document(window).obstacles) == 2, "the plates are put anew"
     window.session.gestures.undo()
     window.session.gestures.undo()
