@@ -10,8 +10,11 @@ from apd_viewer.language import tr
 from apd_viewer.presentation import obstacle_readings, readings
 from apd_viewer.presentation.number_format import format_length, format_significant
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.session.model.obstacle_pair import ObstaclePair, obstacle_pair
 from apd_viewer.session.model.state import State
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
 
@@ -97,7 +100,10 @@ def _bend(state: State, unit: Unit, yield_radius: float | None) -> ReadingText:
 
 
 def _distance(state: State, unit: Unit) -> ReadingText:
-    pair, tip = plate_pair(state.document), tr("Distance of the plates, and in percent of the extent at rest")
+    pair, tip = (
+        obstacle_pair(state.document),
+        tr("Distance of the plates, and in percent of the extent at rest"),
+    )
     if pair is None:
         return ReadingText(tr("Distance"), readings.NO_VALUE, "", tip)
     distance = pair.distance(state)
@@ -107,7 +113,7 @@ def _distance(state: State, unit: Unit) -> ReadingText:
 
 
 def _load(state: State, newtons: NewtonConversion | None) -> ReadingText:
-    pair, tip = plate_pair(state.document), obstacle_readings.force_tip(newtons, _LOAD_TIP)
+    pair, tip = obstacle_pair(state.document), obstacle_readings.force_tip(newtons, _LOAD_TIP)
     if pair is None or not state.frame.settled:
         return ReadingText(tr("Load"), readings.NO_VALUE if pair is None else readings.PENDING, "", tip)
     load, excess = pair.reading(state).load, state.load_excess
@@ -141,6 +147,38 @@ def volume_reading(state: State, unit: Unit) -> ReadingText:
     return ReadingText(tr("Volume"), f"{format_significant(factor * litres, 4)}\u00a0{symbol}", note, tip)
 
 
+class PressDirection(NamedTuple):
+    """Axis to press along, by plates, or by two fingers that squeeze."""
+
+    axis: int
+    is_squeeze: bool
+
+
+def press_directions(up: UpAxis) -> list[PressDirection]:
+    """Directions to press in; fingers squeeze from the sides."""
+    by_plates = [PressDirection(axis, False) for axis in range(3)]
+    return by_plates + [PressDirection(axis, True) for axis in range(3) if axis != up.index]
+
+
+def direction_titles(state: State, unit: Unit, up: UpAxis) -> list[str]:
+    """Titles of the directions, with the extent of the mesh along each."""
+    size, titles = state.inspection.size, []
+    for axis, is_squeeze in press_directions(up):
+        title = tr("{axis}, two fingers ({length})") if is_squeeze else tr("{axis}, side load ({length})")
+        title = tr("{axis}, top load ({length})") if axis == up.index else title
+        length = unit.format_length(format_length(float(size[axis]), float(max(size))))
+        titles.append(title.format(axis="XYZ"[axis], length=length))
+    return titles
+
+
+def direction_number(pair: ObstaclePair, document: Document, up: UpAxis) -> int:
+    """Number of the direction in which a pair presses; 0 if it is none of them."""
+    is_squeeze = document.obstacles[pair.low].kind is ObstacleKind.SPHERE
+    direction = PressDirection(int(np.argmax(np.abs(pair.axis))), is_squeeze)
+    directions = press_directions(up)
+    return directions.index(direction) if direction in directions else 0
+
+
 def rest_verdict(
     state: State,
     unsettled: str = tr("Not at rest: the load is not known yet."),
@@ -156,6 +194,9 @@ def rest_verdict(
         return stopped, False
     if state.frame.stable is False:
         return tr("At rest, but on a saddle: a push may make it give way."), False
+    pair = obstacle_pair(state.document)
+    if pair is not None and (found := pair.reading(state)).deflection > 0.0 and found.load == 0.0:
+        return tr("At rest; nothing touches it here."), True
     return tr("At rest."), True
 
 
@@ -165,7 +206,7 @@ _FALLS = 0.01
 
 def has_given_way(states: Sequence[State]) -> bool:
     """True if a load fell from one state to the next while the plates closed."""
-    pairs = ((plate_pair(state.document), state) for state in states)
+    pairs = ((obstacle_pair(state.document), state) for state in states)
     found = [pair.reading(state) for pair, state in pairs if pair is not None and state.frame.settled]
     return any(
         after.deflection > before.deflection and after.load < (1.0 - _FALLS) * before.load
@@ -207,7 +248,7 @@ _NO_ROW = np.nan, np.nan, np.nan, 1.0
 
 
 def _curve_row(state: State, newtons: NewtonConversion | None) -> tuple[float, float, float, float]:
-    pair = plate_pair(state.document)
+    pair = obstacle_pair(state.document)
     now, rest = readings.volumes(state.frame, state.inspection)
     volume = 100.0 * now / rest if rest and now is not None else np.nan
     if pair is None:

@@ -34,7 +34,7 @@ from apd_viewer.presentation.step_readings import step_reading_texts, step_verdi
 from apd_viewer.presentation.volume_text import volume_rows
 from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.model import status_text
-from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.obstacle_pair import obstacle_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
@@ -264,7 +264,7 @@ def _steps(subject: ReportSubject, drawings: ReportDrawings) -> Iterator[PageSec
     """Section on the steps of the motion that the shape belongs to, if there are any."""
     if len(subject.steps) < 2:
         return
-    pressed = all(plate_pair(step.state.document) is not None for step in subject.steps)
+    pressed = all(obstacle_pair(step.state.document) is not None for step in subject.steps)
     unit, rows = subject.unit, []
     for step in subject.steps:
         texts = (

@@ -1,19 +1,20 @@
 """Editor of obstacles: add, place, move, rename and remove."""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
 from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import next_name, unique_name, without_base_and_handles
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
-from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS, plate_pair
+from apd_viewer.session.model.obstacle_pair import PROPOSED_STIFFNESS, obstacle_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.posing import obstacle_placement
 from apd_viewer.session.quantities.units import Unit
@@ -21,6 +22,21 @@ from apd_viewer.session.quantities.units import Unit
 _NOWHERE = frozen(np.zeros(3))
 # Tolerance for rounding errors of a drag, relative to the mesh diagonal.
 _SAME = 1e-9
+
+
+class Fingers(NamedTuple):
+    """Fingers on both sides, and what is held, or they would push the shape away.
+
+    Attributes
+    ----------
+    radius : float
+        Mesh units.
+    held : (k,) int array
+        Vertices of the base.
+    """
+
+    radius: float
+    held: np.ndarray
 
 
 class ObstacleEditor(DocumentEditor):
@@ -74,34 +90,48 @@ class ObstacleEditor(DocumentEditor):
         )
 
     def add_press_plates(
-        self, axis: np.ndarray, thickness: float | None = None, **settings: Any
+        self,
+        axis: np.ndarray,
+        thickness: float | None = None,
+        fingers: Fingers | None = None,
+        **settings: Any,
     ) -> int | None:
-        """Add plates on both sides, to press a mesh without base and handles.
+        """Add plates or fingers on both sides of a mesh without base and handles.
 
-        Replaces the last pair of facing plates; walls without stiffness, which would crumple, get one.
+        Replaces the last pair; walls without stiffness, which would crumple, get one.
 
         Parameters
         ----------
+        fingers : Fingers, optional
+            Plates without it.
         settings
             Changed as well.
         """
         document = without_base_and_handles(self._gestures.state_without_gesture().document)
-        pair = plate_pair(document)
+        pair = obstacle_pair(document)
         kept = tuple(each for k, each in enumerate(document.obstacles) if pair is None or k not in pair[:2])
         stiffness = document.settings.stiffness or PROPOSED_STIFFNESS
         document = replace(document.with_settings(stiffness=stiffness, **settings), obstacles=kept)
-        plates = self._side_plates(document, axis, thickness)
-        return self._add(tr("Put plates on both sides"), plates, thickness, document)
+        title = tr("Put plates on both sides")
+        if fingers is not None:
+            document, title = document.with_label(fingers.held, BASE), tr("Put fingers on both sides")
+        plates = self._side_plates(document, axis, thickness, fingers)
+        return self._add(title, plates, thickness, document)
 
     def _side_plates(
-        self, document: Document, axis: np.ndarray, thickness: float | None
+        self, document: Document, axis: np.ndarray, thickness: float | None, fingers: Fingers | None = None
     ) -> tuple[NamedObstacle, ...]:
+        """Plates or fingers on both sides."""
         state, apart = self._store.required_state(), self._contact_distance(thickness)
+        kind = ObstacleKind.PLATE if fingers is None else ObstacleKind.SPHERE
         taken, plates = [each.name for each in document.obstacles], []
         for side in (1.0, -1.0):
-            name = obstacle_placement.obstacle_name(ObstacleKind.PLATE, taken)
+            name, inwards = obstacle_placement.obstacle_name(kind, taken), side * np.asarray(axis)
             taken.append(name)
-            plates.append(obstacle_placement.touching_plate(name, side * np.asarray(axis), state, apart))
+            if fingers is None:
+                plates.append(obstacle_placement.touching_plate(name, inwards, state, apart))
+            else:
+                plates.append(obstacle_placement.touching_finger(name, inwards, state, apart, fingers.radius))
         return tuple(plates)
 
     def _add(

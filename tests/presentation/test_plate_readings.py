@@ -35,5 +35,5 @@ def states(*readings):
     ],
 )
 def test_has_given_way_is_true_where_a_load_falls_while_plates_close(monkeypatch, readings, expected):
-    monkeypatch.setattr(plate_readings, "plate_pair", lambda document: document)
+    monkeypatch.setattr(plate_readings, "obstacle_pair", lambda document: document)
     assert has_given_way(states(*readings)) is expected

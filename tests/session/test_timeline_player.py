@@ -1,13 +1,21 @@
 """Motions played in steps by the solver's process: pressed as by the command, gone back to, and stopped."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from meshes import tube
+from meshes import sphere, tube
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.mesh_contact import contact_thickness
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.pressed_mesh import press
-from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.presentation.plate_readings import rest_verdict
+from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.session.model.obstacle_pair import obstacle_pair
+from apd_viewer.session.obstacle_editor import Fingers
 from apd_viewer.session.state_store import Activity
 
 pytestmark = pytest.mark.usefixtures("processes")
@@ -28,14 +36,60 @@ def plates(empty):
 def play(session, to=TO, steps=STEPS):
     """Press until it is done; the readings of the plates at each step."""
     state = session.store.state
-    session.player.play("Press", plate_pair(state.document).press_documents(state, to, steps))
+    session.player.play("Press", obstacle_pair(state.document).press_documents(state, to, steps))
     session.until(lambda: not session.player.is_playing)
     return readings(session)
 
 
 def readings(session):
     states = [step.state for step in session.player.timeline.steps]
-    return [plate_pair(state.document).reading(state) for state in states]
+    return [obstacle_pair(state.document).reading(state) for state in states]
+
+
+@pytest.fixture
+def fingers(empty):
+    """A ball of radius 1 between two fingers of radius 0.3, held at its lowest vertices."""
+    ball = Mesh(*sphere(3))
+    empty.show_now(ball)
+    held = np.flatnonzero(ball.V[:, 1] < -0.9)
+    empty.obstacles.add_press_plates(X, None, Fingers(0.3, held))
+    empty.player.begin_run()
+    empty.settle()
+    return empty
+
+
+def test_timeline_player_squeezes_between_fingers_that_touch_from_both_sides(fingers):
+    document = fingers.store.state.document
+    left, right = document.obstacles
+    gap = contact_thickness(diagonal(document.mesh.V), document.settings.thickness)
+    for finger, side in ((left, -1.0), (right, 1.0)):
+        assert finger.place == pytest.approx([side * (1.3 + gap), 0.0, 0.0], abs=0.01)
+        assert np.linalg.norm(document.mesh.V - finger.place, axis=1).min() == pytest.approx(0.3 + gap)
+    held = document.labels == BASE
+    assert held.any()
+    assert not (document.labels >= HANDLE).any()
+    found = play(fingers, to=1.6)
+    assert found[0].distance == pytest.approx(2.0 + 2.0 * gap, abs=0.02)
+    assert found[-1].distance == pytest.approx(1.6)
+    loads = [each.load for each in found]
+    assert loads == sorted(loads)
+    assert loads[-1] > 0.0
+    for each in found[1:]:
+        assert each.load_low == pytest.approx(each.load_high, rel=0.02), "the ball is symmetric"
+    U = fingers.U
+    np.testing.assert_allclose(U[held], document.mesh.V[held], atol=1e-12)
+    for finger in fingers.store.state.document.obstacles:
+        assert np.linalg.norm(U - finger.centre, axis=1).min() > 0.3
+    fingers.obstacles.add_press_plates(X)
+    assert [each.kind for each in fingers.store.state.document.obstacles] == 2 * [ObstacleKind.PLATE]
+
+
+def test_rest_verdict_says_where_nothing_touches_the_shape(plates):
+    play(plates)
+    state = plates.store.state
+    assert rest_verdict(state) == ("At rest.", True)
+    loose = replace(state, frame=replace(state.frame, loads=np.zeros_like(state.frame.loads)))
+    assert rest_verdict(loose) == ("At rest; nothing touches it here.", True)
 
 
 def test_timeline_player_presses_as_the_command_does(plates):
@@ -53,7 +107,7 @@ def test_timeline_player_presses_as_the_command_does(plates):
 def test_timeline_player_keeps_the_crushed_shape_as_the_plates_open_again(plates):
     play(plates)
     crushed, player = plates.store.state, plates.player
-    pair = plate_pair(crushed.document)
+    pair = obstacle_pair(crushed.document)
     found = play(plates, pair.first_distance(crushed.document))
     assert player.timeline.steps[STEPS].state is crushed
     assert [step.begins_run for step in player.timeline.steps].count(True) == 1, "one run, there and back"
@@ -134,7 +188,7 @@ def test_timeline_player_goes_on_where_a_wall_gives_way_once_it_has_come_to_rest
 
 def test_timeline_player_stops_after_its_present_step(plates):
     state = plates.store.state
-    plates.player.play("Press", plate_pair(state.document).press_documents(state, TO, 50))
+    plates.player.play("Press", obstacle_pair(state.document).press_documents(state, TO, 50))
     plates.until(lambda: plates.player.done == 2)
     plates.store.pause_or_resume()
     assert plates.player.is_paused
@@ -146,7 +200,7 @@ def test_timeline_player_stops_after_its_present_step(plates):
 
 def test_timeline_player_ends_where_something_else_changes_the_document(plates):
     before = plates.store.state
-    plates.player.play("Press", plate_pair(before.document).press_documents(before, TO, 50))
+    plates.player.play("Press", obstacle_pair(before.document).press_documents(before, TO, 50))
     plates.until(lambda: plates.player.done == 1)
     plates.gestures.undo()
     assert not plates.player.is_playing
@@ -156,7 +210,7 @@ def test_timeline_player_ends_where_something_else_changes_the_document(plates):
 
 def test_timeline_player_goes_back_in_the_middle_of_a_motion(plates):
     before = plates.store.state
-    plates.player.play("Press", plate_pair(before.document).press_documents(before, TO, 50))
+    plates.player.play("Press", obstacle_pair(before.document).press_documents(before, TO, 50))
     plates.until(lambda: plates.player.done == 2)
     plates.player.show_step(1)
     assert not plates.player.is_playing
@@ -192,13 +246,13 @@ def test_timeline_player_forgets_steps_of_another_mesh(plates):
     assert len(plates.player.timeline.steps) == 1
 
 
-def test_plate_pair_refuses_distances_that_plates_cannot_come_to(plates):
+def test_obstacle_pair_refuses_distances_that_plates_cannot_come_to(plates):
     state = plates.store.state
-    pair = plate_pair(state.document)
+    pair = obstacle_pair(state.document)
     for distance in (0.0, 1.01 * pair.first_distance(state.document)):
         with pytest.raises(InputError, match="enter a smaller distance"):
             pair.press_documents(state, distance, 3)
     with pytest.raises(InputError, match="already"):
         pair.press_documents(state, pair.distance(state), 3)
     plates.obstacles.remove(0)
-    assert plate_pair(plates.store.state.document) is None
+    assert obstacle_pair(plates.store.state.document) is None

@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.pressed_mesh import press
 from apd_viewer.session import wall_run
-from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.obstacle_pair import obstacle_pair
 from apd_viewer.session.model.state import shape_frame
 from apd_viewer.session.processes.request_and_reply import Reply
 
@@ -40,7 +40,7 @@ def press_in_view(session, mesh, to, count):
 def go(session, to, steps):
     """Move the plates in steps until it is done."""
     state = session.store.state
-    session.player.play("Press", plate_pair(state.document).press_documents(state, to, steps))
+    session.player.play("Press", obstacle_pair(state.document).press_documents(state, to, steps))
     session.until(lambda: not session.player.is_playing)
 
 
@@ -59,7 +59,7 @@ def answers(session):
 
 
 def readings(states):
-    return [plate_pair(state.document).reading(state) for state in states]
+    return [obstacle_pair(state.document).reading(state) for state in states]
 
 
 def test_wall_run_presses_as_the_command_does_by_the_method_wall(empty):
@@ -153,7 +153,7 @@ def test_wall_run_that_is_stopped_keeps_what_has_come_and_goes_on_from_there(pre
 @pytest.mark.night
 def test_wall_run_follows_the_plates_as_they_open_and_into_another_run(pressed):
     solve(pressed)
-    go(pressed, plate_pair(pressed.store.state.document).first_distance(pressed.store.state.document), 2)
+    go(pressed, obstacle_pair(pressed.store.state.document).first_distance(pressed.store.state.document), 2)
     solve(pressed)
     loads = [one.load for one in readings(answers(pressed))]
     assert abs(loads[-1]) < 1e-6 * loads[STEPS], "it has sprung back"

@@ -119,6 +119,22 @@ def touching_plate(name: str, axis: np.ndarray, state: State, distance: float) -
     return NamedObstacle(name, ObstacleKind.PLATE, frozen(place), frozen(axis + 0.0))
 
 
+def touching_finger(
+    name: str, axis: np.ndarray, state: State, distance: float, radius: float
+) -> NamedObstacle:
+    """Sphere touching the shape from behind, along ``axis`` (3,) to its middle."""
+    axis = checked_direction(axis)
+    X = state.frame.U[_used_vertices(state.document.mesh.F)]
+    middle = 0.5 * (X.min(axis=0) + X.max(axis=0))
+    along = (X - middle) @ axis
+    aside = np.linalg.norm(X - middle - along[:, None] * axis, axis=1)
+    reach = radius + distance
+    # Where a coarse mesh has no vertex beside the line, the foremost one is taken for it.
+    near = aside < reach if (aside < reach).any() else aside <= aside.min()
+    behind = float((along[near] - np.sqrt(np.maximum(reach**2 - aside[near] ** 2, 0.0))).min())
+    return NamedObstacle(name, ObstacleKind.SPHERE, frozen(middle + behind * axis), radius=radius)
+
+
 def obstacle_name(kind: ObstacleKind, taken: Collection[str]) -> str:
     """First unused name, such as Plate 1."""
     return next_name(kind.title, taken)

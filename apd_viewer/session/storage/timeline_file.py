@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation, write_animation
 from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.tables import Cell, write_table
-from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.obstacle_pair import obstacle_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.quantities.units import Unit
@@ -69,7 +69,7 @@ def _row(state: State | None, newtons: float) -> list[float | None]:
     """Readings of a step; None or NaN if unknown."""
     if state is None:
         return [None] * len(_OF_WALL)
-    pair, frame = plate_pair(state.document), state.frame
+    pair, frame = obstacle_pair(state.document), state.frame
     plates = [np.nan] * 4 if pair is None else list(pair.reading(state))
     forces = [newtons * load for load in plates[-2:]]
     return [*plates, frame.volume, frame.volume_capped, frame.area_error, float(frame.settled), *forces]

@@ -10,14 +10,19 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtWidgets import QDockWidget
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr
 from apd_viewer.presentation import plate_readings, step_readings
-from apd_viewer.presentation.number_format import format_length, format_short
+from apd_viewer.presentation.number_format import format_short
+from apd_viewer.presentation.plate_readings import direction_number, direction_titles, press_directions
 from apd_viewer.presentation.time_left import progress_text
-from apd_viewer.session.model.plate_pair import PlatePair, plate_pair
-from apd_viewer.session.model.state import State
+from apd_viewer.session.model.obstacle_pair import ObstaclePair, obstacle_pair
 from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.session.obstacle_editor import Fingers
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Activity
@@ -37,6 +42,8 @@ from apd_viewer.ui.widgets.theme import Theme
 
 _REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: duration of all steps, and limits of that of one step
 
+_FINGER, _FINGER_SHARE = 0.008, 0.03  # radius of a finger, m, and as a fraction of the mesh's diagonal
+_HELD = 0.05  # height of what is held under fingers, as a fraction of that of the mesh
 _TICK = 1000  # ms; updates the time of a run even without new steps
 _CORNERS = tuple(itertools.product((0, 1), repeat=3))
 
@@ -129,7 +136,7 @@ class PressController(QObject):
         self._choose_tool, self._give_up, self._wall = choose_tool, cancel_drag, wall
         self._wall_settings = wall_settings
         self._memory, self._notice, self._viewport = preferences, notice, viewport
-        self._axis = 0
+        self._direction = 0
         self.known_wall = KnownWall(session, wall)
         self._wall_run_controller = WallRunController(session, self.known_wall, lambda: self._timeline)
         self._readings = PressReadings(session, self.known_wall)
@@ -170,8 +177,8 @@ class PressController(QObject):
         state = self._session.store.state
         if state is None or self._give_up():
             return
-        is_new = plate_pair(state.document) is None
-        if is_new and not self._put_plates(self._axis):
+        is_new = obstacle_pair(state.document) is None
+        if is_new and not self._put_plates(self._direction):
             return
         if not self._timeline.steps:
             self._session.player.begin_run()
@@ -187,23 +194,33 @@ class PressController(QObject):
             corners = [np.array(box).reshape(3, 2).T[list(k), range(3)] for box in boxes for k in _CORNERS]
             self._viewport.camera_controller.frame(np.vstack([state.frame.U, *corners]))
 
-    def _put_plates(self, axis: int) -> bool:
-        """Put plates on both sides along an axis, replacing existing ones."""
-        before = self._session.store.required_state().document
-        thickness = self._wall().contact_distance(self._session.store.unit)
+    def _put_plates(self, direction: int) -> bool:
+        """Put plates or fingers on both sides, replacing existing ones."""
+        before, unit = self._session.store.required_state().document, self._session.store.unit
+        thickness = self._wall().contact_distance(unit)
         creases = self._wall_settings("yield_radius")
-        k = self._session.obstacles.add_press_plates(np.eye(3)[axis], thickness, **creases)
+        axis, is_squeeze = press_directions(self._up)[direction]
+        fingers = _fingers(before.mesh, unit, self._up.direction) if is_squeeze else None
+        k = self._session.obstacles.add_press_plates(np.eye(3)[axis], thickness, fingers, **creases)
         if k is None:
             return False
-        if before.label_counts[FREE] < len(before.labels):
+        if is_squeeze:
             self._notice.show_message(
-                tr("Base and handles are let go, so that the plates press everything; undo holds them again.")
+                tr("The lowest part is held as base, or the fingers would push it away; paint another one.")
             )
-        self._axis = axis
+        elif before.label_counts[FREE] < len(before.labels):
+            self._notice.show_message(
+                tr("Base and handles are let go, so that all is pressed; undo holds them again.")
+            )
+        self._direction = direction
         self._session.player.begin_run()
         self._choose_tool(Tool.MOVE)
         self._parts.choose_obstacle(k)
         return True
+
+    @property
+    def _up(self) -> UpAxis:
+        return self._viewport.camera_controller.camera.up_axis
 
     def _press_or_pause(self) -> None:
         if self._session.player.is_playing:
@@ -213,7 +230,7 @@ class PressController(QObject):
         state = self._session.store.state
         if state is None or self._give_up():
             return
-        if plate_pair(state.document) is None and not self._put_plates(self._axis):
+        if obstacle_pair(state.document) is None and not self._put_plates(self._direction):
             return
         try:
             pair, text = self._required_pair(), self.panel.end.text()
@@ -239,10 +256,12 @@ class PressController(QObject):
         self.charts.reach = self._required_pair().first_distance(state.document) - distance
         self._dock.window().setFocus()
 
-    def _required_pair(self) -> PlatePair:
-        pair = plate_pair(self._session.store.required_state().document)
+    def _required_pair(self) -> ObstaclePair:
+        pair = obstacle_pair(self._session.store.required_state().document)
         if pair is None:
-            raise InputError(tr("There are no plates that face each other; put them on both sides first."))
+            raise InputError(
+                tr("There are no plates or fingers that face each other; put them on both sides first.")
+            )
         return pair
 
     # Timeline
@@ -292,7 +311,7 @@ class PressController(QObject):
         """Charts of the timeline with their captions, for a report."""
         state = self._session.store.state
         self.charts.timeline = self.step_charts.timeline = self._timeline
-        if state is not None and plate_pair(state.document) is not None:
+        if state is not None and obstacle_pair(state.document) is not None:
             return (
                 (self.charts.load_chart(), tr("Load over the way of the plates")),
                 (self.charts.volume_chart(), tr("Volume over the way of the plates")),
@@ -307,10 +326,11 @@ class PressController(QObject):
         if state is None or not self._dock.isVisible():
             return
         player, steps = self._session.player, self._timeline.steps
-        pair = plate_pair(state.document)
+        pair = obstacle_pair(state.document)
         if pair is not None:
-            self._axis = int(np.argmax(np.abs(pair.axis)))
-        self.panel.show_directions(self._direction_titles(state), self._axis)
+            self._direction = direction_number(pair, state.document, self._up)
+        titles = direction_titles(state, self._session.store.unit, self._up)
+        self.panel.show_directions(titles, self._direction)
         shown = self._shown_number
         may_open = pair is not None and pair.reading(state).deflection > 1e-9 * pair.extent(state.document)
         self.panel.show_run(player.is_playing, player.is_paused, may_open)
@@ -370,16 +390,6 @@ class PressController(QObject):
             return tr("{progress}, paused").format(progress=said)
         return progress_text(said, time.monotonic() - player.began, player.done, player.count)
 
-    def _direction_titles(self, state: State) -> list[str]:
-        size, unit = state.inspection.size, self._session.store.unit
-        lengths = [unit.format_length(format_length(float(side), float(max(size)))) for side in size]
-        names = [tr("{axis}, side load ({length})")] * 3
-        names[self._viewport.camera_controller.camera.up_axis.index] = tr("{axis}, top load ({length})")
-        return [
-            name.format(axis=letter, length=length)
-            for name, letter, length in zip(names, "XYZ", lengths, strict=True)
-        ]
-
     def set_theme(self, theme: Theme) -> None:
         """Redraw icons and charts."""
         self.charts.theme = self.step_charts.theme = theme
@@ -389,3 +399,11 @@ class PressController(QObject):
         """End a running replay."""
         self._replay.stop()
         self._ticks.stop()
+
+
+def _fingers(mesh: Mesh, unit: Unit, up: np.ndarray) -> Fingers:
+    """Fingers for a mesh, a share of it if its unit is unknown, and its lowest part."""
+    radius = _FINGER_SHARE * diagonal(mesh.V) if unit.metres is None else _FINGER / unit.metres
+    height = mesh.V @ up
+    low, high = np.percentile(height[mesh.F.ravel()], (0.0, 100.0))
+    return Fingers(radius, np.flatnonzero(height <= low + _HELD * (high - low)))

@@ -13,7 +13,7 @@ from apd_viewer.presentation.obstacle_readings import LOAD_DIGITS, newtons_text
 from apd_viewer.presentation.plate_readings import PlateCurves, plate_curves
 from apd_viewer.presentation.readings import percent_text
 from apd_viewer.presentation.step_readings import StepCurves, step_curves
-from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.obstacle_pair import obstacle_pair
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.session import Session
 from apd_viewer.ui.plots.chart_drawing import Chart, Curve, Dots, ReferenceLine
@@ -95,7 +95,7 @@ class PressCharts:
         """
         title, *names = words
         state = self._session.store.state
-        pair = None if state is None else plate_pair(state.document)
+        pair = None if state is None else obstacle_pair(state.document)
         way = np.nan if state is None or pair is None else pair.reading(state).deflection
         number = None if state is None else self.timeline.index_of(state)
         starts = [k for k, step in enumerate(self.timeline.steps) if step.begins_run]

@@ -18,7 +18,7 @@ from apd_viewer.language import tr, trc
 from apd_viewer.presentation import number_format, obstacle_readings
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document_parts import goal_percentages
-from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS
+from apd_viewer.session.model.obstacle_pair import PROPOSED_STIFFNESS
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text

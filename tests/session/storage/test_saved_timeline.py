@@ -10,7 +10,7 @@ from meshes import box, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.plate_pair import plate_pair
+from apd_viewer.session.model.obstacle_pair import obstacle_pair
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage import timeline_json
 from apd_viewer.session.storage.session_file import open_session, open_session_file, save_session
@@ -74,12 +74,14 @@ def test_saved_timeline_of_a_press_keeps_its_loads_and_goes_on(empty, reopened, 
     empty.obstacles.add_press_plates(np.eye(3)[0])
     empty.player.begin_run()
     state = empty.store.state
-    empty.player.play("Press", plate_pair(state.document).press_documents(state, 1.9, 2))
+    empty.player.play("Press", obstacle_pair(state.document).press_documents(state, 1.9, 2))
     empty.until(lambda: not empty.player.is_playing)
-    readings = [plate_pair(step.state.document).reading(step.state) for step in empty.player.timeline.steps]
+    readings = [
+        obstacle_pair(step.state.document).reading(step.state) for step in empty.player.timeline.steps
+    ]
     again = reopened(saved(empty, tmp_path / "a.apd"))
     steps = again.player.timeline.steps
-    assert [plate_pair(step.state.document).reading(step.state) for step in steps] == readings
+    assert [obstacle_pair(step.state.document).reading(step.state) for step in steps] == readings
     again.settings.change(stiffness=0.02)
     again.settle()
     assert again.player.timeline.steps is steps, "no plate was moved"
@@ -97,7 +99,7 @@ def walled(empty):
     empty.obstacles.add_press_plates(np.eye(3)[0])
     empty.player.begin_run()
     state = empty.store.state
-    empty.player.play("Press", plate_pair(state.document).press_documents(state, 1.6, 2))
+    empty.player.play("Press", obstacle_pair(state.document).press_documents(state, 1.6, 2))
     empty.until(lambda: not empty.player.is_playing)
     empty.wall_run.begin(2, WALL)
     empty.until(lambda: not empty.wall_run.is_running)

@@ -16,7 +16,8 @@ from apd_viewer.geometry.analysis.deviation import tightest_bend
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
 from apd_viewer.geometry.solver.pressed_mesh import press
-from apd_viewer.session.model.plate_pair import PROPOSED_STIFFNESS, plate_pair
+from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.session.model.obstacle_pair import PROPOSED_STIFFNESS, obstacle_pair
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
@@ -154,18 +155,29 @@ def test_press_in_view_puts_plates_into_the_hand_and_lets_paint_go(qtbot, window
     window.session.painting.end_stroke("Paint")
     painted = document(window)
     window.actions_.simulate.press_live.trigger()
-    assert plate_pair(document(window)) is not None
+    assert obstacle_pair(document(window)) is not None
     assert (document(window).labels == FREE).all()
     assert document(window).settings.stiffness == PROPOSED_STIFFNESS
     assert window.notice.text.startswith("Base and handles are let go")
     assert window.canvas.tool is Tool.MOVE
     assert window.parts.obstacle is not None
     window.press.panel.direction.activated.emit(2)
-    assert np.abs(plate_pair(document(window)).axis).tolist() == [0.0, 0.0, 1.0]
+    assert np.abs(obstacle_pair(document(window)).axis).tolist() == [0.0, 0.0, 1.0]
     up = window.canvas.viewport.camera_controller.camera.up_axis.index
     titles = [window.press.panel.direction.itemText(k).partition(" (")[0] for k in range(3)]
     assert titles[up] == f"{'XYZ'[up]}, top load"
     assert sum("side load" in title for title in titles) == 2
+    assert window.press.panel.direction.count() == 5, "two more are by fingers, from the sides"
+    assert window.press.panel.direction.itemText(3).startswith("X, two fingers (")
+    window.press.panel.direction.activated.emit(3)
+    assert window.notice.text.startswith("The lowest part is held")
+    finger = document(window).obstacles[0]
+    assert (len(document(window).obstacles), finger.kind) == (2, ObstacleKind.SPHERE)
+    height = document(window).mesh.V[:, up]
+    np.testing.assert_array_equal(
+        document(window).labels == BASE, height <= height.min() + 0.05 * np.ptp(height)
+    )
+    window.session.gestures.undo()
     assert len(document(window).obstacles) == 2, "the plates are put anew"
     window.session.gestures.undo()
     window.session.gestures.undo()
@@ -277,7 +289,7 @@ def test_press_in_view_exports_a_table_and_an_animation(qtbot, window, tmp_path,
         panel.export.click()
         idle(qtbot, window)
     rows = list(csv.DictReader((tmp_path / "steps.csv").read_text(encoding="utf-8").splitlines()))
-    readings = [plate_pair(step.state.document).reading(step.state) for step in steps(window)]
+    readings = [obstacle_pair(step.state.document).reading(step.state) for step in steps(window)]
     assert [float(row["load_low"]) for row in rows] == [one.load_low for one in readings]
     assert [float(row["volume"]) for row in rows] == [step.state.frame.volume for step in steps(window)]
     factor = window.press.known_wall.newtons(steps(window)[-1].state).newtons_per_load
@@ -308,7 +320,7 @@ def test_press_in_view_has_its_steps_in_the_report(qtbot, window, tmp_path):
     assert captions == ["Step 0", "Step 1", "Step 2", *curves]
     loads = [each.frame.loads for each in (step.non_wall_state for step in steps(window))]
     assert len({row.tobytes() for row in loads}) == 3, "each picture is of another shape"
-    pictures = re.findall("base64,([^\"]*)", table.partition("<svg")[0])
+    pictures = re.findall('base64,([^"]*)', table.partition("<svg")[0])
     assert len(set(pictures)) == 3
     notes = path.read_text(encoding="utf-8").partition("<h2>Assumptions</h2>")[2].partition("</section>")[0]
     assert "without gravity and friction" in notes
@@ -408,7 +420,7 @@ def test_press_in_view_lets_the_wall_follow_in_the_same_curves(qtbot, walled):
     assert walled.session.store.state is shown, "the view stays"
     assert not panel.wall.isVisible()
     newtons = walled.press.known_wall.newtons_as_pressed
-    loads = [plate_pair(one.document).reading(one).load for one in answers(walled)]
+    loads = [obstacle_pair(one.document).reading(one).load for one in answers(walled)]
     forces = [newtons(one).newtons_per_load * load for one, load in zip(answers(walled), loads, strict=True)]
     first, wall = charts.load_chart().curves
     assert (first.has_dots, wall.has_dots) == (False, True)
@@ -493,7 +505,7 @@ def test_press_in_view_lets_the_wall_be_stopped_after_its_plates_are_undone(qtbo
     undo()
     undo()
     work_off()
-    assert plate_pair(document(walled)) is None
+    assert obstacle_pair(document(walled)) is None
     assert walled.session.wall_run.is_running
     assert (panel.wall.text(), panel.wall.isVisible()) == ("Stop", True)
     assert panel.progress.text().startswith("Wall 0.3 mm: step ")
@@ -623,7 +635,7 @@ def test_press_in_view_exports_the_wall_in_columns_of_its_own(qtbot, walled, tmp
     idle(qtbot, walled)
     rows = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
     answer = answers(walled)[1]
-    found, own = plate_pair(answer.document).reading(answer), rows[1]
+    found, own = obstacle_pair(answer.document).reading(answer), rows[1]
     factor = walled.press.known_wall.newtons_as_pressed(answer).newtons_per_load
     assert float(own["wall_distance"]) == float(own["distance"]) == found.distance
     assert float(own["wall_load_low"]) == found.load_low

@@ -1,8 +1,8 @@
-"""Pair of plates facing each other, and readings of a shape between them."""
+"""Pair of plates or fingers facing each other, and readings of a shape between."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
@@ -23,15 +23,15 @@ PROPOSED_STIFFNESS = 0.001
 _OPPOSITE, _SAME = 1e-9, 1e-9
 
 
-class PlatePair(NamedTuple):
-    """Two facing plates among the obstacles of a document.
+class ObstaclePair(NamedTuple):
+    """Two facing plates, or spheres as fingers, among the obstacles of a document.
 
     Attributes
     ----------
     low, high : int
-        Numbers of the obstacles; the normal of the low one leads to the high one.
+        Numbers of the obstacles.
     axis : (3,) float array
-        Normal of the low plate.
+        Unit vector from the low one to the high one, normal to plates.
     """
 
     low: int
@@ -39,11 +39,11 @@ class PlatePair(NamedTuple):
     axis: np.ndarray
 
     def distance(self, state: State) -> float:
-        """Current distance of the plates, mesh units."""
+        """Current distance between them, mesh units."""
         return self._distance(state.document.obstacles, state.obstacle_shifts)
 
     def first_distance(self, document: Document) -> float:
-        """Initial distance of the plates, mesh units."""
+        """Initial distance between them, mesh units."""
         return self._distance(document.obstacles, np.zeros((len(document.obstacles), 3)))
 
     def extent(self, document: Document) -> float:
@@ -52,45 +52,44 @@ class PlatePair(NamedTuple):
 
     def _distance(self, obstacles: Sequence[NamedObstacle], shifts: np.ndarray) -> float:
         low, high = (obstacles[k].place + shifts[k] for k in (self.low, self.high))
-        return float((high - low) @ self.axis)
+        return float((high - low) @ self.axis) - obstacles[self.low].radius - obstacles[self.high].radius
 
     def press_documents(self, state: State, distance: float, steps: int) -> tuple[Document, ...]:
-        """Documents with both plates moved to a ``distance`` in equal steps.
+        """Documents with both moved to a ``distance`` in equal steps.
 
         Raises
         ------
         InputError
-            If the plates would meet, are at that distance already, or began nearer.
+            If they would meet, are at that distance already, or began nearer.
         """
         now, size = self.distance(state), diagonal(state.document.mesh.V)
         first = self.first_distance(state.document)
         if not 0.0 < distance <= first + _SAME * size:
             sentence = tr(
-                "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
+                "They are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
             )
             raise InputError(sentence.format(first=first))
         if abs(now - distance) <= _SAME * size:
-            raise InputError(tr("The plates are at this distance already; enter another one."))
+            raise InputError(tr("They are at this distance already; enter another one."))
         fractions = np.arange(1, steps + 1) / steps
         return tuple(
-            self._document_with_plates_moved(state, 0.5 * fraction * (now - distance))
-            for fraction in fractions
+            self._document_with_both_moved(state, 0.5 * fraction * (now - distance)) for fraction in fractions
         )
 
-    def _document_with_plates_moved(self, state: State, by: float) -> Document:
-        """Document with each plate moved by a length towards the other."""
+    def _document_with_both_moved(self, state: State, by: float) -> Document:
+        """Document with each obstacle moved by a length towards the other."""
         obstacles = list(state.document.obstacles)
         for k, sign in ((self.low, 1.0), (self.high, -1.0)):
             obstacles[k] = obstacles[k].with_shift(state.obstacle_shifts[k] + sign * by * self.axis)
         return replace(state.document, obstacles=tuple(obstacles))
 
-    def reading(self, state: State) -> PlateReading:
-        """Distance of the plates in a state, and the loads on them."""
+    def reading(self, state: State) -> PairReading:
+        """Distance between them in a state, and the loads on them."""
         loads = state.frame.loads
         known = len(loads) == len(state.document.obstacles)
         low, high = (loads[[self.low, self.high]] @ self.axis).tolist() if known else (0.0, 0.0)
         distance = self.distance(state)
-        return PlateReading(distance, self.first_distance(state.document) - distance, -low, high)
+        return PairReading(distance, self.first_distance(state.document) - distance, -low, high)
 
 
 @memo.memoised
@@ -98,17 +97,17 @@ def _extent(V: np.ndarray, F: np.ndarray, *axis: float) -> float:
     return float(np.ptp(V[np.unique(F)] @ np.array(axis)))
 
 
-class PlateReading(NamedTuple):
-    """Distance of two plates and the loads on them.
+class PairReading(NamedTuple):
+    """Distance between two obstacles and the loads on them.
 
     Attributes
     ----------
     distance : float
         Mesh units.
     deflection : float
-        Reduction of the distance since the plates were placed.
+        Reduction of the distance since they were placed.
     load_low, load_high : float
-        Force on each plate, as energy per length of a material of stiffness 1.
+        Force on each, as energy per length of a material of stiffness 1.
     """
 
     distance: float
@@ -122,12 +121,31 @@ class PlateReading(NamedTuple):
         return 0.5 * (self.load_low + self.load_high)
 
 
-def plate_pair(document: Document) -> PlatePair | None:
-    """Last pair of plates that face each other; None if there is none."""
-    plates = [k for k, each in enumerate(document.obstacles) if each.kind is ObstacleKind.PLATE]
-    for high, low in combinations(reversed(plates), 2):
-        axes = document.obstacles[low].axis, document.obstacles[high].axis
-        pair = PlatePair(low, high, axes[0])
-        if float(axes[0] @ axes[1]) <= _OPPOSITE - 1.0 and pair.first_distance(document) > 0.0:
-            return pair
-    return None
+def obstacle_pair(document: Document) -> ObstaclePair | None:
+    """Last pair of facing plates, or else of fingers; None if there is none."""
+    kinds = ObstacleKind.PLATE, ObstacleKind.SPHERE
+    found = (pair for kind in kinds for pair in _pairs(document, kind))
+    return next((pair for pair in found if pair.first_distance(document) > 0.0), None)
+
+
+def _pairs(document: Document, kind: ObstacleKind) -> Iterator[ObstaclePair]:
+    """Facing plates, or spheres with the mesh between; the last ones first."""
+    obstacles = document.obstacles
+    numbers = [k for k, each in enumerate(obstacles) if each.kind is kind]
+    for high, low in combinations(reversed(numbers), 2):
+        first, second = obstacles[low], obstacles[high]
+        if kind is ObstacleKind.PLATE:
+            if float(first.axis @ second.axis) <= _OPPOSITE - 1.0:
+                yield ObstaclePair(low, high, first.axis)
+        elif (length := float(np.linalg.norm(second.place - first.place))) > 0.0:
+            axis = (second.place - first.place) / length
+            middle = float(mesh_middle(document.mesh.V, document.mesh.F) @ axis)
+            if first.place @ axis < middle < second.place @ axis:
+                yield ObstaclePair(low, high, axis)
+
+
+@memo.memoised
+def mesh_middle(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Middle (3,) of the bounding box."""
+    used = V[np.unique(F)]
+    return 0.5 * (used.min(axis=0) + used.max(axis=0))
