@@ -43,8 +43,8 @@ class ThicknessMap(float):
         return ThicknessMap(factor * float(self), factor * self.triangles)
 
     def at_vertices(self, F: np.ndarray, n: int) -> np.ndarray:
-        """Mean (n,) of the triangles ``F`` (m, 3) at each of ``n`` vertices; NaN if none."""
-        corners, sums = F.ravel(), np.repeat(self.triangles, 3)
+        """Mean (n,) of elements ``F`` (m, 3 or 6) at ``n`` vertices; NaN if none."""
+        corners, sums = F.ravel(), np.repeat(self.triangles, F.shape[1])
         counts = np.bincount(corners, minlength=n)
         with np.errstate(invalid="ignore"):
             return np.bincount(corners, sums, minlength=n) / counts
@@ -91,10 +91,7 @@ def mapped_thickness(given: object, V: np.ndarray, F: np.ndarray) -> float | Non
             "give one for each."
         )
         raise InputError(sentence.format(count=values.size, n=len(V), m=len(F)))
-    bad = np.flatnonzero(~((values > 0.0) & (values < np.inf)))
-    if len(bad):
-        sentence = tr("The wall thickness must be greater than 0 everywhere; number {k:,} is {value:g}.")
-        raise InputError(sentence.format(k=bad[0], value=values[bad[0]]))
+    check_positive(values)
     if isinstance(given, ThicknessMap):
         return given
     if len(values) == len(V):
@@ -105,3 +102,42 @@ def mapped_thickness(given: object, V: np.ndarray, F: np.ndarray) -> float | Non
     mean = np.average(values, weights=areas if areas.any() else None)
     values.flags.writeable = False
     return ThicknessMap(float(np.clip(mean, values.min(), values.max())), values)
+
+
+def check_positive(values: np.ndarray) -> None:
+    """Raise InputError unless each thickness (k,) is greater than 0, and finite."""
+    bad = np.flatnonzero(~((values > 0.0) & (values < np.inf)))
+    if len(bad):
+        sentence = tr("The wall thickness must be greater than 0 everywhere; number {k:,} is {value:g}.")
+        raise InputError(sentence.format(k=bad[0], value=values[bad[0]]))
+
+
+def interpolated_values(points: np.ndarray, values: np.ndarray, X: np.ndarray, farthest: float) -> np.ndarray:
+    """Values at ``X`` (n, 3), by inverse squares of distance from four points.
+
+    Parameters
+    ----------
+    points, values : (k, 3), (k,) float arrays
+    farthest : float
+        Largest distance of a point from the nearest of ``X``.
+
+    Raises
+    ------
+    InputError
+        If a point is farther away, or no number.
+    """
+    # Imported here so that the first picture does not wait for scipy.
+    from scipy.spatial import KDTree
+
+    if not np.isfinite(points).all():
+        raise InputError(tr("A measured point is not finite."))
+    away = KDTree(X).query(points)[0]
+    if away.max() > farthest:
+        sentence = tr(
+            "Point {k:,} is {away:.3g} from the nearest vertex: it is of another mesh, or in another unit."
+        )
+        raise InputError(sentence.format(k=int(away.argmax()) + 1, away=away.max()))
+    distances, near = KDTree(points).query(X, k=min(4, len(points)))
+    distances, near = distances.reshape(len(X), -1), near.reshape(len(X), -1)
+    weights = 1.0 / np.maximum(distances, 1e-9 * farthest) ** 2
+    return (weights * values[near]).sum(axis=1) / weights.sum(axis=1)
