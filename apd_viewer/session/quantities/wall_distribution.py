@@ -11,6 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.formats.ply import PlyFile
 from apd_viewer.files.meshes import read_mesh
 from apd_viewer.files.storage.regular_files import read_content
+from apd_viewer.files.tables import write_table
 from apd_viewer.files.vtk.xml_surface import VtkXmlFile
 from apd_viewer.geometry.energy.thickness_map import (
     ThicknessMap,
@@ -22,7 +23,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import standing_axis
-from apd_viewer.session.quantities.expressions import parse_length
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, parse_length
 from apd_viewer.session.quantities.units import SYMBOLS, NoUnitError, Unit
 
 TABLE_SUFFIX = ".csv"
@@ -111,7 +112,13 @@ def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> ThicknessText:
     except (InputError, csv.Error) as error:
         raise InputError(f"{path.name}: {str(error).removeprefix(f'{path.name}: ')}") from error
     assert isinstance(thickness, ThicknessMap)
-    return ThicknessText(path.name, thickness, symbol)
+    return ThicknessText(path.name[:MOST_CHARACTERS], thickness, symbol)
+
+
+def write_distribution(path: Path, thickness: ThicknessMap) -> None:
+    """Write the thickness of every triangle as a table; raises InputError."""
+    rows = np.column_stack([np.arange(len(thickness.triangles)), thickness.triangles])
+    write_table(path, ("triangle", _THICKNESS), rows)
 
 
 def _stored_property(found: Mesh, mesh: Mesh) -> np.ndarray:
