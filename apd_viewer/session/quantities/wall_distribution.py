@@ -65,6 +65,12 @@ class ThicknessText(str):
             self.thickness.scaled(parse_length(f"1 {self.unit}", unit, {})) if self.unit else self.thickness
         )
 
+    def on(self, mesh: Mesh) -> "ThicknessText":
+        """The same thickness of the triangles on another rest shape."""
+        thickness = mapped_thickness(np.array(self.thickness.triangles), mesh.V, mesh.F)
+        assert isinstance(thickness, ThicknessMap)
+        return ThicknessText(str(self), thickness, self.unit)
+
     def __eq__(self, other: object) -> bool:
         """True for the same name, thickness and unit."""
         if not isinstance(other, ThicknessText):

@@ -4,6 +4,7 @@ from contextlib import suppress
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.errors import InputError
@@ -66,6 +67,7 @@ class VolumeController(QObject):
         self._heat = overlay
         self._session = session
         self._walls: WeakKeyDictionary[Mesh, WallText] = WeakKeyDictionary()
+        self._mesh: Mesh | None = None
         self._texts: dict[float | None, str] = {}
         self._followed: set[tuple[str, float | None]] = {
             (name, getattr(DEFAULT_SETTINGS, name)) for name in _OF_WALL
@@ -100,10 +102,20 @@ class VolumeController(QObject):
             path, sample = user_file(mesh), sample_of(mesh.path)
             known = {} if path is None else self._memory.walls
             usual = WallText(material=wall_material(sample.material if sample else ""))
-            self._walls[mesh] = usual if path is None else known.get(resolved_path(path), usual)
+            remembered = usual if path is None else known.get(resolved_path(path), usual)
+            self._walls[mesh] = self._carried_wall(mesh) or remembered
+        self._mesh = mesh
         self._panel.measures.show_wall(self._walls[mesh])
         self._show_yield_radius()
         self._show_distribution()
+
+    def _carried_wall(self, mesh: Mesh) -> WallText | None:
+        """Wall distribution of another rest shape of the same mesh; None without."""
+        before, wall = self._mesh, self._panel.measures.wall_fields.value
+        if before is None or before.path != mesh.path or not np.array_equal(before.F, mesh.F):
+            return None
+        typed = wall.thickness
+        return wall._replace(thickness=typed.on(mesh)) if isinstance(typed, ThicknessText) else None
 
     def follow_settings(self, old: State | None, new: State) -> None:
         """Update checks and wall fields after changes of contact or wall thickness."""

@@ -10,6 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.presentation.scales import Measure
@@ -252,6 +253,11 @@ def test_wall_fields_take_a_wall_distribution_from_a_file(qtbot, bottle, fields,
     assert document(bottle).settings.wall_thickness.triangles == pytest.approx(expected[mesh.F].mean(axis=1))
     view = bottle.volume.with_wall_and_overlay(View(unit="cm"))
     assert view.wall.thickness.thickness.triangles == pytest.approx(10.0 * expected[mesh.F].mean(axis=1))
+    turned = replace(mesh, V=frozen(2.0 * mesh.V))
+    bottle.volume.show_mesh_wall(turned)
+    carried = fields.value.thickness
+    assert carried.thickness.triangles == pytest.approx(view.wall.thickness.thickness.triangles)
+    bottle.volume.show_mesh_wall(mesh)
     type_into(fields.thickness, "0.3mm")
     assert document(bottle).settings.wall_thickness == pytest.approx(0.03)
     assert (heat.measure, thickness in heat.offered_measures) == (None, False)
