@@ -13,6 +13,7 @@ from apd_viewer.session.deck_setup import deck_of, deck_wall
 from apd_viewer.session.model.status_text import deck_sentence
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.quantities.wall_distribution import thickness_text
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, wall_material
 
 
@@ -39,7 +40,11 @@ def _add_wall_options(parser: Parser) -> None:
     materials = ", ".join(material.name for material in WALL_MATERIALS)
     for option, metavar, what in (
         ("--material", "NAME", tr("material of the wall: {names}").format(names=materials)),
-        ("--thickness", "LENGTH", tr("wall thickness, such as 0.3mm; default: 1/1000 of the diagonal")),
+        (
+            "--thickness",
+            "LENGTH",
+            tr("such as 0.3mm, or a file of the wall distribution; default: 1/1000 of the diagonal"),
+        ),
         ("--density", "D", tr("density, such as 1.38 (g/cm³)")),
         ("--young", "E", tr("Young's modulus, such as 2.8GPa; default: 1 in the units of the deck")),
         ("--poisson", "NU", tr("Poisson's ratio; default: 0.4, or that of the material")),
@@ -52,7 +57,8 @@ def _deck(options: argparse.Namespace) -> None:
     output = check_deck(options.output)
     document, view, motion = read_input(options)
     unit = Unit(options.unit or view.unit)
-    given = options.thickness, options.density, options.young, options.poisson, "", options.material
+    thickness = thickness_text(options.thickness, document.mesh, unit)
+    given = thickness, options.density, options.young, options.poisson, "", options.material
     wall_material(options.material)  # raises InputError if unknown
     text = WallText.from_field_texts(
         *(word or known for word, known in zip(given, view.wall.field_texts, strict=True))

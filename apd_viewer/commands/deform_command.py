@@ -127,7 +127,7 @@ def _deform(options: argparse.Namespace) -> None:
         iterations=options.iterations,
         handle=held.handles,
         loose=options.loose,
-        **setting_options.setting_arguments(options, mesh.unit) | {"contact": contact or options.contact},
+        **setting_options.setting_arguments(options, mesh) | {"contact": contact or options.contact},
         obstacles=pushing,
         shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
         regions=regions,

@@ -43,6 +43,7 @@ from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall, press_method
+from apd_viewer.session.quantities.wall_distribution import thickness_text
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, parse_pressure, wall_material
 from apd_viewer.session.storage.session_file import open_session
 
@@ -101,7 +102,10 @@ def _add_wall_options(parser: Parser) -> None:
     add_option(parser, "--unit", about, choices=SYMBOLS, default="")
     materials = ", ".join(material.name for material in WALL_MATERIALS)
     add_option(parser, "--material NAME", tr("material of the wall: {names}").format(names=materials))
-    about = tr("wall thickness, and distance that walls keep, such as 0.3mm; default: 1/1000 of the diagonal")
+    about = tr(
+        "wall thickness, and distance that walls keep, such as 0.3mm, or a file of the wall distribution; "
+        "default: 1/1000 of the diagonal"
+    )
     add_option(parser, "--thickness LENGTH", about)
     about = tr(
         "enclosed gas, openings capped: 1atm where newtons are known, or pressure times volume in surface "
@@ -149,7 +153,7 @@ def _press(options: argparse.Namespace) -> None:
     mesh, start, unit = _press_input(options.mesh, options.weld)
     for path in meshes:
         check_shapes(mesh, path, np.ones(len(mesh.V), dtype=bool))
-    wall = _wall(options, Unit(options.unit or unit))
+    wall = _wall(options, mesh, Unit(options.unit or unit))
     rest = RestMesh(mesh.V, mesh.F, mesh.weld)
     extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
     method = _method(options, wall)
@@ -159,13 +163,14 @@ def _press(options: argparse.Namespace) -> None:
         material = thin_wall_material(rest.diagonal, wall.thickness, wall.nu)
     newtons = newton_conversion(wall, material, rest)
     gas = _parsed_gas_amount(options.gas, newtons, rest)
+    keeps_apart = bool(options.thickness) and not METHODS[method].is_wall
     settings = {name: getattr(options, name) for name in _SETTINGS} | {
         **volume_arguments(options.volume, wall.unit.symbol),
         "method": method,
         "wall_thickness": wall.thickness if METHODS[method].is_wall else None,
         "poisson": wall.nu,
         # None for the method 'wall': contact would add its thickness to the gap between the plates.
-        "thickness": wall.thickness if options.thickness and not METHODS[method].is_wall else None,
+        "thickness": float(wall.thickness) if wall.thickness and keeps_apart else None,
         "yield_radius": wall.yield_radius,
         "gas": gas,
         "convergence": Convergence(**given_criteria(options)),
@@ -251,13 +256,14 @@ def _dent_depth(options: argparse.Namespace, method: str, wall: Wall) -> float |
 
 
 @unit_option_in_errors()
-def _wall(options: argparse.Namespace, unit: Unit) -> Wall:
+def _wall(options: argparse.Namespace, mesh: Mesh, unit: Unit) -> Wall:
     """Wall properties from the options, for a mesh in ``unit``; raises InputError."""
     material = wall_material(options.material or "")
     if unit is Unit.NONE and (material or options.young):
         raise InputError(tr("A material needs the unit of the mesh; add --unit mm, cm, m, in or ft."))
     words = options.thickness, options.density, options.young, options.poisson, options.yield_radius
-    thickness, density, young, poisson, radius = (word or "" for word in words)
+    typed, density, young, poisson, radius = (word or "" for word in words)
+    thickness = thickness_text(typed, mesh, unit)
     wall = parse_wall(WallText(thickness, density, young, poisson, radius, material), unit)
     if options.young and wall.thickness is None:
         raise InputError(tr("Newtons need the wall thickness as well; add --thickness."))

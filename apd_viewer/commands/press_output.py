@@ -8,6 +8,7 @@ from apd_viewer.files.report import shape_check_fields
 from apd_viewer.files.tables import Cell
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.thickness_map import ThicknessMap
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.plate_press import PressStep
 from apd_viewer.geometry.solver.pressed_mesh import Pressed
@@ -96,6 +97,9 @@ def _wall_fields(wall: Wall, area: float) -> dict[str, object]:
         "poisson": None if wall.young is None else wall.nu,
         "mass_grams": wall.grams(area),
     }
+    if isinstance(wall.thickness, ThicknessMap):
+        every = wall.thickness.triangles
+        fields |= {"wall_thickness_least": float(every.min()), "wall_thickness_most": float(every.max())}
     return {name: value for name, value in fields.items() if value is not None}
 
 
@@ -235,6 +239,10 @@ def _wall_text(wall: Wall) -> str:
     parts = [wall.material and wall.material.title]
     if wall.thickness is not None:
         parts.append(wall.unit.format_length(format_short(wall.thickness)))
+    if isinstance(wall.thickness, ThicknessMap):
+        ends = wall.thickness.triangles.min(), wall.thickness.triangles.max()
+        least, most = (wall.unit.format_length(format_short(end)) for end in ends)
+        parts[-1] = tr("{mean} on average, {least} to {most}").format(mean=parts[-1], least=least, most=most)
     if wall.density is not None:
         parts.append(f"{format_short(wall.density)}\u00a0g/cm³")
     if wall.young is not None:

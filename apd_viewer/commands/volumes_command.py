@@ -31,6 +31,7 @@ from apd_viewer.session.model.up_axis import UpAxis, standing_axis
 from apd_viewer.session.quantities.expressions import parse_number, parse_volume
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText, parse_wall
+from apd_viewer.session.quantities.wall_distribution import thickness_text
 
 
 def volumes_parser() -> Parser:
@@ -46,7 +47,7 @@ def volumes_parser() -> Parser:
     add_option(parser, "--rest REST", tr("mesh of the shape at rest, for the change"))
     add_option(parser, "--unit", tr("unit of length of both meshes"), choices=SYMBOLS, default="")
     add_option(parser, "--bag LITRES", tr("count the objects in a bag of this size; default: 45"))
-    about = tr("wall thickness, such as 0.3mm, for the material volume")
+    about = tr("wall thickness, such as 0.3mm, or a file of the wall distribution, for the material volume")
     add_option(parser, "--thickness LENGTH", about, default="")
     about = tr("density, such as 1.38 (g/cm³), for the bulk density")
     add_option(parser, "--density D", about, default="")
@@ -69,8 +70,9 @@ def _volumes(options: argparse.Namespace) -> None:
     litres = _bag(options.bag, unit)
     if options.density and not options.thickness:
         raise InputError(tr("A bulk density needs the wall thickness as well; add --thickness."))
-    wall = parse_wall(WallText(options.thickness, options.density), unit)
     before = None if options.rest is None else open_mesh(options.rest)
+    thickness = thickness_text(options.thickness, before or mesh, unit)
+    wall = parse_wall(WallText(thickness, options.density), unit)
     up, fill = _filling(options, before or mesh, unit)
     now = mesh_volumes(mesh, wall.thickness, up, fill)
     rest = None if before is None else mesh_volumes(before, wall.thickness, up, fill)

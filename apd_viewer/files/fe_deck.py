@@ -9,6 +9,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.geometry.energy.thickness_map import ThicknessMap
 from apd_viewer.geometry.mesh.arrays import diagonal, significant_digits
 from apd_viewer.language import tr
 
@@ -31,7 +32,7 @@ class DeckWall(NamedTuple):
     Attributes
     ----------
     thickness : float
-        Mesh units.
+        Mesh units. A thickness map is written at the nodes, each with the mean of its elements.
     young : float
         Young's modulus, newtons per square mesh unit.
     density : float or None
@@ -122,7 +123,7 @@ def _lines(deck: Deck) -> Iterator[str]:
     whole, ends = _with_midsides(deck)
     yield from _mesh_lines(whole)
     yield from _set_lines(whole)
-    yield from _wall_lines(deck.wall)
+    yield from _wall_lines(whole)
     for shifts in deck.steps:
         pairs = zip(shifts, ends, strict=True)
         moved = [np.concatenate([shift, shift[rows].mean(axis=1)]) for shift, rows in pairs]
@@ -180,15 +181,23 @@ def _set_lines(deck: Deck) -> Iterator[str]:
             yield from _rows(region.triangles)
 
 
-def _wall_lines(wall: DeckWall) -> Iterator[str]:
+def _wall_lines(deck: Deck) -> Iterator[str]:
+    wall = deck.wall
     yield "*MATERIAL, NAME=WALL"
     yield "*ELASTIC"
     yield f"{_number(wall.young)}, {_number(wall.poisson)}"
     if wall.density is not None:
         yield "*DENSITY"
         yield _number(wall.density)
-    yield "*SHELL SECTION, ELSET=SURFACE, MATERIAL=WALL"
+    is_mapped = isinstance(wall.thickness, ThicknessMap)
+    yield "*SHELL SECTION, ELSET=SURFACE, MATERIAL=WALL" + (", NODAL THICKNESS" if is_mapped else "")
     yield _number(wall.thickness)
+    if isinstance(wall.thickness, ThicknessMap):
+        F = deck.F[deck.used_faces]
+        used = ThicknessMap(wall.thickness, wall.thickness.triangles[deck.used_faces])
+        values = used.at_vertices(F, len(deck.V))
+        yield "*NODAL THICKNESS"
+        yield from (f"{node + 1}, {_number(values[node])}" for node in np.unique(F).tolist())
 
 
 def _step_lines(held: Sequence[NodeSet], shifts: Sequence[np.ndarray]) -> Iterator[str]:

@@ -82,6 +82,7 @@ class Measure(Enum):
     TARGET_DISPLACEMENT = "target_displacement"
     CALMNESS = "calmness"
     CONTACT = "contact"
+    THICKNESS = "thickness"
 
     @property
     def traits(self) -> MeasureTraits:
@@ -100,13 +101,13 @@ class Measure(Enum):
 
     @property
     def follows_shape(self) -> bool:
-        """True if the values depend on the shape, not only on the painted labels."""
-        return self is not Measure.CALMNESS
+        """True if the values depend on the shape, not only on labels or the wall."""
+        return self not in (Measure.CALMNESS, Measure.THICKNESS)
 
     @property
     def follows_document(self) -> bool:
-        """True if the values depend on painted labels or settings."""
-        return self in (Measure.CALMNESS, Measure.CONTACT)
+        """True if the values depend on painted labels, settings or the wall."""
+        return self in (Measure.CALMNESS, Measure.CONTACT, Measure.THICKNESS)
 
     @property
     def waits_for_convergence(self) -> bool:
@@ -119,13 +120,17 @@ class Measure(Enum):
         return self is Measure.CONTACT
 
 
-def measures_of(mesh: Mesh, target: TargetShape | None) -> tuple[Measure, ...]:
-    """Measures available for a mesh, with or without a target shape."""
+def measures_of(
+    mesh: Mesh, target: TargetShape | None, thickness: np.ndarray | None = None
+) -> tuple[Measure, ...]:
+    """Measures available for a mesh, its target shape, and thickness at vertices."""
     missing: tuple[Measure, ...] = ()
+    has_thickness = thickness is not None and len(thickness) == len(mesh.V)
     if target is None:
         missing = Measure.TARGET_DISTANCE, Measure.TARGET_DISPLACEMENT
     elif not target.has_same_triangles(mesh):
         missing = (Measure.TARGET_DISPLACEMENT,)
+    missing += () if has_thickness else (Measure.THICKNESS,)
     return tuple(measure for measure in Measure if measure not in missing)
 
 
@@ -199,6 +204,13 @@ def _measure_traits() -> dict[Measure, MeasureTraits]:
             lambda deviation, U, _: deviation.contact_pressure(U),
             tr("In percent of the largest pressure."),
             tr("Nothing is kept apart: turn on Contact in the section Method."),
+        ),
+        Measure.THICKNESS: MeasureTraits(
+            tr("Wall thickness"),
+            tr("Colour by wall thickness, of a wall distribution from a file: see the section Size and mass"),
+            "",
+            ScaleKind.LENGTH,
+            lambda deviation, *_: deviation.thickness,
         ),
     }
 

@@ -246,7 +246,8 @@ class Workbench(QObject):
         signals.message_sent.connect(self.notice.show_message)
         signals.file_written.connect(self.notice.offer_file)
         self.notice.file_offered.connect(self.preferences.remember_folder)
-        signals.failed.connect(self.notice.show_failure)
+        for failed in (signals.failed, self.volume.failed):
+            failed.connect(self.notice.show_failure)
         signals.view_opened.connect(self._apply_view)
         signals.animation_opened.connect(self.files.remember_animation)
         fill_recent = self.actions_.file.fill_recent

@@ -37,7 +37,7 @@ def state_after(words: Sequence[str], U: np.ndarray | None = None) -> State:
     if options.selection:
         selection = read_selection_file(options.selection, mesh)
         state = state.updated(with_selection(state.document, selection))
-    settings = setting_arguments(options, mesh.unit) | {
+    settings = setting_arguments(options, mesh) | {
         "area": options.area or 100.0,
         "hold_area": options.method == "local" and options.area is not None,
         "contact": has_contact(options, len(mesh.V)),

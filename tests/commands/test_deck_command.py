@@ -69,6 +69,29 @@ def test_deck_of_a_tube_twisted_in_two_steps_is_computed_by_calculix(deck, tmp_p
     assert np.abs([moved[node] - V[node - 1] for node in free]).max() > 0.5, "the free ones follow"
 
 
+@needs_ccx
+def test_deck_of_a_wall_distribution_stretches_by_its_integral_in_calculix(deck, tmp_path):
+    """A tube pulled along its axis, of a thickness that grows along it, stretches most where it is thin."""
+    V, F = tube(16, 12, height=3.0)
+    mesh, pull = bar(tmp_path, V, F), np.eye(4)
+    pull[2, 3] = 3e-3
+    np.savetxt(tmp_path / "pull.def", pull)
+    (tmp_path / "walls.csv").write_text("z,thickness\n0,0.02\n3,0.06\n")
+    words = "--transform", tmp_path / "pull.def", "--thickness", tmp_path / "walls.csv", "--poisson", "0"
+    status, said, out = deck(*mesh, *words)
+    assert status == 0, said
+    assert "*NODAL THICKNESS" in out.read_text()
+    moved = where_ours_are(out)[0]
+    base, top = ends(V)
+    low, high = V[base, 2].max(), V[top, 2].min()
+    z = V[:, 2]
+    free = np.flatnonzero((z > low + 1e-9) & (z < high - 1e-9))
+    found = np.array([moved[node + 1][2] for node in free]) - z[free]
+    share = np.log((0.02 + z[free] / 75.0) / (0.02 + low / 75.0))
+    expected = 3e-3 * share / np.log((0.02 + high / 75.0) / (0.02 + low / 75.0))
+    assert np.abs(found - expected).max() < 0.01 * 3e-3
+
+
 @pytest.mark.night
 @needs_ccx
 def test_deck_of_the_bottle_is_computed_by_calculix(deck):

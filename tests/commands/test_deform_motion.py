@@ -67,6 +67,22 @@ def test_deform_takes_words_and_options_for_the_same_motion(deformed):
     assert np.ptp(shapes[0][:, 2]) < 5.0
 
 
+def test_deform_takes_a_wall_distribution_for_a_thickness(deformed, tmp_path):
+    """Thin at the bottom, the wall gives way there; one thickness for all in a file is that of a number."""
+    profiles = {"even": "0,0.1", "uneven": "0,0.04\n5,0.16", "mm": "0,1"}
+    for name, rows in profiles.items():
+        head = "z,thickness (mm)" if name == "mm" else "z,thickness"
+        (tmp_path / f"{name}.csv").write_text(f"{head}\n{rows}\n")
+    twist = "--twist", "40deg", "--method", "wall", "--unit", "cm", "--wall-thickness"
+    words = "0.1", *(tmp_path / f"{name}.csv" for name in profiles)
+    one, even, uneven, millimetres = (deformed(*twist, word)[2] for word in words)
+    assert np.array_equal(one, even)
+    assert np.array_equal(one, millimetres)
+    assert np.abs(one - uneven).max() > 0.01
+    status, said, _ = deformed(*twist, tmp_path / "gone.csv")
+    assert (status, "There is no file" in said) == (2, True)
+
+
 WRONG = {
     "both": (["--twist", "9", "--transform", "gone.def"], "Give either --transform or a motion"),
     "more than half a turn at once": (["--twist", "400deg", "--iterations", "5"], "at most half a turn"),

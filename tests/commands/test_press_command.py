@@ -223,6 +223,32 @@ def test_press_command_fills_in_the_wall_by_a_material_and_gives_loads_in_newton
 
 
 @pytest.mark.night
+def test_press_command_takes_a_wall_distribution_for_its_thickness(ball, press, tmp_path):
+    """In centimetres or millimetres it is the same wall, with the mass of its mean, and other loads."""
+    reports = []
+    walls, report = tmp_path / "walls.csv", tmp_path / "r.json"
+    for text in (
+        "z,thickness\n-1,0.02\n1,0.04\n",
+        "z,thickness (mm)\n-1,0.2\n1,0.4\n",
+        "z,thickness\n0,0.03\n",
+    ):
+        walls.write_text(text)
+        words = "--unit", "cm", "--material", "pet-bottle", "--method", "wall", "--thickness", walls
+        status, _, err, _ = press(ball, *QUICK[:-2], *words, "--report", report)
+        assert (status, err) == (0, "")
+        reports.append(json.loads(report.read_text(encoding="utf-8")))
+    one, same, even = reports
+    for name in ("mass_grams", "load_low_newton", "wall_thickness_least", "yield_radius"):
+        assert one[name] == pytest.approx(same[name])
+    assert one["mass_grams"] == pytest.approx(one["area_rest"] * 0.03 * 1.36, rel=1e-3)
+    assert 0.02 < one["wall_thickness_least"] < 0.022 < 0.038 < one["wall_thickness_most"] < 0.04
+    assert one["load_low_newton"] != pytest.approx(even["load_low_newton"], rel=1e-3)
+    walls.write_text("vertex,thickness\n0,0.03\n")
+    status, _, err, _ = press(ball, *QUICK[:-2], *words, "--report", report)
+    assert (status, err.count("\n")) == (2, 1)
+    assert "walls.csv: It has 1 rows" in err
+
+
 def test_press_command_takes_the_wall_itself_where_its_thickness_and_modulus_are_known(press, tmp_path):
     """A ring of 60 mm with a wall of 0.3 mm: the load of an inextensional ring in newtons."""
     V, F = tube(60, 2)

@@ -7,6 +7,7 @@ import pytest
 from meshes import sphere, tube
 
 from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.energy.thickness_map import mapped_thickness
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.pressed_mesh import press
@@ -62,12 +63,15 @@ def readings(states):
     return [obstacle_pair(state.document).reading(state) for state in states]
 
 
-def test_wall_run_presses_as_the_command_does_by_the_method_wall(empty):
+@pytest.mark.parametrize("most", [0.03, 0.05])
+def test_wall_run_presses_as_the_command_does_by_the_method_wall(empty, most):
+    """Of one thickness, and of one that grows along an axis."""
     ball = sphere(2)
+    thickness = mapped_thickness(np.interp(ball[0][:, 0], [-1.0, 1.0], [0.03, most]), *ball)
     press_in_view(empty, ball, 1.88, 2)
     shown, undo = empty.store.state, empty.gestures.history.undo_names
     first = [step.state for step in steps(empty)]
-    wall = WALL | {"wall_thickness": 0.03, "convergence": Convergence(energy_tolerance=1e-10)}
+    wall = WALL | {"wall_thickness": thickness, "convergence": Convergence(energy_tolerance=1e-10)}
     solve(empty, wall=wall)
     told = press(*ball, X, 1.88, 2, **wall).steps
     found = readings(answers(empty))

@@ -2,16 +2,19 @@
 
 import argparse
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import CRITERIA, DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.methods import METHODS, MOST_VERTICES_IN_CONTACT, contact_by_default
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.volume_target import parse_volume_target
+from apd_viewer.session.quantities.wall_distribution import DISTRIBUTION_SUFFIXES, read_distribution
 
 
 def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[str] = METHODS) -> None:
@@ -29,7 +32,8 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
                 more |= {"metavar": "VOLUME" if name == "volume" else "PERCENT", "help": words}
                 default = None  # the default depends on the method
             case SettingKind.LENGTH | SettingKind.VOLUME:
-                more |= {"metavar": "LENGTH", "type": float, "help": words}
+                number = length if name == "wall_thickness" else float
+                more |= {"metavar": "LENGTH", "type": number, "help": words}
             case SettingKind.AMOUNT:
                 more |= {"metavar": "A", "type": float, "help": words}
             case SettingKind.SWITCH:
@@ -38,6 +42,11 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
                 add_criteria(parser)
                 continue
         parser.add_argument(_option(name), default=default, **more)
+
+
+def length(word: str) -> float | str:
+    """Number, or the name of a file of a wall distribution."""
+    return word if Path(word).suffix.lower() in DISTRIBUTION_SUFFIXES else float(word)
 
 
 def _option(name: str) -> str:
@@ -93,8 +102,12 @@ def volume_arguments(text: str | None, unit: str) -> dict[str, float | None]:
     return parse_volume_target(text, Unit(unit))._asdict()
 
 
-def setting_arguments(options: argparse.Namespace, unit: str) -> dict[str, Any]:
-    """Arguments of :func:`deform` from the options, for a mesh in ``unit``."""
+@unit_option_in_errors()
+def setting_arguments(options: argparse.Namespace, mesh: Mesh) -> dict[str, Any]:
+    """Arguments of :func:`deform` from the options, for a mesh."""
     given = {name: getattr(options, name) for name in SETTINGS if hasattr(options, name)}
-    given |= volume_arguments(options.volume, unit)
+    given |= volume_arguments(options.volume, mesh.unit)
+    if isinstance(given.get("wall_thickness"), str):
+        unit = Unit(mesh.unit)
+        given["wall_thickness"] = read_distribution(Path(given["wall_thickness"]), mesh, unit).in_unit(unit)
     return {**given, "convergence": Convergence(**given_criteria(options))}

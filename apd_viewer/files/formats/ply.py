@@ -131,6 +131,14 @@ class PlyFile:
             ]
         ).reshape(-1, len(names))
 
+    def property_values(self, name: str) -> np.ndarray | None:
+        """Scalar property of the vertices, else of the faces; None if there is none."""
+        for at, element in enumerate(self.elements):
+            scalars = [own for own, length, _ in element.properties if not length]
+            if element.name in ("vertex", "face") and name in scalars:
+                return self.columns(at, (name,))[:, 0]
+        return None
+
     def _text(self, at: int, new: dict[tuple[str, ...], np.ndarray]) -> bytes:
         element, start = self.elements[at], self.starts[at]
         edits = TextEdits(self.content)

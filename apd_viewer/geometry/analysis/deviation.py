@@ -42,6 +42,8 @@ class Deviation:
         The calmness of each vertex by what is painted, (n,); see :mod:`calm_parts`.
     contact_pressure : callable
         The pressure of contact on each vertex of a shape (n, 3), (n,); see :mod:`contact_pressure`.
+    thickness : (n,) float array
+        Of the wall at each vertex.
     """
 
     calmness: Callable[[], np.ndarray]
@@ -53,6 +55,7 @@ class Deviation:
         self.target = target
         self.calmness = lambda: np.zeros(len(V))
         self.contact_pressure = lambda _: np.zeros(len(V))
+        self.thickness = np.full(len(V), np.nan)
         self._V, self._F = np.ascontiguousarray(V, dtype=np.float64), F
         self._named = np.arange(len(V), dtype=np.int32) if not len(source) else source.astype(np.int32)
         self._patch = Patch(F, len(V))

@@ -49,8 +49,8 @@ class Hinges:
         Rest positions.
     F : (m, 3) int array
         Triangles. Needles do not bend.
-    rigidity : float
-        Bending rigidity D, energy.
+    rigidity : float or (m,) float array
+        Bending rigidity D, energy, of each triangle or of all.
     poisson : float
     clamps : (m,) bool array, optional
         Triangles that do not bend, since their corners are held.
@@ -79,7 +79,7 @@ class Hinges:
         self,
         V: np.ndarray,
         F: np.ndarray,
-        rigidity: float,
+        rigidity: float | np.ndarray,
         poisson: float,
         clamps: np.ndarray | None = None,
     ) -> None:
@@ -96,7 +96,7 @@ class Hinges:
         )
         Q = (slopes.T @ self.stiffness @ slopes).tocsr()
         Q.sum_duplicates()
-        Q.data[np.abs(Q.data) < _ROUNDING * rigidity] = 0.0
+        Q.data[np.abs(Q.data) < _ROUNDING * np.min(rigidity)] = 0.0
         Q.eliminate_zeros()
         Q.sort_indices()
         self.Q = Q

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+
 # Young's modulus times thickness of the cells of Eq. 1.
 _WALL_YOUNG = 4.0
 
@@ -23,9 +25,11 @@ class Material:
     coupling : float
         Of what keeps neighbouring rotations alike, times the total area: alpha of SR-ARAP.
     yield_curvature : float
-        Change of curvature above which bending stays, 1 / mesh unit; infinite for none that does.
+        Change of curvature above which bending stays, 1 / mesh unit; infinite for none that does. Of a
+        thickness map it is that of the mean: a thicker triangle yields at less.
     thickness : float
-        Of a thin elastic wall, mesh units, instead of all the others; 0 for none.
+        Of a thin elastic wall, mesh units, instead of all the others; 0 for none. Of a thickness map the
+        mean, to which all weights refer.
     poisson : float
         Of the wall.
     is_relaxed : bool
@@ -54,6 +58,11 @@ class Material:
         shape = self.rigidity + 0.5 * self.shear
         size = shape + 0.5 * self.area
         return 8.0 * shape * size / (shape + size)
+
+    @property
+    def thickness_factors(self) -> np.ndarray | float:
+        """Thickness of every triangle (m,) over the mean; 1 if it is the same everywhere."""
+        return self.thickness.factors if isinstance(self.thickness, ThicknessMap) else 1.0
 
     @property
     def plate_rigidity(self) -> float:

@@ -26,8 +26,8 @@ class PlasticHinges(Hinges):
     ----------
     V, F, rigidity, poisson, clamps
         See :class:`Hinges`.
-    yield_curvature : float
-        Change of curvature above which bending stays, 1 / mesh unit.
+    yield_curvature : float or (m,) float array
+        Change of curvature above which bending stays, 1 / mesh unit, of each triangle or of all.
 
     Attributes
     ----------
@@ -41,10 +41,10 @@ class PlasticHinges(Hinges):
         self,
         V: np.ndarray,
         F: np.ndarray,
-        rigidity: float,
+        rigidity: float | np.ndarray,
         poisson: float,
         clamps: np.ndarray | None = None,
-        yield_curvature: float = np.inf,
+        yield_curvature: float | np.ndarray = np.inf,
     ) -> None:
         super().__init__(V, F, rigidity, poisson, clamps)
         self._yield, self._rigid = yield_curvature, rigidity * face_areas(V, F)
@@ -66,7 +66,7 @@ class PlasticHinges(Hinges):
     def _secant(self, angles: np.ndarray) -> sp.csr_array:
         """Secant matrix (h, h), with nonzeros of Q, for steps from ``angles`` (h,)."""
         sizes = self._stresses(self._elastic_slopes(angles))[1]
-        if sizes.max(initial=0.0) <= self._yield:
+        if (sizes <= self._yield).all():
             return self.Q
         fractions = sp.diags_array(np.repeat(self._elastic_fractions(sizes), 3))
         return (
@@ -81,7 +81,7 @@ class PlasticHinges(Hinges):
         self.committed_flow = (
             self.committed_flow + np.repeat(1.0 - self._elastic_fractions(sizes), 3) * slopes
         )
-        self.dissipated_energy += self._yield * parallel_ops.inner_product(self._rigid, beyond)
+        self.dissipated_energy += parallel_ops.inner_product(self._yield * self._rigid, beyond)
 
     def _elastic_slopes(self, angles: np.ndarray) -> np.ndarray:
         return self.slopes @ self.turned(angles) - self.committed_flow

@@ -7,7 +7,9 @@ Stretching is that of the material of St. Venant and Kirchhoff in every triangle
 in plane stress: ``lambda = C nu / (1 - nu^2)`` and ``mu = C / (2 (1 + nu))``, with C Young's modulus times
 thickness. Turns may be large, stretches not: the wall is meant to be thin. It bends at its hinges, see
 :class:`Hinges`. The membrane has Young's modulus times thickness 4 per area, as the cells of Eq. 1, so that
-loads of all methods compare; the bending rigidity follows from the thickness.
+loads of all methods compare; the bending rigidity follows from the thickness. Of a thickness map these are
+the weights of its mean: a triangle f times as thick stretches by f times its weight, bends by f^3 times it
+and yields at 1/f of the yield curvature.
 
 Over an arc of length l and curvature k the chord is shorter than the arc, ``l (1 - k^2 l^2 / 24)``. If all
 edges were alike, the flat triangles of a wall that bends would shrink evenly. Uneven edges shrink unevenly,
@@ -90,12 +92,13 @@ class WallSurface(HeldSurface):
         super().__init__(rest, fixed, soft)
         self.material, self._thickness = material, material.thickness
         self._found: tuple[float, float, np.ndarray] | None = None
-        unit = replace(material, thickness=1.0).plate_rigidity
+        factors = material.thickness_factors
+        unit = replace(material, thickness=1.0).plate_rigidity * factors**3
         clamps = np.asarray(np.isin(rest.F, fixed).all(axis=1))
         shape = rest.V, rest.F, unit, material.poisson, clamps
         self.hinges: Hinges = Hinges(*shape)
         if material.yield_curvature < np.inf:
-            self.hinges = self.creases = PlasticHinges(*shape, material.yield_curvature)
+            self.hinges = self.creases = PlasticHinges(*shape, material.yield_curvature / factors)
         self.stretching = Stretching(rest.V, rest.all_triangles, self.hinges, material)
         # A triangle that vanishes takes the tensile stiffness times its area, of the mean triangle.
         self._collapse_weight = 0.5 * material.tensile_stiffness / max(len(rest.F), 1)
@@ -283,6 +286,7 @@ class Stretching:
     hats : (m, 3, 2) float array
         Gradients of the hat functions in each triangle's plane; zero for those that do not count.
     areas : (m,) float array
+        Times thickness over its mean.
     lame : tuple of float
         lambda and mu.
     relaxed : bool
@@ -293,7 +297,8 @@ class Stretching:
 
     def __init__(self, V: np.ndarray, patch: Patch, hinges: Hinges, material: Material) -> None:
         self.patch, self._hinges = patch, hinges
-        self.hats, self.areas = _plane_hats(V, patch.F, is_well_shaped(cotangents(V, patch.F)))
+        self.hats, areas = _plane_hats(V, patch.F, is_well_shaped(cotangents(V, patch.F)))
+        self.areas = material.thickness_factors * areas
         firm, poisson = material.tensile_stiffness, material.poisson
         self.lame = lame, mu = firm * poisson / (1.0 - poisson**2), firm / (2.0 * (1.0 + poisson))
         # Strains, and stresses times area, by the squared lengths of the edges.
@@ -307,7 +312,7 @@ class Stretching:
         self._firmness = sp.coo_array((firmness.ravel(), places), shape=(count, count)).tocsr()
         self.relaxed = material.is_relaxed
         # Wrinkles take up what the chords of arcs lack.
-        self.arcs = (0.0 if self.relaxed else 1.0) * _arcs(V, hinges, material.thickness)
+        self.arcs = (0.0 if self.relaxed else 1.0) * _arcs(V, hinges, material)
         self.arcs.eliminate_zeros()
         self._to_hinges = self.arcs.T.tocsr()
         self._at_rest = (self.arcs @ hinges.rest) ** 2
@@ -354,13 +359,15 @@ class Stretching:
         return out
 
 
-def _arcs(V: np.ndarray, hinges: Hinges, thickness: float) -> sp.csr_array:
+def _arcs(V: np.ndarray, hinges: Hinges, material: Material) -> sp.csr_array:
     """See :class:`Stretching`."""
     edges, at = hinges.edges, hinges.edge_of
     squares = ((V[edges[:, 1]] - V[edges[:, 0]]) ** 2).sum(axis=1)
     sums = np.bincount(at.ravel(), np.repeat(squares[at].sum(axis=1), 3), minlength=len(edges))
     count = np.bincount(at.ravel(), minlength=len(edges))
     mean = (sums - (count - 1.0) * squares) / (2.0 * count + 1.0)
+    factors = np.broadcast_to(material.thickness_factors, len(at))
+    thickness = material.thickness * np.bincount(at.ravel(), np.repeat(factors, 3), len(edges)) / count
     share = np.maximum(squares - _EVEN * mean, 0.0) / (1.0 + (squares / (_FOLDS * thickness) ** 2) ** 2)
     arcs = (sp.diags_array(np.sqrt(share / 12.0)) @ hinges.arc_angles).tocsr()
     arcs.eliminate_zeros()

@@ -13,6 +13,7 @@ from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.thickness_map import mapped_thickness
 from apd_viewer.geometry.energy.wall_surface import WallSurface, joints_sentence
 from apd_viewer.geometry.goals.calm_parts import calm_level_weights
 from apd_viewer.geometry.goals.goals import Region, RegionReading
@@ -85,8 +86,8 @@ class Deformation:
         Weight of bending, 0 to about 0.1; for "sr-arap" CGAL's alpha.
     area_stiffness, shear_stiffness : float
         Stiffness of every triangle's area (area modulus) and shape (shear modulus) for "local".
-    wall_thickness : float, optional
-        Wall thickness for "wall", mesh units; 1/1000 of the bounding box's diagonal by default.
+    wall_thickness : float or array, optional
+        Of "wall", mesh units, or one for each vertex or triangle; 1/1000 of the diagonal by default.
     poisson : float
         Poisson's ratio of the wall.
     tension_field : bool
@@ -109,8 +110,7 @@ class Deformation:
     soft : SoftConstraints
         Vertices pulled along by handles without being held.
     loose : "go", "stay" or int array
-        Treatment of connected parts without held vertices: all follow the nearest surface, all stay at rest,
-        or those containing these vertices stay.
+        Connected parts without held vertices: all follow the nearest surface, all stay, or those with these.
     convergence : Convergence
         Criteria that end the iterations.
     calm : bool
@@ -128,8 +128,7 @@ class Deformation:
         Needs contact, and stiffness or the method "wall". Creases become permanent once a shape has settled.
     gas : float, optional
         Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at constant
-        temperature, at the outside pressure at rest. Openings are capped. By default there is no gas. Needs
-        contact.
+        temperature, at the outside pressure at rest. Openings are capped. By default none. Needs contact.
     weld : bool
         Whether to weld seams with nearly touching sides; see :meth:`apd_viewer.Mesh.welded`.
 
@@ -165,7 +164,7 @@ class Deformation:
         stiffness: float = 0.0,
         area_stiffness: float = DEFAULT_AREA_STIFFNESS,
         shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
-        wall_thickness: float | None = None,
+        wall_thickness: float | np.ndarray | None = None,
         poisson: float = DEFAULT_POISSON,
         tension_field: bool = False,
         area: float | str | None = None,
@@ -196,7 +195,8 @@ class Deformation:
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = soft_solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
-        thin = wall_material(rest.diagonal, wall_thickness, poisson, yield_radius, tension_field)
+        thickness_map = mapped_thickness(wall_thickness, rest.V, rest.F)
+        thin = wall_material(rest.diagonal, thickness_map, poisson, yield_radius, tension_field)
         check_any_free(rest, held)
         with cores_for(len(rest.solve_mesh.V)):
             levels = partial(calm_level_weights, rest.solve_mesh, held, handle_of, self._soft)

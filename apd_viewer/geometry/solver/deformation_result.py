@@ -153,7 +153,7 @@ def deform(
     handle: np.ndarray | Sequence[np.ndarray] | None = None,
     area_stiffness: float = DEFAULT_AREA_STIFFNESS,
     shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
-    wall_thickness: float | None = None,
+    wall_thickness: float | np.ndarray | None = None,
     poisson: float = DEFAULT_POISSON,
     tension_field: bool = False,
     area: float | str | None = None,

@@ -7,6 +7,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.thickness_map import ThicknessMap
 from apd_viewer.geometry.mesh.arrays import check_argument
 from apd_viewer.language import tr
 
@@ -270,7 +271,7 @@ def wall_material(
     diagonal : float
         Of the bounding box, mesh units.
     thickness : float or None
-        Mesh units; None for a thousandth of the diagonal.
+        Mesh units, perhaps a thickness map; None for a thousandth of the diagonal.
     poisson : float
     yield_radius : float, optional
         Mesh units; by default the wall is elastic.
@@ -281,13 +282,14 @@ def wall_material(
     if thickness is None:
         thickness = _THICKNESS * diagonal
     check_argument("wall_thickness", thickness)
-    if thickness > _THICKEST * diagonal:
+    every = thickness.triangles if isinstance(thickness, ThicknessMap) else np.array([thickness])
+    if every.max() > _THICKEST * diagonal:
         raise InputError(
             tr("A wall is thin: its thickness must be at most {most:.3g} here; check the unit.").format(
                 most=_THICKEST * diagonal
             )
         )
-    if thickness < _THINNEST * diagonal:
+    if every.min() < _THINNEST * diagonal:
         raise InputError(
             tr("A wall of {least:.3g} hardly stretches any more here; enter at least that thickness.").format(
                 least=_THINNEST * diagonal
@@ -295,7 +297,7 @@ def wall_material(
         )
     curvature = np.inf if yield_radius is None else 1.0 / yield_radius
     return Material(
-        thickness=float(thickness),
+        thickness=thickness if isinstance(thickness, ThicknessMap) else float(thickness),
         poisson=float(poisson),
         yield_curvature=curvature,
         is_relaxed=bool(tension_field),

@@ -90,7 +90,7 @@ def press(
     stiffness: float = 0.0,
     area_stiffness: float = DEFAULT_AREA_STIFFNESS,
     shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
-    wall_thickness: float | None = None,
+    wall_thickness: float | np.ndarray | None = None,
     poisson: float = DEFAULT_POISSON,
     tension_field: bool = False,
     area: float | None = None,

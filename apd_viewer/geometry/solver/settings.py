@@ -156,7 +156,7 @@ class Settings:
         None,
         SettingKind.LENGTH,
         tr("Wall thickness"),
-        tr("wall thickness for 'wall', in mesh units; default: 1/1000 of the diagonal"),
+        tr("wall thickness for 'wall', in mesh units, or a file of it; default: 1/1000 of the diagonal"),
         tr("Change wall thickness"),
         applies=attrgetter("traits.is_wall"),
     )

@@ -11,6 +11,7 @@ from apd_viewer.notation import editable_number
 from apd_viewer.session.quantities import wall_material
 from apd_viewer.session.quantities.expressions import parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall_distribution import ThicknessText
 
 _GRAMS = 1e6  # grams per cubic metre at 1 g/cm³
 
@@ -23,7 +24,8 @@ class WallText(NamedTuple):
     Attributes
     ----------
     thickness : str
-        A length, such as ``0.3mm``; a bare number is in mesh units.
+        A length, such as ``0.3mm``; a bare number is in mesh units. Or a wall distribution, see
+        :class:`ThicknessText <apd_viewer.session.quantities.wall_distribution.ThicknessText>`.
     density : str
         Such as ``1380 kg/m3``; a bare number is in g/cm³.
     young : str
@@ -70,12 +72,13 @@ class WallText(NamedTuple):
         """Thickness in mesh units, typed or of the material; None if neither is valid."""
         known = "" if self.material is None else f"{self.material.thickness} mm"
         with suppress(InputError):
-            return parse_thickness(self.thickness.strip() or known, unit)
+            return parse_thickness(self.thickness if self.thickness.strip() else known, unit)
         return None
 
     def contact_distance(self, unit: Unit) -> float | None:
-        """Contact distance, mesh units: the typed thickness; None if none was typed."""
-        return self._replace(material=None).usable_thickness(unit)
+        """Contact distance, mesh units: mean typed thickness; None if none was typed."""
+        typed = self._replace(material=None).usable_thickness(unit)
+        return None if typed is None else float(typed)
 
     def usable_density(self) -> float | None:
         """Density in g/cm³, typed or of the material; None if neither is valid."""
@@ -96,7 +99,7 @@ class Wall:
     unit : Unit
         Of the mesh.
     thickness : float or None
-        Mesh units.
+        Mesh units; the mean of a thickness map.
     density : float or None
         g/cm³.
     young : float or None
@@ -211,6 +214,8 @@ def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float |
 
 def parse_thickness(text: str, unit: Unit) -> float:
     """Parse a thickness, in mesh units; raises InputError."""
+    if isinstance(text, ThicknessText):
+        return text.in_unit(unit)
     thickness = parse_length(text, unit, {})
     if not thickness > 0.0:
         raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))

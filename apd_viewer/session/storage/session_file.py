@@ -23,6 +23,7 @@ from apd_viewer.files.storage.archive import Archive, npy_content, write_archive
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import open_regular_file, read_content
 from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.energy.thickness_map import ThicknessMap
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -31,6 +32,7 @@ from apd_viewer.session.model.opened_file import OpenedFile
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.timeline import NO_TIMELINE, Timeline
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
+from apd_viewer.session.quantities.wall_distribution import ThicknessText
 from apd_viewer.session.storage import session_json
 from apd_viewer.session.storage.session_picture import PICTURE_MEMBER, explaining_errors
 from apd_viewer.session.storage.timeline_json import ArrayReader, timeline_from_json, timeline_to_json
@@ -39,6 +41,8 @@ SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
 _WELD = "weld"  # array of the vertex to which each vertex is welded, if seams were welded
 _IMAGE_MEMBER, _IMAGED = "region-image", "imaged"  # file of the image on a region, and array of its vertices
+_MEANS, _MAP = "thicknesses", "thickness"  # means of thickness maps, and arrays of their triangles
+_MOST_MAPS = 1000
 # Farthest valid positions, in bounding-box diagonals of the mesh.
 _FARTHEST = 1e8
 
@@ -100,6 +104,8 @@ def save_session(
     arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
     if view.image is not None:
         arrays[_IMAGED] = view.image.inside.astype(np.uint8)
+    maps = _used_maps(state, view, timeline)
+    arrays |= {f"{_MAP}-{k}": each.triangles for k, each in enumerate(maps.values())}
     steps, arrays_of_steps = timeline_to_json(timeline, state) if timeline.steps else (None, {})
     said = {
         "format": SESSION_FORMAT,
@@ -108,6 +114,7 @@ def save_session(
         "mesh": told,
         **({"target": target} if target else {}),
         "arrays": list(arrays),
+        **({_MEANS: list(maps)} if maps else {}),
         "document": session_json.document_to_json(document),
         "frame": session_json.frame_to_json(state.frame),
         "view": session_json.view_to_json(view),
@@ -156,9 +163,9 @@ def _opened(path: Path, with_timeline: bool) -> OpenedFile:
         _check_version(said, path)
         mesh = _welded_mesh(mesh_location.find_mesh(said.nested_fields("mesh"), path, archive), said, archive)
         state, arrays = initial_state(mesh), _arrays(said, archive, mesh)
-        document = with_target(
-            session_json.document_from_json(said.nested_fields("document"), mesh, arrays), said, path, archive
-        )
+        maps = _maps(said, archive, len(mesh.F))
+        document = session_json.document_from_json(said.nested_fields("document"), mesh, arrays, maps)
+        document = with_target(document, said, path, archive)
         if document.settings.volume is not None and not state.inspection.volume:
             raise ValueError(tr("its “volume” is damaged"))
         state = replace(state, document=document)
@@ -166,16 +173,36 @@ def _opened(path: Path, with_timeline: bool) -> OpenedFile:
         state, timeline = replace(state, frame=frame), NO_TIMELINE
         if with_timeline and said.has_value("timeline"):
             read = _array_reader(archive, state)
-            timeline, state = timeline_from_json(said.nested_fields("timeline"), state, read)
-        return OpenedFile(state, _view(said.nested_fields("view"), archive, len(mesh.V)), timeline)
+            timeline, state = timeline_from_json(said.nested_fields("timeline"), state, read, maps)
+        return OpenedFile(state, _view(said.nested_fields("view"), archive, len(mesh.V), maps), timeline)
 
 
-def _view(fields: JsonFields, archive: Archive, n: int) -> View:
-    view = session_json.view_from_json(fields)
+def _view(fields: JsonFields, archive: Archive, n: int, maps: session_json.ThicknessMaps) -> View:
+    view = session_json.view_from_json(fields, maps)
     if not fields.has_value("image"):
         return view
     inside, content = archive.array(_IMAGED, "|u1", (n,)), archive.content(_IMAGE_MEMBER)
     return replace(view, image=session_json.image_from_json(fields.nested_fields("image"), content, inside))
+
+
+def _used_maps(state: State, view: View, timeline: Timeline) -> dict[float, ThicknessMap]:
+    """Thickness maps of wall and settings, by their means."""
+    steps = (each for step in timeline.steps for each in (step.state, step.wall_result))
+    used = [each.document.settings.wall_thickness for each in (state, *steps) if each is not None]
+    if isinstance(view.wall.thickness, ThicknessText):
+        used.append(view.wall.thickness.thickness)
+    return {float(each): each for each in used if isinstance(each, ThicknessMap)}
+
+
+def _maps(fields: JsonFields, archive: Archive, m: int) -> dict[float, ThicknessMap]:
+    """Thickness maps of a session, by their means; raises ValueError if damaged."""
+    means = map(float, fields.arrays(_MEANS, _MOST_MAPS))
+    maps = {
+        mean: ThicknessMap(mean, archive.array(f"{_MAP}-{k}", "<f8", (m,))) for k, mean in enumerate(means)
+    }
+    if not all((each.triangles > 0.0).all() and np.isfinite(each.triangles).all() for each in maps.values()):
+        raise ValueError(tr("its “wall” is damaged"))
+    return maps
 
 
 def _content(path: Path) -> bytes:

@@ -4,14 +4,16 @@ Numbers are restored bit for bit. The input may be damaged or malicious: invalid
 with a phrase.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import JsonFields
+from apd_viewer.geometry.energy.thickness_map import ThicknessMap
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame, FrameContact
@@ -28,10 +30,14 @@ from apd_viewer.session.model.view import CameraPose, Point3, RegionImage, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.quantities.wall_distribution import ThicknessText
 from apd_viewer.session.storage import part_json
 
 _POINTS = ("position", "focal", "up")
 _WALL = WallText._fields
+_MEAN, _UNIT = "thickness_mean", "thickness_unit"  # of a wall distribution
+ThicknessMaps: TypeAlias = Mapping[float, ThicknessMap]
+NO_MAPS: ThicknessMaps = {}
 _AXES = "xyz"
 _NO_OVERLAY = "none"
 # Values of settings for sessions older than the setting, if different from the current default.
@@ -69,8 +75,10 @@ def document_to_json(document: Document) -> dict[str, Any]:
     }
 
 
-def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
-    """Document from JSON, its mesh and the arrays ``labels``, ``member``, ``grip``."""
+def document_from_json(
+    fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndarray], maps: ThicknessMaps = NO_MAPS
+) -> Document:
+    """Document from JSON, mesh, arrays ``labels``, ``member``, ``grip``, and maps."""
     handles = tuple(part_json.handle_from_json(part) for part in fields.nested_list("handles", MOST_HANDLES))
     regions = tuple(part_json.region_from_json(part) for part in fields.nested_list("regions", MOST_REGIONS))
     labels, member = arrays["labels"], arrays["member"]
@@ -85,7 +93,7 @@ def document_from_json(fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndar
         member,
         handles,
         regions,
-        settings_from_json(fields),
+        _with_map(settings_from_json(fields), maps),
         obstacles=_obstacles(fields),
         base=part_json.flags_from_json(fields.nested_fields("base"))
         if fields.has_value("base")
@@ -196,10 +204,10 @@ def view_to_json(view: View) -> dict[str, Any]:
     return said if view.up_axis is None else {**said, "up_axis": view.up_axis.value}
 
 
-def view_from_json(fields: JsonFields) -> View:
-    """View from JSON."""
+def view_from_json(fields: JsonFields, maps: ThicknessMaps = NO_MAPS) -> View:
+    """View from JSON, and thickness maps."""
     unit = _unit(fields)
-    wall = _wall_from_json(fields.nested_fields("wall")) if fields.has_value("wall") else WallText()
+    wall = _wall_from_json(fields.nested_fields("wall"), maps) if fields.has_value("wall") else WallText()
     overlay = fields.text("overlay") if fields.has_value("overlay") else None
     overlay = "" if overlay == _NO_OVERLAY else overlay
     up_axis = _up_axis(fields.text("up_axis")) if fields.has_value("up_axis") else None
@@ -233,18 +241,33 @@ def _up_axis(name: str) -> UpAxis:
     return UpAxis(name)
 
 
-def _wall_to_json(wall: WallText) -> dict[str, str | None]:
+def _wall_to_json(wall: WallText) -> dict[str, Any]:
     """Wall as typed; empty fields unknown to older sessions are left out."""
     said = dict(zip(_WALL, wall.field_texts, strict=True))
-    return {name: word or None for name, word in said.items() if word or name in ("thickness", "density")}
+    told = {name: word or None for name, word in said.items() if word or name in ("thickness", "density")}
+    if not isinstance(wall.thickness, ThicknessText):
+        return told
+    return {**told, _MEAN: float(wall.thickness.thickness), _UNIT: wall.thickness.unit}
 
 
-def _wall_from_json(fields: JsonFields) -> WallText:
+def _wall_from_json(fields: JsonFields, maps: ThicknessMaps) -> WallText:
     """Wall as typed; null fields are empty."""
     words = [fields.text(name) if fields.has_value(name) else "" for name in _WALL]
     if any(len(word) > MOST_CHARACTERS for word in words):
         raise ValueError(tr("its “wall” is damaged"))
-    return WallText.from_field_texts(*words)
+    wall = WallText.from_field_texts(*words)
+    if not fields.has_value(_MEAN):
+        return wall
+    known, unit = maps.get(fields.number(_MEAN)), fields.text(_UNIT)
+    if known is None or unit not in ("", *SYMBOLS):
+        raise ValueError(tr("its “wall” is damaged"))
+    return wall._replace(thickness=ThicknessText(wall.thickness, known, unit))
+
+
+def _with_map(settings: Settings, maps: ThicknessMaps) -> Settings:
+    """Settings with the thickness map of their mean, if there is one."""
+    known = None if settings.wall_thickness is None else maps.get(settings.wall_thickness)
+    return settings if known is None else replace(settings, wall_thickness=known)
 
 
 def _point(numbers: np.ndarray) -> Point3:

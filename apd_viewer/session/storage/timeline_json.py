@@ -22,6 +22,7 @@ from apd_viewer.session.model.timeline import (
     TimelineStep,
 )
 from apd_viewer.session.storage import session_json
+from apd_viewer.session.storage.session_json import NO_MAPS, ThicknessMaps
 
 MOST_BYTES = 128 * 2**20  # limit for all arrays of a timeline in a session file
 _ARRAYS = "labels", "grip", "shape"
@@ -105,7 +106,9 @@ def _document_to_json(document: Document) -> dict[str, Any]:
     return session_json.document_to_json(bare)
 
 
-def timeline_from_json(fields: JsonFields, state: State, read: ArrayReader) -> tuple[Timeline, State]:
+def timeline_from_json(
+    fields: JsonFields, state: State, read: ArrayReader, maps: ThicknessMaps = NO_MAPS
+) -> tuple[Timeline, State]:
     """Timeline from JSON, and the session's state, replaced by its step if it has one.
 
     Parameters
@@ -114,7 +117,7 @@ def timeline_from_json(fields: JsonFields, state: State, read: ArrayReader) -> t
         ``read(name, kind)``: an array of the session, (n,) or (n, 3), by its name and type.
     """
     documents = [
-        _document(each, state, read)
+        _document(each, state, read, maps)
         for name in ("documents", "wall_documents")
         if name == "documents" or fields.has_value(name)
         for each in fields.nested_list(name, MOST_STEPS)
@@ -133,12 +136,12 @@ def timeline_from_json(fields: JsonFields, state: State, read: ArrayReader) -> t
     return Timeline(tuple(steps), dropped), shown
 
 
-def _document(fields: JsonFields, state: State, read: ArrayReader) -> Document:
+def _document(fields: JsonFields, state: State, read: ArrayReader, maps: ThicknessMaps) -> Document:
     mesh = state.document.mesh
     labels, initial = (read(fields.text(name), _KINDS[name]) for name in _ARRAYS[:2])
     none = frozen(np.zeros(len(mesh.V), dtype=np.uint8))
     arrays = {"labels": labels, "grip": initial, "member": none, "shape": mesh.V}
-    found = session_json.document_from_json(fields, mesh, arrays)
+    found = session_json.document_from_json(fields, mesh, arrays, maps)
     return replace(found, **{name: getattr(state.document, name) for name in MEASURING_FIELDS})
 
 

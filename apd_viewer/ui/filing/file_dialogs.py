@@ -13,6 +13,7 @@ from apd_viewer.files.scalar_files import ScalarRows
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
+from apd_viewer.session.quantities.wall_distribution import DISTRIBUTION_SUFFIXES
 
 _MESHES = " ".join("*" + suffix for suffix in MESH_FORMATS)
 _ANIMATIONS = " ".join("*" + suffix for suffix in (SERIES, *POINT_CACHES))
@@ -22,6 +23,7 @@ _OPEN_FILTER = tr("Meshes, animations and sessions ({endings})").format(
 _MESH_FILTER = tr("Meshes ({endings})").format(endings=_MESHES)
 _WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
 _IMAGES = tr("Images ({endings})").format(endings="*.png *.jpg *.jpeg *.webp *.tif *.tiff *.bmp")
+_DISTRIBUTIONS = " ".join("*" + suffix for suffix in DISTRIBUTION_SUFFIXES)
 _ICON = 64  # px; icon in the About box
 SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
 _SELECTIONS = tr("Selections ({endings})").format(
@@ -44,6 +46,13 @@ def ask_for_target_shape(parent: QWidget, folder: Path) -> Path | None:
 def ask_for_image(parent: QWidget, folder: Path) -> Path | None:
     """Ask for an image file; None if cancelled."""
     path, _ = QFileDialog.getOpenFileName(parent, tr("Picture on a region"), str(folder), _IMAGES)
+    return Path(path) if path else None
+
+
+def ask_for_wall_distribution(parent: QWidget, folder: Path) -> Path | None:
+    """Ask for a file of a wall distribution; None if cancelled."""
+    kinds = tr("Wall distributions ({endings})").format(endings=_DISTRIBUTIONS)
+    path, _ = QFileDialog.getOpenFileName(parent, tr("Thickness from file"), str(folder), kinds)
     return Path(path) if path else None
 
 

@@ -91,6 +91,7 @@ class DeviationOverlay(QObject):
         self._target: TargetShape | None = None
         self._change: Deviation | None = None
         self._labels: np.ndarray | None = None
+        self._thickness: np.ndarray | None = None
         self._document_measures: DocumentMeasures | None = None
         self._document_revision = 0
         self._size = 1.0
@@ -121,9 +122,23 @@ class DeviationOverlay(QObject):
             for measure in [m for m, scale in self.scales.items() if not scale.fits_any_size]:
                 del self.scales[measure]
         self.mesh, self._target, self._change = mesh, target, None
-        self.offered_measures = measures_of(mesh, target)
-        self._legend.set_measures(self.offered_measures)
+        self._offer_measures(mesh)
         self.choose_measure(self.measure)
+
+    def _offer_measures(self, mesh: Mesh) -> None:
+        self.offered_measures = measures_of(mesh, self._target, self._thickness)
+        self._legend.set_measures(self.offered_measures)
+
+    def set_thickness(self, thickness: np.ndarray | None) -> None:
+        """Set the wall thickness (n,) at the vertices; None if it is one everywhere."""
+        if thickness is None and self._thickness is None:
+            return
+        self._thickness = thickness
+        self._document_revision += 1
+        if self.mesh is not None:
+            self._offer_measures(self.mesh)
+            is_shown = self.measure is Measure.THICKNESS
+            self.choose_measure(self.measure) if is_shown else self.changed.emit()
 
     def follow_document(self, labels: np.ndarray, measures: DocumentMeasures) -> None:
         """Update the measures to the labels and settings of a document."""
@@ -219,6 +234,8 @@ class DeviationOverlay(QObject):
         surface, measure = self._canvas.surface, self.measure
         if measure is None or self._change is None:
             return
+        if self._thickness is not None:
+            self._change.thickness = self._thickness
         shape = surface.shape_revision if measure.follows_shape else 0
         document = self._document_revision if measure.follows_document else 0
         now = _ValueInputs(measure, shape, document, self._change)

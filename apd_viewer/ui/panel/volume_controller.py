@@ -4,11 +4,13 @@ from contextlib import suppress
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
-from PySide6.QtCore import QObject
+import numpy as np
+from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.samples import sample_of
 from apd_viewer.files.storage.atomic_file import resolved_path
+from apd_viewer.geometry.energy.thickness_map import ThicknessMap
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import wall_material as thin_wall_material
@@ -19,8 +21,10 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
+from apd_viewer.session.quantities.wall_distribution import ThicknessText, read_distribution
 from apd_viewer.session.quantities.wall_material import wall_material
 from apd_viewer.session.session import Session
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay
 from apd_viewer.ui.overlays.findings_controller import FindingsController
 from apd_viewer.ui.panel.panel import Panel
@@ -39,7 +43,14 @@ class VolumeController(QObject):
     ----------
     overlay : DeviationOverlay
         Overlay restored from the view of a session.
+
+    Attributes
+    ----------
+    failed : Signal(str)
+        A wall distribution cannot be used, and why.
     """
+
+    failed = Signal(str)
 
     def __init__(
         self,
@@ -56,12 +67,14 @@ class VolumeController(QObject):
         self._heat = overlay
         self._session = session
         self._walls: WeakKeyDictionary[Mesh, WallText] = WeakKeyDictionary()
+        self._mesh: Mesh | None = None
         self._texts: dict[float | None, str] = {}
         self._followed: set[tuple[str, float | None]] = {
             (name, getattr(DEFAULT_SETTINGS, name)) for name in _OF_WALL
         }
         panel.measures.wall_fields.entered.connect(self._type)
         panel.measures.wall_fields.entered.connect(self.update_wall_settings)
+        panel.measures.wall_fields.from_file.clicked.connect(self._ask_for_distribution)
         panel.method.contact_chosen.connect(self._set_contact)
         panel.method.wall_creases_chosen.connect(self._use_yield_radius)
         panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
@@ -89,9 +102,20 @@ class VolumeController(QObject):
             path, sample = user_file(mesh), sample_of(mesh.path)
             known = {} if path is None else self._memory.walls
             usual = WallText(material=wall_material(sample.material if sample else ""))
-            self._walls[mesh] = usual if path is None else known.get(resolved_path(path), usual)
+            remembered = usual if path is None else known.get(resolved_path(path), usual)
+            self._walls[mesh] = self._carried_wall(mesh) or remembered
+        self._mesh = mesh
         self._panel.measures.show_wall(self._walls[mesh])
         self._show_yield_radius()
+        self._show_distribution()
+
+    def _carried_wall(self, mesh: Mesh) -> WallText | None:
+        """Wall distribution of another rest shape of the same mesh; None without."""
+        before, wall = self._mesh, self._panel.measures.wall_fields.value
+        if before is None or before.path != mesh.path or not np.array_equal(before.F, mesh.F):
+            return None
+        typed = wall.thickness
+        return wall._replace(thickness=typed.on(mesh)) if isinstance(typed, ThicknessText) else None
 
     def follow_settings(self, old: State | None, new: State) -> None:
         """Update checks and wall fields after changes of contact or wall thickness."""
@@ -112,14 +136,15 @@ class VolumeController(QObject):
 
     def restore_view(self, view: View) -> None:
         """Apply wall and overlay of a session's view; missing values have no effect."""
-        # Sessions of later versions may name overlays unknown to this one.
-        measure = next((measure for measure in Measure if measure.value == view.overlay), None)
-        if measure is not self._heat.measure and (measure is not None or view.overlay == ""):
-            self._heat.choose_measure(measure)
         if view.wall != NO_WALL:
             self._type(view.wall)
             self._panel.measures.show_wall(view.wall)
             self._show_yield_radius()
+            self._show_distribution()
+        # Sessions of later versions may name overlays unknown to this one.
+        measure = next((measure for measure in Measure if measure.value == view.overlay), None)
+        if measure is not self._heat.measure and (measure is not None or view.overlay == ""):
+            self._heat.choose_measure(measure)
 
     def with_wall_and_overlay(self, view: View) -> View:
         """Copy of a view with the current wall and overlay added."""
@@ -134,7 +159,36 @@ class VolumeController(QObject):
         self._walls[mesh] = wall
         path = user_file(mesh)
         if path is not None:
-            self._memory.remember_wall(path, wall)
+            # The memory of files holds texts only: a wall distribution is kept in sessions.
+            is_mapped = isinstance(wall.thickness, ThicknessText)
+            self._memory.remember_wall(path, wall._replace(thickness="") if is_mapped else wall)
+
+    def _ask_for_distribution(self) -> None:
+        """Ask for a file of a wall distribution, and colour the shape by it."""
+        if (state := self._session.store.state) is None:
+            return
+        path = file_dialogs.ask_for_wall_distribution(self._panel, self._memory.last_folder)
+        if path is None:
+            return
+        fields, mesh = self._panel.measures.wall_fields, state.document.mesh
+        try:
+            thickness = read_distribution(path, mesh, self._session.store.unit)
+        except InputError as error:
+            self.failed.emit(str(error))
+            return
+        wall = fields.value._replace(thickness=thickness)
+        self._panel.measures.show_wall(wall)
+        fields.entered.emit(wall)
+        self._heat.choose_measure(Measure.THICKNESS)
+
+    def _show_distribution(self) -> None:
+        """Offer the wall distribution as an overlay."""
+        thickness = self._panel.measures.wall_fields.value.usable_thickness(self._session.store.unit)
+        if not isinstance(thickness, ThicknessMap):
+            self._heat.set_thickness(None)
+            return
+        mesh = self._session.store.required_state().document.mesh
+        self._heat.set_thickness(thickness.at_vertices(mesh.F, len(mesh.V)))
 
     def update_contact_distance(self) -> None:
         """Set the contact distance to the wall thickness, if contact is on."""
@@ -152,6 +206,7 @@ class VolumeController(QObject):
         if (state := self._session.store.state) is None:
             return
         self._show_yield_radius()
+        self._show_distribution()
         self.update_contact_distance()
         settings = state.document.settings
         names = ["yield_radius"] if settings.yield_radius is not None else []

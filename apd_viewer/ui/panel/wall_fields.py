@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable, format_short
@@ -13,7 +13,7 @@ from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON, WALL_MATERIALS
-from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus
 from apd_viewer.ui.widgets.folding_section import Heading, quiet_label
 from apd_viewer.ui.widgets.theme import Theme
@@ -30,6 +30,8 @@ class WallFields(QWidget):
     Attributes
     ----------
     entered : Signal(WallText)
+    from_file : QPushButton
+        Asks for a file of the thickness at each place.
     heading : Heading
         Folds density, elasticity and creases.
     """
@@ -65,6 +67,10 @@ class WallFields(QWidget):
         self.thickness = _entry(tr("Wall thickness"), tip)
         tip = tr("Density of the material: 1.38 (g/cm³, as of PET), 1380 kg/m³ or 86 lb/ft³")
         self.density = _entry(tr("Density"), tip, tr("no mass"))
+        self.from_file = QPushButton(tr("Thickness from file…"))
+        self.from_file.setToolTip(
+            tr("Wall distribution: a table such as height,thickness or x,y,z,thickness, or a PLY or VTK file")
+        )
         self.young = _entry(tr("Young's modulus"), tr("For loads in newtons: 2.8GPa"), tr("no newtons"))
         self.poisson = _entry(tr("Poisson's ratio"), tr("From 0 to 0.5"), format_short(DEFAULT_POISSON))
         tip = tr("Walls bent to a smaller radius keep a crease: 6mm, or a number in the unit of the mesh")
@@ -79,14 +85,16 @@ class WallFields(QWidget):
         label = QLabel(tr("Material"), objectName="quiet", buddy=self.material)
         chosen = row_layout(label, (self.material, 1))
         thick = _row(self.thickness.accessibleName(), self.thickness)
-        column_layout(chosen, thick, self.heading, body, margins=(0, 4, 0, 0), parent=self)
+        file_row = row_layout(STRETCH, self.from_file)
+        column_layout(chosen, thick, file_row, self.heading, body, margins=(0, 4, 0, 0), parent=self)
 
     @property
     def value(self) -> WallText:
         """Wall as typed and chosen."""
         material = self.material.currentData()
         own = ["" if material else field.text() for field in self._own]
-        return WallText._make((self.thickness.text(), *own, material))
+        known, text = self._typed.thickness, self.thickness.text()
+        return WallText._make((known if str(known) == text else text, *own, material))
 
     def show_wall(self, wall: WallText, unit: Unit) -> None:
         """Show a wall, with its lengths in the unit of the mesh."""

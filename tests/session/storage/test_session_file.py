@@ -1,5 +1,6 @@
 """Sessions as files: what is opened is what was saved, wherever the mesh is now."""
 
+import io
 import json
 import os
 import shutil
@@ -27,6 +28,9 @@ from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.view import CameraPose, View
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.quantities.wall_distribution import thickness_text
 from apd_viewer.session.session import Session
 from apd_viewer.session.settings_editor import SettingsEditor
 from apd_viewer.session.state_store import Activity, Listener
@@ -48,6 +52,34 @@ SETTINGS: dict[str, Change] = {
     "in contact": lambda settings: settings.set_contact(True, 0.0123),
 }
 assert set(METHODS) <= set(SETTINGS)
+
+
+def test_session_file_keeps_a_wall_distribution(tmp_path):
+    """Bit for bit: that of the wall as typed, and that by which the shape was solved, in its own unit."""
+    V, F = box(2, 2, 6)
+    mesh = Mesh(V, F)
+    (tmp_path / "walls.csv").write_text("z,thickness (mm)\n0,0.2\n6,0.5\n")
+    typed = thickness_text(str(tmp_path / "walls.csv"), mesh, Unit.CENTIMETRE)
+    state = initial_state(mesh)
+    thickness = typed.in_unit(Unit.CENTIMETRE)
+    state = state.updated(state.document.with_settings(method="wall", wall_thickness=thickness))
+    view = View(unit="cm", wall=WallText(typed, "1.38"))
+    save_session(tmp_path / "a.apd", state, view, embed=True)
+    found, seen = open_session(tmp_path / "a.apd")
+    assert seen.wall == view.wall
+    assert found.document.settings == state.document.settings
+    assert np.array_equal(found.document.settings.wall_thickness.triangles, thickness.triangles)
+    with zipfile.ZipFile(tmp_path / "a.apd") as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    damaged = np.load(io.BytesIO(members["thickness-0.npy"]))
+    damaged[3] = -1.0
+    stream = io.BytesIO()
+    np.save(stream, damaged)
+    with zipfile.ZipFile(tmp_path / "b.apd", "w") as archive:
+        for name, content in (members | {"thickness-0.npy": stream.getvalue()}).items():
+            archive.writestr(name, content)
+    with pytest.raises(InputError, match="wall"):
+        open_session(tmp_path / "b.apd")
 
 
 @pytest.fixture

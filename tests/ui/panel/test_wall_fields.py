@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from driving import document, idle
 from meshes import sphere
@@ -9,10 +10,15 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.preferences.preferences import Preferences
 
 CM, MM = Unit.CENTIMETRE, Unit.MILLIMETRE
@@ -217,3 +223,53 @@ def test_press_takes_creases_from_the_material(bottle, fields):
     assert document(bottle).settings.yield_radius == wall.yield_radius
     choose(fields, HDPE)
     assert document(bottle).settings.yield_radius == pytest.approx(0.05 / (2 * HDPE.yield_strain))
+
+
+def load(monkeypatch, window, path):
+    monkeypatch.setattr(file_dialogs, "ask_for_wall_distribution", lambda *_: path)
+    window.panel.measures.wall_fields.from_file.click()
+
+
+def test_wall_fields_take_a_wall_distribution_from_a_file(qtbot, bottle, fields, tmp_path, monkeypatch):
+    """It counts for mass and solver, is an overlay, and is kept in the view; typed lengths replace it."""
+    heat, mesh = bottle.display_options.overlay, document(bottle).mesh
+    thickness = Measure.THICKNESS
+    assert thickness not in heat.offered_measures
+    choose(fields, PET)
+    y = mesh.V[:, 1]
+    path = tmp_path / "walls.csv"
+    path.write_text(f"y,thickness (mm)\n{y.min()},0.2\n{y.max()},0.6\n")
+    load(monkeypatch, bottle, path)
+    assert fields.thickness.text() == "walls.csv"
+    expected = 0.02 + 0.04 * (y - y.min()) / np.ptp(y)
+    areas = face_areas(mesh.V, mesh.F)
+    grams = 1.36 * float((areas * expected[mesh.F].mean(axis=1)).sum())
+    assert bottle.panel.measures.mass.text() == f"{grams:.2f}\xa0g"
+    assert heat.measure is thickness
+    qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
+    assert np.abs(heat.reading.values - expected).max() < 0.001
+    assert expected.max() <= heat.scale.end <= 2.0 * expected.max()
+    bottle.session.settings.change(method="wall", **bottle.volume.wall_settings("wall_thickness"))
+    assert document(bottle).settings.wall_thickness.triangles == pytest.approx(expected[mesh.F].mean(axis=1))
+    view = bottle.volume.with_wall_and_overlay(View(unit="cm"))
+    assert view.wall.thickness.thickness.triangles == pytest.approx(10.0 * expected[mesh.F].mean(axis=1))
+    turned = replace(mesh, V=frozen(2.0 * mesh.V))
+    bottle.volume.show_mesh_wall(turned)
+    carried = fields.value.thickness
+    assert carried.thickness.triangles == pytest.approx(view.wall.thickness.thickness.triangles)
+    bottle.volume.show_mesh_wall(mesh)
+    type_into(fields.thickness, "0.3mm")
+    assert document(bottle).settings.wall_thickness == pytest.approx(0.03)
+    assert (heat.measure, thickness in heat.offered_measures) == (None, False)
+    bottle.volume.restore_view(view)
+    assert heat.measure is thickness
+    assert fields.value == view.wall
+
+
+def test_wall_fields_say_why_a_file_is_no_wall_distribution(bottle, fields, tmp_path, monkeypatch):
+    path = tmp_path / "walls.csv"
+    path.write_text("vertex,thickness\n0,0.3\n")
+    before = fields.value
+    load(monkeypatch, bottle, path)
+    assert "walls.csv: It has 1 rows" in bottle.notice.text
+    assert fields.value == before

@@ -22,12 +22,14 @@ from study_driving import click, finish
 from apd_viewer.__main__ import main
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.energy.thickness_map import mapped_thickness
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
+from apd_viewer.session.quantities.wall_distribution import ThicknessText, read_distribution
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
@@ -434,6 +436,19 @@ def test_press_dialog_presses_with_a_wall_of_the_users_own(asked):
     assert lengths == pytest.approx([0.04, 0.96, 0.926])
     dialog.method.setCurrentIndex(dialog.method.findData("wall"))
     assert float(options(dialog).yield_radius) == pytest.approx(0.926)
+
+
+def test_press_dialog_presses_with_a_wall_distribution(asked, tmp_path):
+    ask, options = asked
+    V, F = box(1, 2, 4)
+    thickness = mapped_thickness(np.linspace(0.2, 0.5, len(F)), V, F)
+    wall = PET._replace(thickness=ThicknessText("walls.csv", thickness, "mm"))
+    dialog = ask(V, F, unit="cm", wall=wall)
+    assert "walls.csv" in dialog.wall.text()
+    table = Path(options(dialog).thickness)
+    assert table.parent == tmp_path
+    found = read_distribution(table, Mesh(V, F), Unit.CENTIMETRE)
+    assert np.array_equal(found.thickness.triangles, wall.thickness.in_unit(Unit.CENTIMETRE).triangles)
 
 
 def test_press_dialog_leads_to_the_fields_of_the_wall_and_takes_what_is_chosen_there(qtbot, window, ball):

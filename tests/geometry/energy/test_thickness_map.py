@@ -1,0 +1,138 @@
+"""Walls of several thicknesses: the same bits where all are alike, and rings by thin-ring theory."""
+
+import pickle
+
+import numpy as np
+import pytest
+from meshes import can, grid, tube
+from scipy.integrate import quad
+
+from apd_viewer import Convergence, Deformation, InputError, press
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.energy.thickness_map import ThicknessMap, mapped_thickness
+from apd_viewer.geometry.energy.wall_surface import WallSurface
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import Wall
+
+QUARTER = np.pi / 4
+
+
+def pressed(thickness, **more):
+    V, F = can(16)
+    given = {"yield_radius": 0.5, "method": "wall", "poisson": 0.3, "wall_thickness": thickness}
+    return press(V, F, (1, 0, 0), 1.8, 2, **given | more)
+
+
+@pytest.mark.parametrize("kind", ["vertices", "triangles"])
+def test_thickness_map_of_one_thickness_gives_its_bits(kind):
+    V, F = can(16)
+    one = pressed(0.03)
+    same = pressed(np.full(len(V if kind == "vertices" else F), 0.03))
+    assert np.array_equal(one.U, same.U)
+    for step, other in zip(one.steps, same.steps, strict=True):
+        assert (step.load, step.energy) == (other.load, other.energy)
+    thicker = pressed(np.where(np.arange(len(F)) % 2, 0.03, 0.031))
+    assert not np.array_equal(one.U, thicker.U)
+
+
+def ring_compliance(rigidity):
+    """Way of two opposite loads on a ring of radius 1 towards each other, per load and width.
+
+    By symmetry the moment is ``P / 2 (1 - sin s + c)``, s the angle from a load; that the section between
+    the loads does not turn determines c [Timoshenko, Strength of Materials, thin rings].
+    """
+
+    def integral(of):
+        return sum(
+            quad(lambda s: of(s) / rigidity(s), *ends)[0] for ends in ((0, QUARTER), (QUARTER, 2 * QUARTER))
+        )
+
+    c = -integral(lambda s: 1.0 - np.sin(s)) / integral(np.ones_like)
+    return integral(lambda s: (1.0 - np.sin(s) + c) ** 2)
+
+
+@pytest.mark.parametrize(("at_loads", "between"), [(0.02, 0.02), (0.02, 0.03), (0.03, 0.02)])
+def test_thickness_map_bends_a_ring_as_thin_ring_theory_has_it(at_loads, between):
+    width, way = 0.25, 1e-3
+    V, F = tube(192, 8, height=width, shear=0.5)
+    angle = np.arctan2(*np.abs(V[F].mean(axis=1)[:, [1, 0]].T))
+    thickness = np.where(angle < QUARTER, at_loads, between)
+    loaded = np.flatnonzero(np.abs(V[:, 1]) < 1e-9)
+    solver = Deformation(
+        *(V, F, loaded),
+        handle=loaded,
+        method="wall",
+        wall_thickness=thickness,
+        poisson=0.0,
+        convergence=Convergence(energy_tolerance=1e-11, imperfection=0.0),
+    )
+    solver.aim(V[loaded] * [1.0 - 0.5 * way, 1.0, 1.0])
+    while not solver.settled:
+        frame = solver.step()
+    young = Material(thickness=1.0).tensile_stiffness / thickness.mean()
+    compliance = ring_compliance(lambda s: young * (at_loads if s < QUARTER else between) ** 3 / 12.0)
+    assert frame.energy == pytest.approx(0.5 * way**2 / compliance * width, rel=0.01)
+
+
+def test_thickness_map_yields_at_the_strain_of_its_outer_fibres():
+    """Rolled to a radius of 1, a wall yields where it is thicker than a yield radius of 1 has it."""
+    V, F = grid(40, 8, 2 * np.pi / 40, 0.2)
+    thick = V[F].mean(axis=1)[:, 1] > 0.8
+    thickness = mapped_thickness(np.where(thick, 0.03, 0.01), V, F)
+    for radius, yields in ((0.6, ()), (1.0, (True,)), (2.5, (True, False))):
+        material = Material(thickness=thickness, yield_curvature=1.0 / radius)
+        surface = WallSurface(SolveMesh(V, F), np.array([0]), material)
+        surface.restart(np.column_stack([np.sin(V[:, 0]), V[:, 1], 1.0 - np.cos(V[:, 0])]))
+        surface.commit_creases()
+        flow = np.abs(surface.creases.committed_flow.reshape(-1, 3)).max(axis=1)
+        inside = np.abs(V[F].mean(axis=1)[:, 1] - 0.8) > 0.2
+        for each in (True, False):
+            assert (flow[inside & (thick == each)].mean() > 0.01) == (each in yields)
+
+
+def test_thickness_map_weighs_the_sum_of_its_triangles():
+    V, F = can(24)
+    rng = np.random.default_rng(1)
+    X = V[F]
+    areas = 0.5 * np.linalg.norm(np.cross(X[:, 1] - X[:, 0], X[:, 2] - X[:, 0]), axis=1)
+    for count in (len(F), len(V)):
+        values = rng.uniform(0.1, 0.5, count)
+        each = values if count == len(F) else values[F].mean(axis=1)
+        found = mapped_thickness(values, V, F)
+        grams = Wall(Unit.MILLIMETRE, found, 1.38).grams(float(areas.sum()))
+        assert grams == pytest.approx(1.38e-3 * float((areas * each).sum()), rel=1e-12)
+
+
+def test_thickness_map_is_equal_to_one_with_the_same_thickness_everywhere():
+    V, F = can(8)
+    one, other = (mapped_thickness(np.linspace(0.1, last, len(F)), V, F) for last in (0.2, 0.3))
+    copy = pickle.loads(pickle.dumps(one))
+    assert copy == one
+    assert hash(copy) == hash(one)
+    assert one != other
+    assert one != float(one)
+    assert one.scaled(2.0) == ThicknessMap(2.0 * one, 2.0 * one.triangles)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (np.full(7, 0.02), r"7 values, but the mesh has .* vertices and .* triangles"),
+        (np.full((2, 2), 0.02), "wall_thickness must be a length"),
+        (-1, r"greater than 0 everywhere; number 3 is -1"),
+        (np.nan, "number 3 is nan"),
+        (np.inf, "number 3 is inf"),
+        (0.5, "A wall is thin"),
+        (1e-9, "hardly stretches"),
+        (["thick"] * 4, "must be numbers"),
+    ],
+)
+def test_thickness_map_that_cannot_be_is_refused(given, said):
+    V, F = can(8)
+    if np.ndim(given) == 0:
+        values = np.full(len(F), 0.02)
+        values[3] = given
+        given = values
+    with pytest.raises(InputError, match=said):
+        Deformation(V, F, [0], method="wall", wall_thickness=given)

@@ -1,0 +1,150 @@
+"""Wall distributions from files: tables, PLY and VTK, and sentences on those that do not fit."""
+
+import pickle
+
+import numpy as np
+import pytest
+import pyvista
+from meshes import box, tube
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.quantities.units import NoUnitError, Unit
+from apd_viewer.session.quantities.wall import WallText, parse_wall
+from apd_viewer.session.quantities.wall_distribution import read_distribution, thickness_text
+
+V, F = tube(12, 6, height=3.0)
+MESH = Mesh(V, F)
+THICK = 0.02 + 0.01 * V[:, 2]
+OF_TRIANGLES = THICK[F].mean(axis=1)
+
+
+def written(folder, text, name="walls.csv"):
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def table(heading, *columns, comma=","):
+    rows = [heading, *(comma.join(map(str, row)) for row in zip(*columns, strict=True))]
+    return "\n".join(rows)
+
+
+def read(folder, text, unit=Unit.NONE, mesh=MESH):
+    return read_distribution(written(folder, text), mesh, unit)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        table("vertex,thickness", range(len(V)), THICK),
+        table("index,thickness", range(len(V))[::-1], THICK[::-1]),
+        table("Triangle,Thickness", range(len(F)), OF_TRIANGLES),
+        table("x,y,z,thickness", *V.T, THICK),
+        table("z,thickness", [0.0, 3.0], [0.02, 0.05]),
+        table("z;thickness", ["3,0", "0,0"], ["0,05", "0,02"], comma=";"),
+        table("z\tthickness\tby", [0.0, 3.0], [0.02, 0.05], "ab", comma="\t"),
+    ],
+    ids=["vertex", "index", "triangle", "points", "profile", "decimal comma", "tabs"],
+)
+def test_read_distribution_of_a_table(tmp_path, text):
+    found = read(tmp_path, text)
+    assert found.thickness.triangles == pytest.approx(OF_TRIANGLES, rel=1e-9)
+    assert pickle.loads(pickle.dumps(found)) == found
+
+
+def test_read_distribution_has_the_unit_of_its_heading(tmp_path):
+    """It stays in millimetres when the unit of the mesh is changed; a bare number does not."""
+    given = written(tmp_path, table("z (cm),thickness_mm", [0.0, 3.0], [0.2, 0.5]))
+    text = WallText(thickness_text(str(given), MESH, Unit.CENTIMETRE), "1.38")
+    assert text.text(Unit.CENTIMETRE) == "walls.csv, 1.38\u00a0g/cm³"
+    for unit in (Unit.CENTIMETRE, Unit.METRE):
+        wall = parse_wall(text, unit)
+        assert unit.metres * wall.thickness.triangles == pytest.approx(OF_TRIANGLES * 1e-2, rel=1e-9)
+    with pytest.raises(NoUnitError):
+        read_distribution(given, MESH, Unit.NONE)
+
+
+def test_read_distribution_measures_height_above_the_bottom(tmp_path):
+    X, triangles = box(2, 2, 6)
+    open_box = Mesh(X + [0.0, 0.0, 7.0], triangles[X[triangles][:, :, 2].min(axis=1) < 6.0])
+    found = read(tmp_path, "height,thickness\n0,0.1\n6,0.4", mesh=open_box)
+    expected = 0.1 + 0.05 * (open_box.V[open_box.F][:, :, 2].mean(axis=1) - 7.0)
+    assert found.thickness.triangles == pytest.approx(expected)
+    with pytest.raises(InputError, match="The side on which the shape stands is not clear"):
+        read(tmp_path, "height,thickness\n0,0.1\n6,0.4")
+
+
+def test_read_distribution_of_measured_points_lies_between_them(tmp_path):
+    some = np.random.default_rng(1).choice(len(V), 20, replace=False)
+    found = read(tmp_path, table("x,y,z,thickness", *V[some].T, THICK[some]))
+    assert found.thickness.triangles.min() >= THICK[some].min()
+    assert found.thickness.triangles.max() <= THICK[some].max()
+    assert np.abs(found.thickness.triangles - OF_TRIANGLES).max() < 0.5 * np.ptp(THICK)
+
+
+def surface(folder, name):
+    """A file of the mesh with its thickness as a property of vertices or faces."""
+    path = folder / name
+    if path.suffix == ".ply":
+        head = "ply\nformat ascii 1.0\nelement vertex {}\n{}property float z\n{}"
+        head += "element face {}\n{}end_header\n"
+        xy, own = "property float x\nproperty float y\n", "property float thickness\n"
+        faces = "property list uchar int vertex_indices\n"
+        of_vertices = "vertex" in name
+        rows = [[*X, *([t] if of_vertices else [])] for X, t in zip(V, THICK, strict=True)]
+        rows += [[3, *T, *([] if of_vertices else [t])] for T, t in zip(F, OF_TRIANGLES, strict=True)]
+        text = head.format(len(V), xy, own * of_vertices, len(F), faces + own * (not of_vertices))
+        path.write_text(text + "\n".join(" ".join(map(str, row)) for row in rows) + "\n")
+        return path
+    data = pyvista.PolyData.from_regular_faces(V, F)
+    data["thickness"] = THICK if "vertex" in name else OF_TRIANGLES
+    data.save(path)
+    return path
+
+
+@pytest.mark.parametrize("name", ["vertex.ply", "face.ply", "vertex.vtp", "face.vtp"])
+def test_read_distribution_of_a_property_of_the_mesh(tmp_path, name):
+    path = surface(tmp_path, name)
+    found = read_distribution(path, open_mesh(path), Unit.NONE)
+    assert found.thickness.triangles == pytest.approx(OF_TRIANGLES, rel=1e-6)
+    with pytest.raises(InputError, match=f"{name}: It is of another mesh"):
+        read_distribution(path, Mesh(V, F[1:]), Unit.NONE)
+
+
+def test_read_distribution_needs_the_property(tmp_path):
+    pyvista.PolyData.from_regular_faces(V, F).save(tmp_path / "bare.vtp")
+    with pytest.raises(InputError, match="has no property “thickness”"):
+        read_distribution(tmp_path / "bare.vtp", MESH, Unit.NONE)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            table("vertex,thickness", range(5), THICK[:5]),
+            "has 5 rows, but the mesh needs each",
+        ),
+        (table("vertex,thickness", [0, *range(1, len(V) - 1), 1], THICK), "each number from 0 to 83 once"),
+        ("z,thickness\n0,thick", "Row 2 has “thick” in place of a number"),
+        ("z,thickness\n0", "Row 2 has “” in place of a number"),
+        ("z,thickness\n0,1\n1,-0.2", "must be greater than 0 everywhere; number 1 is -0.2"),
+        ("z,thickness\n0,nan", "number 0 is nan"),
+        ("z,thickness", "needs rows below a heading"),
+        ("0,0.3\n1,0.3", "needs rows below a heading"),
+        ("", "needs rows below a heading"),
+        ("x,z,thickness\n0,0,1", "Points need x, y and z"),
+        ("x,y,z,thickness\n100,0,0,1", r"Point 1 is 99 from the nearest vertex: it is of another mesh"),
+        ("x,y,z,thickness\nnan,0,0,1", "not finite"),
+    ],
+)
+def test_read_distribution_says_in_a_sentence_what_is_wrong(tmp_path, text, said):
+    with pytest.raises(InputError, match=f"walls.csv: .*{said}"):
+        read(tmp_path, text)
+
+
+def test_thickness_text_leaves_a_length_as_typed():
+    assert thickness_text("0.3mm", MESH, Unit.NONE) == "0.3mm"
+    with pytest.raises(InputError, match=r"There is no file .*walls\.csv"):
+        thickness_text("walls.csv", MESH, Unit.NONE)
