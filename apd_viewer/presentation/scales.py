@@ -82,6 +82,7 @@ class Measure(Enum):
     TARGET_DISPLACEMENT = "target_displacement"
     CALMNESS = "calmness"
     CONTACT = "contact"
+    WRINKLING = "wrinkling"
     THICKNESS = "thickness"
 
     @property
@@ -205,6 +206,13 @@ def _measure_traits() -> dict[Measure, MeasureTraits]:
             tr("In percent of the largest pressure."),
             tr("Nothing is kept apart: turn on Contact in the section Method."),
         ),
+        Measure.WRINKLING: MeasureTraits(
+            tr("Wrinkling"),
+            tr("Colour by wrinkling: by how much the wall is shortened at each vertex, across its folds"),
+            "",
+            ScaleKind.SHARE,
+            lambda deviation, U, _: deviation.wrinkling(U),
+        ),
         Measure.THICKNESS: MeasureTraits(
             tr("Wall thickness"),
             tr("Colour by wall thickness, of a wall distribution from a file: see the section Size and mass"),
@@ -311,7 +319,7 @@ def default_scale(measure: Measure, size: float) -> Scale:
     if measure.traits.kind is ScaleKind.RATIO:
         return Scale(measure, 0.1, 0.001)
     if measure.traits.kind is ScaleKind.SHARE:
-        return Scale(measure, 1.0)
+        return Scale(measure, 0.1 if measure is Measure.WRINKLING else 1.0)
     if measure.traits.kind is ScaleKind.CURVATURE:
         return Scale(measure, round_step(8.0 / size), round_step(0.08 / size))
     return Scale(measure, round_step((0.25 if measure is Measure.DISPLACEMENT else 0.1) * size))

@@ -13,12 +13,14 @@ from numba import prange
 
 from apd_viewer.geometry.analysis.surface_distance import cancellable_distances, displacement_lengths
 from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.operators import boundary_vertices, face_areas, vertex_areas, vertex_neighbours
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
 from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarchy, bounding_hierarchy
 
+_NEEDLE = 1e-12  # height over length of a triangle without area
 _FLAT = 1e-6  # curvature times the size of a mesh that is no bend but rounding
 
 
@@ -83,6 +85,12 @@ class Deviation:
         patch = self._patch
         with cores_for(len(U)):
             return edge_strain(U, self._V, patch.start, patch.second, patch.third, self._named)
+
+    def wrinkling(self, U: np.ndarray) -> np.ndarray:
+        """Shortening of the most shortened triangle at each vertex, (n,), from 0 to 1."""
+        patch = self._patch
+        with cores_for(len(U)):
+            return shortening(U, self._V, patch.start, patch.second, patch.third, self._named)
 
     def displacement(self, U: np.ndarray) -> np.ndarray:
         """Distance of each vertex from its rest position, (n,), mesh units."""
@@ -236,6 +244,46 @@ def edge_strain(
         else:
             out[v] = 0.5 * np.log(ratio)
     return out
+
+
+@parallel()
+def shortening(
+    U: np.ndarray,
+    V: np.ndarray,
+    start: np.ndarray,
+    second: np.ndarray,
+    third: np.ndarray,
+    representative: np.ndarray,
+) -> np.ndarray:
+    """Largest shortening of the triangles at each vertex, (n,), from 0 to 1.
+
+    That is one less the smallest principal stretch; NaN without a triangle of an area at rest.
+    """
+    out = np.empty(len(representative))
+    for v in prange(len(representative)):
+        w, least = representative[v], np.inf
+        for e in range(start[w], start[w + 1]):
+            a, b, c = _plane_edges(V, w, second[e], third[e])
+            if c > _NEEDLE * (a + abs(b)):
+                p, q, r = _plane_edges(U, w, second[e], third[e])
+                # Singular values of the triangular matrix ((xx, xy), (0, yy)).
+                xx, yy, xy = p / a, r / c, (q - p * b / a) / c
+                least = min(least, 0.5 * abs(np.hypot(xx + yy, xy) - np.hypot(xx - yy, xy)))
+        out[v] = np.nan if least == np.inf else max(1.0 - least, 0.0)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _plane_edges(X: np.ndarray, i: int, j: int, k: int) -> tuple[float, float, float]:
+    """Edges (a, 0) and (b, c) from ``i`` to ``j`` and ``k``, in their plane."""
+    first = second = both = 0.0
+    for d in range(3):
+        x, y = X[j, d] - X[i, d], X[k, d] - X[i, d]
+        first, both, second = first + x * x, both + x * y, second + y * y
+    if first == 0.0:
+        return 0.0, np.sqrt(second), 0.0
+    length = np.sqrt(first)
+    return length, both / length, np.sqrt(max(second - both * both / first, 0.0))
 
 
 @parallel()

@@ -260,7 +260,7 @@ class ReportController:
         }
         legend = legend_svg(measured.scale, subject.unit, span_of(measured.values))
         histogram = self._histogram(measured.evidence.change)
-        charts = [(chart, caption) for chart, caption in self._charts() if steps and chart.curves]
+        charts = [(chart, caption) for chart, caption in self._charts() if chart.curves] if steps else []
         curves = tuple(self._drawing(chart, caption, 0.0) for chart, caption in charts)
         return lambda: ReportDrawings(_picture_row(images, legend), histogram, _picture_row(of_steps), curves)
 

@@ -311,6 +311,7 @@ class PressController(QObject):
         """Charts of the timeline with their captions, for a report."""
         state = self._session.store.state
         self.charts.timeline = self.step_charts.timeline = self._timeline
+        self.step_charts.shown_number = self._shown_number
         if state is not None and obstacle_pair(state.document) is not None:
             return (
                 (self.charts.load_chart(), tr("Load over the way of the plates")),

@@ -43,7 +43,7 @@ def shape(request):
     return {"ball": lambda: sphere(3), "box": lambda: box(4), "sheet": sheet}[request.param]()
 
 
-MEASURES = ["area_change", "edge_strain", "displacement", "bending", "rest_distance"]
+MEASURES = ["area_change", "edge_strain", "wrinkling", "displacement", "bending", "rest_distance"]
 
 
 @pytest.mark.parametrize("measure", MEASURES)
@@ -52,7 +52,7 @@ def test_deviation_is_none_at_rest(shape, measure):
     np.testing.assert_array_equal(getattr(change(V, F), measure)(V), 0.0)
 
 
-@pytest.mark.parametrize("measure", ["area_change", "edge_strain", "bending"])
+@pytest.mark.parametrize("measure", ["area_change", "edge_strain", "wrinkling", "bending"])
 def test_deviation_of_areas_lengths_and_bends_is_none_by_a_motion(shape, measure):
     V, F = shape
     U = V @ rotation([1, 2, 3], 1.1).T + [5.0, -2.0, 1.0]
@@ -89,6 +89,17 @@ def test_deviation_of_a_stretched_sheet_has_closed_forms():
     np.testing.assert_allclose(found.bending(U), 0.0, atol=1e-12)
     shrunk = found.edge_strain(V * [0.5, 1.0, 1.0])
     np.testing.assert_allclose(shrunk, -np.log(2.0), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "shear"), [(1.5, 0.8, 0.0), (0.7, 0.9, 0.3), (1.2, 1.1, 0.0), (0.0, 1.0, 0.0)]
+)
+def test_deviation_wrinkling_is_one_less_the_smallest_singular_value(x, y, shear):
+    V, F = sheet()
+    A = np.array([[x, shear, 0.0], [0.0, y, 0.0], [0.0, 0.0, 1.0]])
+    U = V @ A.T @ rotation([1, 2, 3], 0.4).T
+    smallest = np.linalg.svd(A[:2, :2], compute_uv=False)[-1]
+    np.testing.assert_allclose(change(V, F).wrinkling(U), max(1.0 - smallest, 0.0), atol=1e-12)
 
 
 def test_deviation_by_shear_moves_edges_and_keeps_areas():
