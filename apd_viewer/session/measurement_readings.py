@@ -180,7 +180,9 @@ class MeasurementEditor(DocumentEditor):
         vessel = Vessel.from_welded_surface(
             state.frame.U, state.document.mesh.joined_F, np.array(plane.normal)
         )
-        return Contents(plane.normal, vessel.volume(plane.offset))
+        volume = vessel.volume(plane.offset)
+        legible = float(f"{volume:.4g}")
+        return Contents(plane.normal, legible if legible <= vessel.brimful else volume)
 
     def fill(self, k: int, volume: float) -> None:
         """Set the contents of fill level ``k``, cubic mesh units."""

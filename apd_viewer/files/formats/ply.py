@@ -131,11 +131,11 @@ class PlyFile:
             ]
         ).reshape(-1, len(names))
 
-    def property_values(self, name: str) -> np.ndarray | None:
-        """Scalar property of the vertices, else of the faces; None if there is none."""
+    def property_values(self, kind: str, name: str) -> np.ndarray | None:
+        """Scalar property of an element such as "vertex"; None if there is none."""
         for at, element in enumerate(self.elements):
             scalars = [own for own, length, _ in element.properties if not length]
-            if element.name in ("vertex", "face") and name in scalars:
+            if element.name == kind and name in scalars:
                 return self.columns(at, (name,))[:, 0]
         return None
 

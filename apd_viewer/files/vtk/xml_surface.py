@@ -72,18 +72,15 @@ class VtkXmlFile:
             sentence = tr("The file that was opened is damaged ({reason}); choose another format.")
             raise InputError(sentence.format(reason=error)) from error
 
-    def data_values(self, name: str) -> np.ndarray | None:
-        """Data array of the points, else of the cells; None if there is none."""
-        for kind in ("PointData", "CellData"):
-            found = [
-                self.arrays.read(array).values
-                for element in self.arrays.root.walk()
-                for array in (element.children_named(*_ARRAYS) if element.name == kind else ())
-                if array.attributes.get("Name") == name
-            ]
-            if found:
-                return np.concatenate(found)
-        return None
+    def data_values(self, kind: str, name: str) -> np.ndarray | None:
+        """Data array of the "PointData" or "CellData"; None if there is none."""
+        found = [
+            self.arrays.read(array).values
+            for element in self.arrays.root.walk()
+            for array in (element.children_named(*_ARRAYS) if element.name == kind else ())
+            if array.attributes.get("Name") == name
+        ]
+        return np.concatenate(found) if found else None
 
     def _splices(self, V: np.ndarray, U: np.ndarray) -> Iterator[Splice]:
         for element, stored, first in self.points:

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 
 
@@ -70,7 +71,7 @@ def mapped_thickness(given: object, V: np.ndarray, F: np.ndarray) -> float | Non
     Parameters
     ----------
     given : float, (n,) or (m,) array, or None
-        A triangle has the mean of its corners.
+        A triangle has the mean of its corners. If n is m, an array is of the vertices.
     V, F : (n, 3) float array, (m, 3) int array
 
     Raises
@@ -82,7 +83,7 @@ def mapped_thickness(given: object, V: np.ndarray, F: np.ndarray) -> float | Non
         return given  # type: ignore[return-value]
     told = given.triangles if isinstance(given, ThicknessMap) else given
     try:
-        values = np.asarray(told, dtype=np.float64)
+        values = np.array(told, dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError(tr("The wall thickness must be numbers, one for each vertex or triangle.")) from None
     if values.ndim != 1 or len(values) not in (len(V), len(F)):
@@ -94,14 +95,21 @@ def mapped_thickness(given: object, V: np.ndarray, F: np.ndarray) -> float | Non
     check_positive(values)
     if isinstance(given, ThicknessMap):
         return given
-    if len(values) == len(V):
-        a, b, c = values[F].T
-        # Exact where the three are alike.
-        values = a + ((b - a) + (c - a)) / 3.0
+    return triangle_thickness(triangle_means(values, F) if len(values) == len(V) else values, V, F)
+
+
+def triangle_means(values: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Means (m,) of the corners of triangles, exact where the three are alike."""
+    a, b, c = values[F].T
+    return a + ((b - a) + (c - a)) / 3.0
+
+
+def triangle_thickness(values: np.ndarray, V: np.ndarray, F: np.ndarray) -> ThicknessMap:
+    """Thickness map from that of every triangle, (m,)."""
     areas = np.linalg.norm(np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]), axis=1)
     mean = np.average(values, weights=areas if areas.any() else None)
-    values.flags.writeable = False
-    return ThicknessMap(float(np.clip(mean, values.min(), values.max())), values)
+    mean = float(np.clip(mean, values.min(), values.max()))
+    return ThicknessMap(mean, frozen(values))
 
 
 def check_positive(values: np.ndarray) -> None:

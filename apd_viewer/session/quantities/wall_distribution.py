@@ -17,7 +17,8 @@ from apd_viewer.geometry.energy.thickness_map import (
     ThicknessMap,
     check_positive,
     interpolated_values,
-    mapped_thickness,
+    triangle_means,
+    triangle_thickness,
 )
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -67,8 +68,7 @@ class ThicknessText(str):
 
     def on(self, mesh: Mesh) -> "ThicknessText":
         """The same thickness of the triangles on another rest shape."""
-        thickness = mapped_thickness(np.array(self.thickness.triangles), mesh.V, mesh.F)
-        assert isinstance(thickness, ThicknessMap)
+        thickness = triangle_thickness(self.thickness.triangles, mesh.V, mesh.F)
         return ThicknessText(str(self), thickness, self.unit)
 
     def __eq__(self, other: object) -> bool:
@@ -112,12 +112,12 @@ def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> ThicknessText:
             values, symbol = _ThicknessTable(content.decode("utf-8-sig", "replace"), unit).thickness_on(mesh)
         else:
             values, symbol = _stored_property(read_mesh(path, content), mesh), ""
-        thickness = mapped_thickness(values, mesh.V, mesh.F)
+        check_positive(values)
+        thickness = triangle_thickness(values, mesh.V, mesh.F)
     except NoUnitError:
         raise
     except (InputError, csv.Error) as error:
         raise InputError(f"{path.name}: {str(error).removeprefix(f'{path.name}: ')}") from error
-    assert isinstance(thickness, ThicknessMap)
     return ThicknessText(path.name[:MOST_CHARACTERS], thickness, symbol)
 
 
@@ -128,17 +128,18 @@ def write_distribution(path: Path, thickness: ThicknessMap) -> None:
 
 
 def _stored_property(found: Mesh, mesh: Mesh) -> np.ndarray:
-    """Property ``thickness`` of the vertices or triangles of the mesh in a file."""
+    """Thickness (m,) by a property of the vertices or faces of the mesh in a file."""
     if not np.array_equal(found.F, mesh.F):
         raise InputError(tr("It is of another mesh: its triangles differ."))
-    origin, values = found.origin, None
-    if isinstance(origin, PlyFile):
-        values = origin.property_values(_THICKNESS)
-    elif isinstance(origin, VtkXmlFile):
-        values = origin.data_values(_THICKNESS)
-    if values is None:
-        raise InputError(tr("It has no property “{name}” of vertices or faces.").format(name=_THICKNESS))
-    return values
+    for of_vertices in (True, False):
+        origin, values, count = found.origin, None, len(found.V) if of_vertices else len(mesh.F)
+        if isinstance(origin, PlyFile):
+            values = origin.property_values("vertex" if of_vertices else "face", _THICKNESS)
+        elif isinstance(origin, VtkXmlFile):
+            values = origin.data_values("PointData" if of_vertices else "CellData", _THICKNESS)
+        if values is not None and len(values) == count:
+            return triangle_means(values, mesh.F) if of_vertices else values
+    raise InputError(tr("It has no property “{name}” of vertices or triangles.").format(name=_THICKNESS))
 
 
 class _ThicknessTable:
@@ -165,7 +166,7 @@ class _ThicknessTable:
         self._rows, self._comma, self._unit = rows[1:], "," if comma == ";" else ".", unit
 
     def thickness_on(self, mesh: Mesh) -> tuple[np.ndarray, str]:
-        """Thickness of each vertex or triangle, and the symbol of its unit."""
+        """Thickness (m,) of the triangles, and the symbol of its unit."""
         rows = next((name for name in _ROWS if name in self._names), None)
         axes = [axis for axis in (_HEIGHT, *_AXES) if axis in self._names]
         if _THICKNESS not in self._names or not self._rows or not (rows or axes):
@@ -180,12 +181,14 @@ class _ThicknessTable:
         if rows:
             is_vertex = _ROWS[rows] == "vertex"
             values = _in_order(self._column(rows), values, len(mesh.V) if is_vertex else len(mesh.F))
+            if not is_vertex:
+                return values, self._symbols[_THICKNESS]
         elif axes == list(_AXES):
             points = np.column_stack([self._column(axis) * self._factor(axis) for axis in axes])
             values = interpolated_values(points, values, mesh.V, _FARTHEST * diagonal(mesh.V))
         else:
             values = self._along(axes, values, mesh)
-        return values, self._symbols[_THICKNESS]
+        return triangle_means(values, mesh.F), self._symbols[_THICKNESS]
 
     def _along(self, axes: Sequence[str], values: np.ndarray, mesh: Mesh) -> np.ndarray:
         """Thickness at the vertices of a mesh, interpolated along one axis."""

@@ -100,6 +100,7 @@ def test_thickness_map_weighs_the_sum_of_its_triangles():
         values = rng.uniform(0.1, 0.5, count)
         each = values if count == len(F) else values[F].mean(axis=1)
         found = mapped_thickness(values, V, F)
+        assert values.flags.writeable
         grams = Wall(Unit.MILLIMETRE, found, 1.38).grams(float(areas.sum()))
         assert grams == pytest.approx(1.38e-3 * float((areas * each).sum()), rel=1e-12)
 

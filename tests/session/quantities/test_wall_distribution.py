@@ -113,6 +113,18 @@ def test_read_distribution_of_a_property_of_the_mesh(tmp_path, name):
         read_distribution(path, Mesh(V, F[1:]), Unit.NONE)
 
 
+def test_read_distribution_tells_triangles_from_as_many_vertices(tmp_path):
+    """A tube of one row has as many of both."""
+    ring = Mesh(*tube(12, 1))
+    assert len(ring.V) == len(ring.F)
+    values = np.linspace(0.1, 0.5, len(ring.F))
+    found = read(tmp_path, table("triangle,thickness", range(len(values)), values), mesh=ring)
+    assert np.array_equal(found.thickness.triangles, values)
+    assert np.array_equal(found.on(ring).thickness.triangles, values)
+    found = read(tmp_path, table("vertex,thickness", range(len(values)), values), mesh=ring)
+    assert found.thickness.triangles == pytest.approx(values[ring.F].mean(axis=1))
+
+
 def test_read_distribution_needs_the_property(tmp_path):
     pyvista.PolyData.from_regular_faces(V, F).save(tmp_path / "bare.vtp")
     with pytest.raises(InputError, match="has no property “thickness”"):
