@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QLabel, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable, format_short
@@ -13,10 +13,10 @@ from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON, WALL_MATERIALS
-from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
-from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus
+from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
+from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus, small_button
 from apd_viewer.ui.widgets.folding_section import Heading, quiet_label
-from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.theme import Theme, icon
 
 _UNITS = "g/cm³", "GPa", ""  # of density, Young's modulus and Poisson's ratio
 _DIGITS, _WIDTH = 3, 120  # digits of a computed radius; px of a field
@@ -30,7 +30,7 @@ class WallFields(QWidget):
     Attributes
     ----------
     entered : Signal(WallText)
-    from_file : QPushButton
+    from_file : QToolButton
         Asks for a file of the thickness at each place.
     heading : Heading
         Folds density, elasticity and creases.
@@ -67,9 +67,11 @@ class WallFields(QWidget):
         self.thickness = _entry(tr("Wall thickness"), tip)
         tip = tr("Density of the material: 1.38 (g/cm³, as of PET), 1380 kg/m³ or 86 lb/ft³")
         self.density = _entry(tr("Density"), tip, tr("no mass"))
-        self.from_file = QPushButton(tr("Thickness from file…"))
-        self.from_file.setToolTip(
-            tr("Wall distribution: a table such as height,thickness or x,y,z,thickness, or a PLY or VTK file")
+        self.from_file = small_button(
+            tr("Thickness from file…"),
+            tr(
+                "Wall distribution: a table such as height,thickness or x,y,z,thickness, or a PLY or VTK file"
+            ),
         )
         self.young = _entry(tr("Young's modulus"), tr("For loads in newtons: 2.8GPa"), tr("no newtons"))
         self.poisson = _entry(tr("Poisson's ratio"), tr("From 0 to 0.5"), format_short(DEFAULT_POISSON))
@@ -84,9 +86,8 @@ class WallFields(QWidget):
         self.heading.toggled.connect(body.setVisible)
         label = QLabel(tr("Material"), objectName="quiet", buddy=self.material)
         chosen = row_layout(label, (self.material, 1))
-        thick = _row(self.thickness.accessibleName(), self.thickness)
-        file_row = row_layout(STRETCH, self.from_file)
-        column_layout(chosen, thick, file_row, self.heading, body, margins=(0, 4, 0, 0), parent=self)
+        thick = _row(self.thickness.accessibleName(), self.thickness, self.from_file)
+        column_layout(chosen, thick, self.heading, body, margins=(0, 4, 0, 0), parent=self)
 
     @property
     def value(self) -> WallText:
@@ -167,6 +168,7 @@ class WallFields(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Apply the theme to the heading."""
         self.heading.set_theme(theme)
+        self.from_file.setIcon(icon("open", theme))
 
 
 def _entry(name: str, tip: str, usual: str = "") -> TextField:
@@ -175,8 +177,8 @@ def _entry(name: str, tip: str, usual: str = "") -> TextField:
     return field
 
 
-def _row(title: str, field: TextField) -> QWidget:
+def _row(title: str, field: TextField, *before: QWidget) -> QWidget:
     row = QWidget()
     label = QLabel(title, objectName="quiet", toolTip=field.toolTip(), buddy=field)
-    row_layout((label, 1), field, parent=row)
+    row_layout((label, 1), *before, field, parent=row)
     return row
