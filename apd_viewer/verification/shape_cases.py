@@ -10,7 +10,8 @@ from apd_viewer.geometry.mesh.operators import face_areas, volume
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation_result import deform
 from apd_viewer.language import tr
-from apd_viewer.verification.case_meshes import cube, grid, lune, subdivided_triangles
+from apd_viewer.verification.case_meshes import cube, grid, lune, platonic_solid, subdivided_triangles
+from apd_viewer.verification.fill_cases import filled_film
 from apd_viewer.verification.verification_case import CaseQuantity, CaseResults, ResultPair, VerificationCase
 
 _PLAIN_ITERATIONS = 1000
@@ -96,7 +97,25 @@ def _cube(n: int, _: bool) -> CaseResults:
     )
     change = _mean_area_change(V, full.U, F)
     refused = float(not over.converged and len(over.warnings) > 0)
-    return CaseResults((ResultPair(0.0, change), ResultPair(1.0, refused)), np.array([[n, 100.0 * change]]))
+    solids = [ResultPair(0.0, _stretch(faces, max(4, n // 3), more)) for faces, more in _FULLER.items()]
+    answers = ResultPair(0.0, change), ResultPair(1.0, refused), *solids
+    return CaseResults(answers, np.array([[n, 100.0 * change]]))
+
+
+# Percent by which regular solids of film, by their number of faces, hold more unstretched, less 0.5 %.
+_FULLER = {
+    faces: 0.995 * (100.0 + bound) - 100.0
+    for faces, bound in {4: 44.70, 6: 25.12, 8: 13.86, 12: 10.61, 20: 4.36}.items()
+}
+
+
+def _stretch(faces: int, cells: int, more: float) -> float:
+    """Mean stretch of the edges of a solid of film that holds so much more, in percent."""
+    V, F = platonic_solid(faces, cells)
+    U, _ = filled_film(V, F, (1.0 + 0.01 * more) * volume(V, F))
+    edges = np.unique(np.sort(np.concatenate([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]]), axis=1), axis=0)
+    now, rest = (np.linalg.norm(X[edges[:, 1]] - X[edges[:, 0]], axis=1) for X in (U, V))
+    return float(np.maximum(now / rest - 1.0, 0.0).mean())
 
 
 # Kresling cell
@@ -271,13 +290,19 @@ ELASTICA = VerificationCase(
     axes=(tr("distance of the ends / length"), tr("sag / length")),
     curve=_elastica_curve,
 )
-INFLATED_CUBE = VerificationCase(
+INFLATED_SOLIDS = VerificationCase(
     "E",
-    tr("Inflated cube"),
+    tr("Inflated Platonic solids"),
     "E. Lengyel, Mathematics 13(4), 645, 2025",
     (
         CaseQuantity(tr("mean area change at 120 % of the volume"), 0.001),
         CaseQuantity(tr("139 % of the volume is refused (1: yes)"), 0.0),
+        *(
+            CaseQuantity(
+                tr("mean stretch of {n} faces, {percent:.2f} % fuller").format(n=n, percent=more), 0.001
+            )
+            for n, more in _FULLER.items()
+        ),
     ),
     (6, 12, 24),
     _cube,

@@ -39,7 +39,7 @@ def test_run_cases_yields_the_rows_of_a_case_when_it_is_finished():
 
 
 def test_run_cases_gives_a_case_that_cannot_be_set_up_one_row_with_the_reason():
-    (run,) = run_cases([CASES["C"]])
+    (run,) = run_cases([CASES["K"]])
     (row,) = run.rows
     assert row.reason.startswith("Not yet")
     assert row.error is None
