@@ -1,16 +1,9 @@
 """Table of the verification cases, including those not yet possible."""
 
 from apd_viewer.language import tr
-from apd_viewer.verification.fill_cases import MYLAR_BALLOON, TEABAG
+from apd_viewer.verification.fill_cases import INFLATED_SOLIDS, MYLAR_BALLOON, TEABAG
 from apd_viewer.verification.press_cases import CYLINDER, RING, TUBE
-from apd_viewer.verification.shape_cases import (
-    CATENOID,
-    ELASTICA,
-    INFLATED_SOLIDS,
-    KRESLING,
-    MOEBIUS_BAND,
-    SPINDLE,
-)
+from apd_viewer.verification.shape_cases import CATENOID, ELASTICA, KRESLING, MOEBIUS_BAND, SPINDLE
 from apd_viewer.verification.verification_case import VerificationCase
 
 CASES: dict[str, VerificationCase] = {
