@@ -100,7 +100,7 @@ def cushion(folder: Path, count: int) -> None:
 
 def pillow(folder: Path, count: int) -> None:
     """Two squares of film, sewn at their rims: an empty pillow 40 cm wide."""
-    n = round(min(count / 2, 800) ** 0.5)
+    n = 2 * round(min(count / 8, 196) ** 0.5)  # with an odd number both sheets would share triangles
     uv, F = grid(n, n)
     V, F = sewn_sheets(40.0 * uv, F, 0.01)
     written(folder, "pillow", V[:, [0, 2, 1]] * [1.0, 1.0, -1.0], F)
