@@ -46,7 +46,7 @@ class PlatePress:
     """Two parallel plates closing on a mesh in equal steps.
 
     Initially they touch the mesh. Without held vertices it may slide between them, but not rotate as a whole.
-    A mesh is filled to a volume in cubic mesh units before the plates touch it.
+    A mesh is filled to a larger volume in cubic mesh units before the plates touch it.
 
     Parameters
     ----------
@@ -96,7 +96,8 @@ class PlatePress:
         self._rest, self._asked = rest, (axis, to, apart)
         self._count, self._iterations = steps, iterations
         # A given start shape first relaxes to equilibrium, and a bag is filled, with the plates set apart.
-        self._relaxes = start is not None or _is_to_be_filled(rest, settings)
+        self._has_start = start is not None
+        self._relaxes = self._has_start or _is_to_be_filled(rest, settings)
         U = rest.solve_mesh.V if start is None else checked_start(start, rest)[rest.weld.first]
         plates = self._plates_around(U, aside=rest.diagonal if self._relaxes else 0.0)
         settings |= {"obstacles": shifted_obstacles(plates, rest.centre), "contact": True, "calm": False}
@@ -160,7 +161,7 @@ class PlatePress:
         """
         if self._relaxes:
             self.settle_at(0.0, partial(_tick_at, tick, 0, self._count))
-            if not self._contact.progress.has_met_goals:
+            if self._has_start and not self._contact.progress.has_met_goals:
                 raise InputError(
                     tr("The initial shape has another area or volume; deform it with the same targets.")
                 )
@@ -371,9 +372,9 @@ def _fraction(text: str) -> float:
 
 
 def _is_to_be_filled(rest: RestMesh, settings: Mapping[str, Any]) -> bool:
-    """True if a volume in cubic mesh units is asked for, but not held at rest."""
+    """True if a larger volume in cubic mesh units is asked for than at rest."""
     asked = settings.get("filled_volume")
-    return asked is not None and abs(asked - (rest.volume_capped or 0.0)) > GOAL_TOLERANCE * abs(asked)
+    return asked is not None and as_float(asked) > (1.0 + GOAL_TOLERANCE) * (rest.volume_capped or 0.0)
 
 
 def plate_travel(

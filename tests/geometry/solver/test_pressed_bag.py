@@ -56,6 +56,16 @@ def test_press_keeps_the_area_of_a_filled_pillow_exactly_where_that_is_asked(n):
     assert [step.area_error for step in found.steps] == pytest.approx([0.0] * 4, abs=1e-9)
 
 
+def test_press_comes_to_rest_where_a_full_pillow_has_to_stretch():
+    """The gap to the plates does not vanish under its pressure."""
+    V, F = pillow(8)
+    found = press(V, F, Z, "50%", 4, filled_volume=1.2 * FILLED, **FILM | {"wall_thickness": 0.01})
+    assert not found.stopped
+    assert all(step.settled and step.crossings == 0 for step in found.steps)
+    loads = [step.load for step in found.steps]
+    assert loads[-1] > 1000.0 * loads[1]
+
+
 def test_press_begins_a_filled_bag_as_a_filled_shape_given_to_it():
     """Pressed at once or from a shape that was filled before, plates touch it at the same height."""
     V, F = pillow(6)
