@@ -134,10 +134,10 @@ def parse_axis(text: str) -> np.ndarray:
     return axis
 
 
-def parse_distance(text: str, extent: float) -> float:
-    """Distance in mesh units from a number, or from a percentage of ``extent``."""
+def parse_distance(text: str) -> float | str:
+    """Distance in mesh units, or percentage of the extent, from text."""
     if text.strip().endswith("%"):
-        return parse_number(text.strip()[:-1], {}) / 100.0 * extent
+        return f"{parse_number(text.strip()[:-1], {})!r}%"
     return parse_number(text, {})
 
 
@@ -155,7 +155,6 @@ def _press(options: argparse.Namespace) -> None:
         check_shapes(mesh, path, np.ones(len(mesh.V), dtype=bool))
     wall = _wall(options, mesh, Unit(options.unit or unit))
     rest = RestMesh(mesh.V, mesh.F, mesh.weld)
-    extent = float(np.ptp(mesh.V[np.unique(mesh.F)] @ checked_direction(axis)))
     method = _method(options, wall)
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
     material = Settings(method, *moduli).material
@@ -175,7 +174,7 @@ def _press(options: argparse.Namespace) -> None:
         "gas": gas,
         "convergence": Convergence(**given_criteria(options)),
     }
-    to = parse_distance(options.to, extent)
+    to = parse_distance(options.to)
     cylinder = CylinderAsWide.between_plates(rest, checked_direction(axis), material)
     presses = _presses(options, rest, _dent_depth(options, method, wall), axis, to, start, settings)
     found, band = presses[0], PressBand(tuple(presses)) if len(presses) > 1 else None
@@ -206,6 +205,7 @@ def _press(options: argparse.Namespace) -> None:
         if options.output:
             save_mesh(mesh, found.U, options.output, wall.unit.symbol)
     first = next(path for path in written if path)
+    extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
     lines = [press_summary(found, rest, first, wall, newtons, extent)]
     lines += band_lines(band, options.dents, newtons, cylinder) if band else []
     print("\n".join([*lines, *mesh_remarks(mesh)]))
@@ -216,7 +216,7 @@ def _presses(
     rest: RestMesh,
     depth: float | None,
     axis: np.ndarray,
-    to: float,
+    to: float | str,
     start: np.ndarray | None,
     settings: Mapping[str, Any],
 ) -> list[Pressed]:

@@ -123,7 +123,7 @@ def press_summary(
     newtons: NewtonConversion | None,
     extent: float,
 ) -> str:
-    """Terminal lines about pressing a mesh of height ``extent`` between the plates."""
+    """Terminal lines about pressing a mesh of an ``extent`` at the first touch."""
     last, first = pressed.steps[-1], pressed.steps[0]
     lines = [
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(

@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 Arrays = tuple[np.ndarray, np.ndarray]
 
@@ -117,6 +118,31 @@ def subdivided_triangles(corners: np.ndarray, cells: int) -> Arrays:
     weights = np.insert(np.array(small) / cells, 0, 0.0, axis=2)
     weights[..., 0] = 1.0 - weights[..., 1:].sum(axis=2)
     return merged_triangles(np.einsum("scw,twd->tscd", weights, corners).reshape(-1, 3, corners.shape[2]))
+
+
+def platonic_solid(faces: int, cells: int) -> Arrays:
+    """Regular solid within the unit sphere, its faces fans of ``cells`` along an edge."""
+    golden = 0.5 * (1.0 + np.sqrt(5.0))
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    axes = np.concatenate([np.eye(3), -np.eye(3)])
+    oblong = np.array([[0.0, x, y * golden] for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
+    icosahedron = np.concatenate([np.roll(oblong, k, axis=1) for k in range(3)])
+    flatter = np.array([[0.0, x / golden, y * golden] for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
+    dodecahedron = np.concatenate([signs, *(np.roll(flatter, k, axis=1) for k in range(3))])
+    tetrahedron = signs[signs.prod(axis=1) > 0.0]
+    corners = {4: tetrahedron, 6: signs, 8: axes, 12: dodecahedron, 20: icosahedron}[faces]
+    corners = corners / np.linalg.norm(corners, axis=1, keepdims=True)
+    hull = ConvexHull(corners)
+    normals = np.unique(hull.equations.round(6), axis=0)
+    triangles = []
+    for *normal, offset in normals:
+        face = corners[np.abs(corners @ normal + offset) < 1e-5]
+        middle = face.mean(axis=0)
+        x = face[0] - middle
+        angle = np.arctan2((face - middle) @ np.cross(normal, x), (face - middle) @ x)
+        around = face[np.argsort(angle)]
+        triangles += [(middle, a, b) for a, b in zip(around, np.roll(around, -1, axis=0), strict=True)]
+    return subdivided_triangles(np.array(triangles), cells)
 
 
 def merged_triangles(triangles: np.ndarray) -> Arrays:

@@ -1,37 +1,19 @@
 """Table of the verification cases, including those not yet possible."""
 
 from apd_viewer.language import tr
+from apd_viewer.verification.fill_cases import INFLATED_SOLIDS, MYLAR_BALLOON, TEABAG
 from apd_viewer.verification.press_cases import CYLINDER, RING, TUBE
-from apd_viewer.verification.shape_cases import (
-    CATENOID,
-    ELASTICA,
-    INFLATED_CUBE,
-    KRESLING,
-    MOEBIUS_BAND,
-    SPINDLE,
-)
+from apd_viewer.verification.shape_cases import CATENOID, ELASTICA, KRESLING, MOEBIUS_BAND, SPINDLE
 from apd_viewer.verification.verification_case import VerificationCase
-
-_FLAT_BAG = tr("Not yet: volume targets are in percent of that at rest, which is 0 in a flat bag.")
 
 CASES: dict[str, VerificationCase] = {
     case.letter: case
     for case in (
         TUBE,
         ELASTICA,
-        VerificationCase(
-            "C",
-            tr("Two discs sewn and filled (Mylar balloon)"),
-            "W. H. Paulsen, American Mathematical Monthly 101, 953, 1994",
-            reason=_FLAT_BAG,
-        ),
-        VerificationCase(
-            "D",
-            tr("Two squares sewn and filled (teabag)"),
-            "A. Robin, Paper bag problem, Mathematics Today 40, 104, 2004",
-            reason=_FLAT_BAG,
-        ),
-        INFLATED_CUBE,
+        MYLAR_BALLOON,
+        TEABAG,
+        INFLATED_SOLIDS,
         KRESLING,
         SPINDLE,
         CATENOID,

@@ -10,8 +10,14 @@ from apd_viewer.geometry.mesh.operators import face_areas, volume
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation_result import deform
 from apd_viewer.language import tr
-from apd_viewer.verification.case_meshes import cube, grid, lune, subdivided_triangles
-from apd_viewer.verification.verification_case import CaseQuantity, CaseResults, ResultPair, VerificationCase
+from apd_viewer.verification.case_meshes import grid, lune, subdivided_triangles
+from apd_viewer.verification.verification_case import (
+    CaseQuantity,
+    CaseResults,
+    ResultPair,
+    VerificationCase,
+    mean_area_change,
+)
 
 _PLAIN_ITERATIONS = 1000
 _STRICT = Convergence(energy_tolerance=1e-9)  # at 1e-7 the error of the sags is 0.02 % larger
@@ -48,11 +54,6 @@ def _distance(U: np.ndarray, goal: np.ndarray, free: np.ndarray, size: float) ->
     return ResultPair(0.0, float(np.sqrt(((U - goal)[free] ** 2).sum(axis=1).mean())) / size)
 
 
-def _mean_area_change(V: np.ndarray, U: np.ndarray, F: np.ndarray) -> float:
-    rest = face_areas(V, F)
-    return float(np.abs(face_areas(U, F) - rest).sum() / rest.sum())
-
-
 # Elastica
 
 _DISTANCES, _STRIP_WIDTH = (0.75, 0.5, 0.25), 0.1
@@ -82,23 +83,6 @@ def _elastica_curve() -> np.ndarray:
     return np.column_stack([distances, [elastica_sag(d) for d in distances]])
 
 
-# Inflated cube
-
-_INFLATED, _OVERFULL = 120.0, 139.0  # percent; the sphere of the same area holds 138.198 %
-
-
-def _cube(n: int, _: bool) -> CaseResults:
-    V, F = cube(n)
-    held = np.array([0])
-    full, over = (
-        deform(V, F, held, V[held], "local", area=100.0, volume=percent, contact=False)
-        for percent in (_INFLATED, _OVERFULL)
-    )
-    change = _mean_area_change(V, full.U, F)
-    refused = float(not over.converged and len(over.warnings) > 0)
-    return CaseResults((ResultPair(0.0, change), ResultPair(1.0, refused)), np.array([[n, 100.0 * change]]))
-
-
 # Kresling cell
 
 _TALL, _TURN, _SIDES = 1.6, np.pi / 6.0, 6
@@ -126,7 +110,7 @@ def _kresling(n: int, is_plain: bool) -> CaseResults:
     U = _shape(F, path, (base, top), is_plain, _THIN)
     corners = [int(np.linalg.norm(V - corner, axis=1).argmin()) for corner in B]
     turn = np.degrees(np.angle((U[corners] @ [1.0, 1j, 0.0]) / (B @ [1.0, 1j, 0.0])))
-    answers = ResultPair(60.0, float(turn.mean())), ResultPair(0.0, _mean_area_change(V, U, F))
+    answers = ResultPair(60.0, float(turn.mean())), ResultPair(0.0, mean_area_change(V, U, F))
     return CaseResults(answers, np.column_stack([np.arange(1, _SIDES + 1), turn]))
 
 
@@ -244,7 +228,7 @@ def _band(n: int, length: float, seed: int) -> tuple[float, bool, float]:
     )
     crossed = crossings(found.U, F)
     meets = found.converged and found.share_reached == 1.0 and crossed is not None and not len(crossed)
-    return energies[-1], meets, _mean_area_change(V, found.U, F)
+    return energies[-1], meets, mean_area_change(V, found.U, F)
 
 
 def _bands(n: int, _: bool) -> CaseResults:
@@ -270,19 +254,6 @@ ELASTICA = VerificationCase(
     has_plain=True,
     axes=(tr("distance of the ends / length"), tr("sag / length")),
     curve=_elastica_curve,
-)
-INFLATED_CUBE = VerificationCase(
-    "E",
-    tr("Inflated cube"),
-    "E. Lengyel, Mathematics 13(4), 645, 2025",
-    (
-        CaseQuantity(tr("mean area change at 120 % of the volume"), 0.001),
-        CaseQuantity(tr("139 % of the volume is refused (1: yes)"), 0.0),
-    ),
-    (6, 12, 24),
-    _cube,
-    axes=(tr("edges along a side"), tr("mean area change, %")),
-    curve=lambda: np.array([[6.0, 0.0], [24.0, 0.0]]),
 )
 KRESLING = VerificationCase(
     "F",

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.mesh.operators import face_areas
+
 
 class ResultPair(NamedTuple):
     """Result of the program and the exact value."""
@@ -34,6 +36,8 @@ class CaseQuantity:
         Sentence on why it misses its bar in this release; empty if it does not.
     is_chaotic : bool
         True if rounding decides between several folded shapes: a recorded error is no promise then.
+    is_lower_bound : bool
+        True if the published value is a lower bound, beyond which a result may be.
     """
 
     title: str
@@ -41,6 +45,11 @@ class CaseQuantity:
     least_order: float | None = None
     reason: str = ""
     is_chaotic: bool = False
+    is_lower_bound: bool = False
+
+    def shortfall(self, error: float) -> float:
+        """Size of an error; negative beyond a lower bound."""
+        return -error if self.is_lower_bound else abs(error)
 
 
 class CaseResults(NamedTuple):
@@ -92,3 +101,9 @@ class VerificationCase:
     axes: tuple[str, str] = ("", "")
     curve: Callable[[], np.ndarray] = lambda: np.empty((0, 2))
     reason: str = ""
+
+
+def mean_area_change(V: np.ndarray, U: np.ndarray, F: np.ndarray) -> float:
+    """Mean absolute change of the areas of triangles, relative to that at rest."""
+    rest = face_areas(V, F)
+    return float(np.abs(face_areas(U, F) - rest).sum() / rest.sum())

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from apd_viewer.verification.verification_case import CaseResults, VerificationCase
+from apd_viewer.verification.verification_case import CaseQuantity, CaseResults, VerificationCase
 
 RECORD = Path(__file__).with_name("recorded.json")
 # Another processor changes errors by less than a tenth, or 2 % of the error bound if small.
@@ -131,7 +131,7 @@ def _numbers(case: VerificationCase, k: int, measured: Sequence[CaseResults]) ->
 
 def _row(case: VerificationCase, k: int, numbers: dict[str, Any]) -> VerificationRow:
     quantity, error = case.quantities[k], numbers["error"]
-    passes = abs(error) <= quantity.bar
+    passes = quantity.shortfall(error) <= quantity.bar
     if quantity.least_order is not None:
         passes = passes and (numbers["order"] or 0.0) >= quantity.least_order
     recorded = [] if quantity.is_chaotic and passes else recorded_rows().get(case.letter, [])
@@ -141,9 +141,15 @@ def _row(case: VerificationCase, k: int, numbers: dict[str, Any]) -> Verificatio
         bar=quantity.bar,
         least_order=quantity.least_order,
         passes=passes,
-        is_worse=k < len(recorded) and is_worse(error, recorded[k]["error"], quantity.bar),
+        is_worse=k < len(recorded) and _is_worse_than(quantity, error, recorded[k]["error"]),
         reason="" if passes else quantity.reason,
     )
+
+
+def _is_worse_than(quantity: CaseQuantity, error: float, recorded: float) -> bool:
+    if quantity.is_lower_bound:
+        error, recorded = max(0.0, -error), max(0.0, -recorded)
+    return is_worse(error, recorded, quantity.bar)
 
 
 def is_worse(error: float, recorded: float, bar: float) -> bool:

@@ -121,6 +121,18 @@ FABRICS = (
         look=(0.4, 0.55, 0.9),
     ),
     Entry(
+        "pillow_pressed",
+        "An empty pillow, filled and pressed",
+        "Two squares of film, sewn at their rims, are filled with five litres and pressed to half of their height. "
+        "The film wrinkles, and does not stretch.",
+        "apd-viewer press pillow.obj --axis y --to 50% --steps 5 --unit cm --volume 5l "
+        "--method wall --tension-field --thickness 0.5mm -o pressed.obj",
+        files.pillow,
+        state=states.pressed_pillow,
+        look=(0.45, 0.4, 0.9),
+        steps=(("--to 50% --steps 5", "--to 97% --steps 1"),),
+    ),
+    Entry(
         "cloth_folded",
         "A cloth, folded",
         "Half a turn about a line lays one end of the cloth over the other; contact keeps the layers apart.",

@@ -14,6 +14,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import resource_path
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.file_jobs import sample_state
+from apd_viewer.verification.case_meshes import grid, sewn_sheets
 
 STUDY = Path(__file__).resolve().parents[1] / "studies" / "crushed-bottle"
 _DIGITS = 4  # of coordinates in centimetres
@@ -95,6 +96,14 @@ def bottle_and_finger(folder: Path, count: int) -> None:
 def cushion(folder: Path, count: int) -> None:
     """The silk cushion."""
     _sample(folder, count, "cushion")
+
+
+def pillow(folder: Path, count: int) -> None:
+    """Two squares of film, sewn at their rims: an empty pillow 40 cm wide."""
+    n = 2 * round(min(count / 8, 196) ** 0.5)  # with an odd number both sheets would share triangles
+    uv, F = grid(n, n)
+    V, F = sewn_sheets(40.0 * uv, F, 0.01)
+    written(folder, "pillow", V[:, [0, 2, 1]] * [1.0, 1.0, -1.0], F)
 
 
 def cloth(folder: Path, count: int) -> None:

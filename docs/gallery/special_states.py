@@ -37,6 +37,11 @@ def pressed_bottle(folder: Path, _: Names) -> State:
     return _pressed(folder, "bottle.obj", "pressed.obj")
 
 
+def pressed_pillow(folder: Path, _: Names) -> State:
+    """The pillow that is filled and pressed."""
+    return _pressed(folder, "pillow.obj", "pressed.obj")
+
+
 def creased_can(folder: Path, _: Names) -> State:
     """The can with what remains."""
     return _pressed(folder, "can.obj", "creased.obj")

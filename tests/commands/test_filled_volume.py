@@ -58,3 +58,15 @@ def test_press_holds_a_volume_in_a_unit(tmp_path, monkeypatch):
     assert main(words.split()) == 0
     out = open_mesh(tmp_path / "out.off")
     assert volume(out.V, out.F) == pytest.approx(8.0, rel=1e-4)
+
+
+def test_press_fills_a_flat_pouch_before_the_plates_touch_it(pouch, capsys):
+    bag = "press pouch.off --unit cm --volume 100ml --method wall --tension-field --thickness 1mm"
+    assert main(f"{bag} --axis z --to 80% --steps 2 --curve c.csv -o out.off".split()) == 0
+    assert "80.0 % of the extent" in capsys.readouterr().out
+    out = open_mesh(pouch / "out.off")
+    assert volume(out.V, out.F) == pytest.approx(100.0, rel=1e-4)
+    curve = np.genfromtxt(pouch / "c.csv", delimiter=",", names=True)
+    assert curve["volume"] == pytest.approx(100.0, rel=1e-6)
+    assert np.ptp(out.V[:, 2]) < 0.8 * curve["distance"][0]
+    assert curve["distance"][0] > 1.0

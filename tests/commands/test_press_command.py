@@ -141,9 +141,11 @@ def test_parse_axis_takes_a_letter_or_three_numbers(text):
     )
 
 
-@pytest.mark.parametrize("text", ["60%", " 60 % ", "1.2", "6/5"])
-def test_parse_distance_takes_a_length_or_a_percentage(text):
-    assert press_command.parse_distance(text, 2.0) == pytest.approx(1.2, rel=1e-12)
+@pytest.mark.parametrize(
+    ("text", "distance"), [("60%", "60.0%"), (" 120/2 % ", "60.0%"), ("1.2", 1.2), ("6/5", 1.2)]
+)
+def test_parse_distance_takes_a_length_or_a_percentage(text, distance):
+    assert press_command.parse_distance(text) == distance
 
 
 def test_press_command_gives_an_open_surface_the_volume_within_its_caps(press, tmp_path):

@@ -14,7 +14,7 @@ from apd_viewer.verification.case_table import CASES
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
     """Two cases, one of them coarse and the other not set up."""
-    cases = {"C": CASES["C"], "G": replace(CASES["G"], resolutions=(4, 6))}
+    cases = {"C": replace(CASES["K"], letter="C"), "G": replace(CASES["G"], resolutions=(4, 6))}
     monkeypatch.setattr(case_table, "CASES", cases)
     monkeypatch.setattr(verification_run, "recorded_rows", dict)
 

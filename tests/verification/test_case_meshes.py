@@ -9,6 +9,7 @@ from apd_viewer.verification.case_meshes import (
     disc,
     grid,
     lune,
+    platonic_solid,
     sewn_sheets,
     subdivided_triangles,
     tube,
@@ -28,6 +29,8 @@ MESHES = {  # with the number of edges of the boundary, and vertices less edges 
     "disc": (flat(*disc(4)), 24, 1),
     "sewn sheets": (sewn_sheets(*disc(4), 0.1), 0, 2),
     "lune": (flat(*lune(4, 3)), 16, 1),
+    "tetrahedron": (platonic_solid(4, 3), 0, 2),
+    "dodecahedron": (platonic_solid(12, 8), 0, 2),
     "subdivided": (flat(*subdivided_triangles(TRIANGLE, 5)), 15, 1),
 }
 
@@ -61,3 +64,27 @@ def test_tube_is_round_and_as_high_as_asked():
     V, _ = tube(40, 1.5)
     assert np.hypot(V[:, 0], V[:, 2]) == pytest.approx(1.0)
     assert np.ptp(V[:, 1]) == pytest.approx(1.5)
+
+
+# Volume over an edge cubed, and area over its square [Coxeter, Regular polytopes]; edges 1 mean radius 1.
+PHI = 0.5 * (1.0 + np.sqrt(5.0))
+SOLIDS = {
+    4: (8.0 * np.sqrt(3.0) / 27.0, 8.0 / np.sqrt(3.0)),
+    6: (8.0 / (3.0 * np.sqrt(3.0)), 8.0),
+    8: (4.0 / 3.0, 4.0 * np.sqrt(3.0)),
+    12: ((15.0 + 7.0 * np.sqrt(5.0)) / 4.0, 3.0 * np.sqrt(25.0 + 10.0 * np.sqrt(5.0))),
+    20: ((15.0 + 5.0 * np.sqrt(5.0)) / 12.0, 5.0 * np.sqrt(3.0)),
+}
+EDGES = {12: 2.0 / (np.sqrt(3.0) * PHI), 20: 2.0 / np.sqrt(2.0 + PHI)}
+
+
+@pytest.mark.parametrize("faces", SOLIDS)
+@pytest.mark.parametrize("cells", [1, 4])
+def test_platonic_solid_is_regular_and_within_the_unit_sphere(faces, cells):
+    V, F = platonic_solid(faces, cells)
+    edge, (solid, surface) = EDGES.get(faces, 1.0), SOLIDS[faces]
+    assert volume(V, F) == pytest.approx(solid * edge**3, rel=1e-8)
+    assert area(V, F) == pytest.approx(surface * edge**2, rel=1e-8)
+    assert np.linalg.norm(V, axis=1).max() == pytest.approx(1.0, abs=1e-8)
+    corners = (np.bincount(F.ravel()) > 0) & (np.linalg.norm(V, axis=1) > 1.0 - 1e-8)
+    assert corners.sum() == {4: 4, 6: 8, 8: 6, 12: 20, 20: 12}[faces]

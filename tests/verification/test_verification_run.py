@@ -39,7 +39,7 @@ def test_run_cases_yields_the_rows_of_a_case_when_it_is_finished():
 
 
 def test_run_cases_gives_a_case_that_cannot_be_set_up_one_row_with_the_reason():
-    (run,) = run_cases([CASES["C"]])
+    (run,) = run_cases([CASES["K"]])
     (row,) = run.rows
     assert row.reason.startswith("Not yet")
     assert row.error is None
@@ -81,10 +81,18 @@ def test_is_worse_allows_for_other_machines(error, recorded, worse):
     assert is_worse(error, recorded, 0.01) is worse
 
 
+def test_case_rows_pass_beyond_a_lower_bound_however_far():
+    assert case_with(ResultPair(2.0, 2.1), is_lower_bound=True).passes
+    assert case_with(ResultPair(2.0, 1.99), is_lower_bound=True).passes
+    assert not case_with(ResultPair(2.0, 1.9), is_lower_bound=True).passes
+
+
 def test_case_rows_are_worse_than_a_recorded_state_that_was_better(monkeypatch):
     monkeypatch.setattr(verification_run, "recorded_rows", lambda: {"X": [{"error": 0.001}]})
     assert case_with(ResultPair(1.0, 1.005)).is_worse
     assert not case_with(ResultPair(1.0, 1.001)).is_worse
+    assert not case_with(ResultPair(1.0, 1.2), is_lower_bound=True).is_worse
+    assert case_with(ResultPair(1.0, 0.995), is_lower_bound=True).is_worse
 
 
 def test_case_rows_hold_what_rounding_decides_to_its_bar_alone(monkeypatch):
@@ -115,7 +123,7 @@ def test_recorded_rows_are_there_for_each_quantity_with_a_reason_where_it_misses
     assert recorded_rows().keys() == measured.keys()
     for letter, case in measured.items():
         for quantity, row in zip(case.quantities, recorded_rows()[letter], strict=True):
-            passes = abs(row["error"]) <= quantity.bar
+            passes = quantity.shortfall(row["error"]) <= quantity.bar
             assert passes == (quantity.reason == ""), (letter, quantity.title)
 
 

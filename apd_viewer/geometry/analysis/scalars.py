@@ -64,7 +64,7 @@ def shape_scalars(
         if target.has_same_triangles(mesh):
             vertices["target_displacement"] = deviation.target_displacement(U)
     rest, area = face_areas(mesh.V, mesh.F), face_areas(U, mesh.F)
-    largest, smallest = _stretches(mesh.V[mesh.F], U[mesh.F])
+    largest, smallest = triangle_stretches(mesh.V[mesh.F], U[mesh.F])
     triangles = {
         LABEL: _common_code(labels[mesh.F], FREE),
         REGION: _common_code(member[mesh.F], 0),
@@ -82,7 +82,7 @@ def _common_code(codes: np.ndarray, otherwise: int) -> np.ndarray:
     return np.where((codes == codes[:, :1]).all(axis=1), codes[:, 0], otherwise)
 
 
-def _stretches(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def triangle_stretches(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Largest and smallest stretch of each triangle (m, 3, 3), both (m,)."""
     # In the plane of each triangle the first edge is (a, 0) and the second (b, c).
     (a, b, c), (p, q, r) = _edges(before), _edges(after)

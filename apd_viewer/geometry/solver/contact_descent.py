@@ -135,7 +135,7 @@ def contact_descent(
     if len(fixed) and not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
     softness = 1.0
-    if isinstance(inner, WallSurface):
+    if isinstance(inner, WallSurface) and not surface.material.is_relaxed:
         softness = min(1.0, _SOFTNESS * surface.material.thickness / rest.diagonal)
     held = shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness
     contact = mesh_contact(*held, loose, softness=softness, touches=touches)

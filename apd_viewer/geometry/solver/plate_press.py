@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -17,6 +17,7 @@ from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.wall_surface import WallSurface
+from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE
 from apd_viewer.geometry.mesh.arrays import (
     as_float,
     check_argument,
@@ -45,14 +46,16 @@ class PlatePress:
     """Two parallel plates closing on a mesh in equal steps.
 
     Initially they touch the mesh. Without held vertices it may slide between them, but not rotate as a whole.
+    A mesh is filled to a larger volume in cubic mesh units before the plates touch it.
 
     Parameters
     ----------
     rest : RestMesh
     axis : (3,) float array
         Direction in which they press.
-    to : float
-        Final distance of the plates, mesh units; less than the extent of the mesh.
+    to : float or str
+        Final distance of the plates, mesh units; less than the extent of the mesh. Text such as ``"50%"`` is
+        a percentage of the extent at the first touch.
     steps, iterations : int
         Number of steps, and at most so many iterations for each.
     fixed : (k,) ints
@@ -77,7 +80,7 @@ class PlatePress:
         self,
         rest: RestMesh,
         axis: np.ndarray,
-        to: float,
+        to: float | str,
         steps: int = DEFAULT_STEPS,
         iterations: int = DEFAULT_ITERATIONS,
         *,
@@ -92,9 +95,10 @@ class PlatePress:
         apart = contact_thickness(rest.diagonal, settings.get("thickness"))
         self._rest, self._asked = rest, (axis, to, apart)
         self._count, self._iterations = steps, iterations
-        self._relaxes = start is not None
+        # A given start shape first relaxes to equilibrium, and a bag is filled, with the plates set apart.
+        self._has_start = start is not None
+        self._relaxes = self._has_start or _is_to_be_filled(rest, settings)
         U = rest.solve_mesh.V if start is None else checked_start(start, rest)[rest.weld.first]
-        # A given start shape first relaxes to equilibrium, with the plates set apart from it.
         plates = self._plates_around(U, aside=rest.diagonal if self._relaxes else 0.0)
         settings |= {"obstacles": shifted_obstacles(plates, rest.centre), "contact": True, "calm": False}
         self.solver = Deformation(rest.V, rest.F, fixed, rest=rest, **settings)
@@ -111,8 +115,9 @@ class PlatePress:
 
     def _plates_around(self, U: np.ndarray, aside: float = 0.0) -> list[Obstacle]:
         """Plates on both sides of a local shape ``U`` (k, 3), ``aside`` away from it."""
-        X = U[np.unique(self._rest.solve_mesh.F)]
-        self.travel = way = plate_travel(X, *self._asked)
+        X, (axis, to, apart) = U[np.unique(self._rest.solve_mesh.F)], self._asked
+        # How far plates close is known once they touch.
+        self.travel = way = plate_travel(X, axis, "50%" if aside else to, apart)
         # Centre of the bounding box: plates also need a position perpendicular to their axis.
         middle, size = 0.5 * (X.min(axis=0) + X.max(axis=0)), diagonal(X)
         middle = middle - (middle @ way.axis) * way.axis
@@ -156,7 +161,7 @@ class PlatePress:
         """
         if self._relaxes:
             self.settle_at(0.0, partial(_tick_at, tick, 0, self._count))
-            if not self._contact.progress.has_met_goals:
+            if self._has_start and not self._contact.progress.has_met_goals:
                 raise InputError(
                     tr("The initial shape has another area or volume; deform it with the same targets.")
                 )
@@ -357,7 +362,24 @@ class PlateTravel(NamedTuple):
         return self.first_distance - self.last_distance
 
 
-def plate_travel(points: np.ndarray, axis: np.ndarray, to: float, thickness: float | None) -> PlateTravel:
+def _fraction(text: str) -> float:
+    """Fraction from text such as ``"50%"``; NaN if it is none."""
+    number = text.strip().removesuffix("%")
+    try:
+        return 0.01 * float(number)
+    except ValueError:
+        return np.nan
+
+
+def _is_to_be_filled(rest: RestMesh, settings: Mapping[str, Any]) -> bool:
+    """True if a larger volume in cubic mesh units is asked for than at rest."""
+    asked = settings.get("filled_volume")
+    return asked is not None and as_float(asked) > (1.0 + GOAL_TOLERANCE) * (rest.volume_capped or 0.0)
+
+
+def plate_travel(
+    points: np.ndarray, axis: np.ndarray, to: float | str, thickness: float | None
+) -> PlateTravel:
     """Travel of plates from first contact with ``points`` to a distance ``to``.
 
     Parameters
@@ -365,8 +387,8 @@ def plate_travel(points: np.ndarray, axis: np.ndarray, to: float, thickness: flo
     points : (k, 3) float array
         Vertices of a mesh, without loose ones.
     axis : (3,) float array
-    to : float
-        Mesh units; less than the extent of the points.
+    to : float or str
+        Mesh units, or text such as ``"50%"`` of the extent of the points; less than that.
     thickness : float or None
         Distance that plates and walls keep, mesh units; None for a thousandth of the diagonal.
 
@@ -377,6 +399,8 @@ def plate_travel(points: np.ndarray, axis: np.ndarray, to: float, thickness: flo
     """
     axis, apart = checked_direction(axis), contact_thickness(diagonal(points), thickness)
     height = points @ axis
+    if isinstance(to, str):
+        to = _fraction(to) * float(np.ptp(height))
     way = PlateTravel(axis, float(height.min()) - apart, float(height.max()) + apart, to)
     if not 0.0 < as_float(to) < way.first_distance:
         raise InputError(

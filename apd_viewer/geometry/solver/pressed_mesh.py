@@ -82,7 +82,7 @@ def press(
     V: np.ndarray,
     F: np.ndarray,
     axis: Sequence[float] | np.ndarray,
-    to: float,
+    to: float | str,
     steps: int = DEFAULT_STEPS,
     *,
     fixed: Sequence[int] | np.ndarray = (),
@@ -108,12 +108,14 @@ def press(
 ) -> Pressed:
     """Press a mesh between two plates closing along ``axis``.
 
+    A mesh that is to hold ``filled_volume`` is filled before the plates touch it.
+
     Parameters
     ----------
     V, F : (n, 3) float and (m, 3) int arrays
     axis : (3,) floats
-    to : float
-        Final distance of the plates, mesh units.
+    to : float or str
+        Final distance of the plates, mesh units, or text such as ``"50%"`` of the extent at the first touch.
     steps : int
         Number of equal steps of the closing plates; after each, the mesh comes to rest.
     fixed : (k,) ints

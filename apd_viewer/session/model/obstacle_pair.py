@@ -47,7 +47,12 @@ class ObstaclePair(NamedTuple):
         return self._distance(document.obstacles, np.zeros((len(document.obstacles), 3)))
 
     def extent(self, document: Document) -> float:
-        """Extent of the mesh at rest along the axis, mesh units."""
+        """Extent of the mesh at rest along the axis, mesh units.
+
+        A bag that is filled may be flat at rest: of it, the initial distance of the plates.
+        """
+        if document.settings.filled_volume is not None:
+            return self.first_distance(document)
         return _extent(document.mesh.V, document.mesh.F, *self.axis.tolist())
 
     def _distance(self, obstacles: Sequence[NamedObstacle], shifts: np.ndarray) -> float:
