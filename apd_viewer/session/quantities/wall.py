@@ -11,7 +11,7 @@ from apd_viewer.notation import editable_number
 from apd_viewer.session.quantities import wall_material
 from apd_viewer.session.quantities.expressions import parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall_distribution import ThicknessText
+from apd_viewer.session.quantities.wall_distribution import WallDistribution
 
 _GRAMS = 1e6  # grams per cubic metre at 1 g/cm³
 
@@ -25,7 +25,7 @@ class WallText(NamedTuple):
     ----------
     thickness : str
         A length, such as ``0.3mm``; a bare number is in mesh units. Or a wall distribution, see
-        :class:`ThicknessText <apd_viewer.session.quantities.wall_distribution.ThicknessText>`.
+        :class:`WallDistribution <apd_viewer.session.quantities.wall_distribution.WallDistribution>`.
     density : str
         Such as ``1380 kg/m3``; a bare number is in g/cm³.
     young : str
@@ -214,7 +214,7 @@ def typed_mass(text: WallText, area: float, unit: Unit, material_volume: float |
 
 def parse_thickness(text: str, unit: Unit) -> float:
     """Parse a thickness, in mesh units; raises InputError."""
-    if isinstance(text, ThicknessText):
+    if isinstance(text, WallDistribution):
         return text.in_unit(unit)
     thickness = parse_length(text, unit, {})
     if not thickness > 0.0:

@@ -36,7 +36,7 @@ _COLUMN = re.compile(rf"([a-z]+?)(?:[\s_]*[\[(]?({'|'.join(SYMBOLS)})[\])]?)?", 
 _FARTHEST = 0.05  # of the diagonal: distance of a measured point from the nearest vertex
 
 
-class ThicknessText(str):
+class WallDistribution(str):
     """Name of a file with a wall distribution, typed as the thickness of a wall.
 
     Attributes
@@ -50,7 +50,7 @@ class ThicknessText(str):
     thickness: ThicknessMap
     unit: str
 
-    def __new__(cls, name: str, thickness: ThicknessMap, unit: str = "") -> "ThicknessText":
+    def __new__(cls, name: str, thickness: ThicknessMap, unit: str = "") -> "WallDistribution":
         """Name of a file, and what it says."""
         made = super().__new__(cls, name)
         made.thickness, made.unit = thickness, unit
@@ -66,14 +66,14 @@ class ThicknessText(str):
             self.thickness.scaled(parse_length(f"1 {self.unit}", unit, {})) if self.unit else self.thickness
         )
 
-    def on(self, mesh: Mesh) -> "ThicknessText":
+    def on(self, mesh: Mesh) -> "WallDistribution":
         """The same thickness of the triangles on another rest shape."""
         thickness = triangle_thickness(self.thickness.triangles, mesh.V, mesh.F)
-        return ThicknessText(str(self), thickness, self.unit)
+        return WallDistribution(str(self), thickness, self.unit)
 
     def __eq__(self, other: object) -> bool:
         """True for the same name, thickness and unit."""
-        if not isinstance(other, ThicknessText):
+        if not isinstance(other, WallDistribution):
             return False
         own, others = ((str(each), each.unit, each.thickness) for each in (self, other))
         return own == others
@@ -93,7 +93,7 @@ def thickness_text(typed: str, mesh: Mesh, unit: Unit) -> str:
     return read_distribution(path, mesh, unit) if path.suffix.lower() in DISTRIBUTION_SUFFIXES else typed
 
 
-def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> ThicknessText:
+def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> WallDistribution:
     """Wall distribution from a file, on a mesh in ``unit``.
 
     A table has a heading: ``vertex,thickness`` or ``triangle,thickness`` (from 0, in any order),
@@ -118,7 +118,7 @@ def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> ThicknessText:
         raise
     except (InputError, csv.Error) as error:
         raise InputError(f"{path.name}: {str(error).removeprefix(f'{path.name}: ')}") from error
-    return ThicknessText(path.name[:MOST_CHARACTERS], thickness, symbol)
+    return WallDistribution(path.name[:MOST_CHARACTERS], thickness, symbol)
 
 
 def write_distribution(path: Path, thickness: ThicknessMap) -> None:

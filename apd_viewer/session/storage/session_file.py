@@ -32,7 +32,7 @@ from apd_viewer.session.model.opened_file import OpenedFile
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.session.model.timeline import NO_TIMELINE, Timeline
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
-from apd_viewer.session.quantities.wall_distribution import ThicknessText
+from apd_viewer.session.quantities.wall_distribution import WallDistribution
 from apd_viewer.session.storage import session_json
 from apd_viewer.session.storage.session_picture import PICTURE_MEMBER, explaining_errors
 from apd_viewer.session.storage.timeline_json import ArrayReader, timeline_from_json, timeline_to_json
@@ -189,7 +189,7 @@ def _used_maps(state: State, view: View, timeline: Timeline) -> dict[float, Thic
     """Thickness maps of wall and settings, by their means."""
     steps = (each for step in timeline.steps for each in (step.state, step.wall_result))
     used = [each.document.settings.wall_thickness for each in (state, *steps) if each is not None]
-    if isinstance(view.wall.thickness, ThicknessText):
+    if isinstance(view.wall.thickness, WallDistribution):
         used.append(view.wall.thickness.thickness)
     return {float(each): each for each in used if isinstance(each, ThicknessMap)}
 

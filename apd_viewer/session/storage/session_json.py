@@ -30,7 +30,7 @@ from apd_viewer.session.model.view import CameraPose, Point3, RegionImage, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import WallText
-from apd_viewer.session.quantities.wall_distribution import ThicknessText
+from apd_viewer.session.quantities.wall_distribution import WallDistribution
 from apd_viewer.session.storage import part_json
 
 _POINTS = ("position", "focal", "up")
@@ -245,7 +245,7 @@ def _wall_to_json(wall: WallText) -> dict[str, Any]:
     """Wall as typed; empty fields unknown to older sessions are left out."""
     said = dict(zip(_WALL, wall.field_texts, strict=True))
     told = {name: word or None for name, word in said.items() if word or name in ("thickness", "density")}
-    if not isinstance(wall.thickness, ThicknessText):
+    if not isinstance(wall.thickness, WallDistribution):
         return told
     return {**told, _MEAN: float(wall.thickness.thickness), _UNIT: wall.thickness.unit}
 
@@ -261,7 +261,7 @@ def _wall_from_json(fields: JsonFields, maps: ThicknessMaps) -> WallText:
     known, unit = maps.get(fields.number(_MEAN)), fields.text(_UNIT)
     if known is None or unit not in ("", *SYMBOLS):
         raise ValueError(tr("its “wall” is damaged"))
-    return wall._replace(thickness=ThicknessText(wall.thickness, known, unit))
+    return wall._replace(thickness=WallDistribution(wall.thickness, known, unit))
 
 
 def _with_map(settings: Settings, maps: ThicknessMaps) -> Settings:

@@ -21,7 +21,7 @@ from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
-from apd_viewer.session.quantities.wall_distribution import ThicknessText, read_distribution
+from apd_viewer.session.quantities.wall_distribution import WallDistribution, read_distribution
 from apd_viewer.session.quantities.wall_material import wall_material
 from apd_viewer.session.session import Session
 from apd_viewer.ui.filing import file_dialogs
@@ -115,7 +115,7 @@ class VolumeController(QObject):
         if before is None or before.path != mesh.path or not np.array_equal(before.F, mesh.F):
             return None
         typed = wall.thickness
-        return wall._replace(thickness=typed.on(mesh)) if isinstance(typed, ThicknessText) else None
+        return wall._replace(thickness=typed.on(mesh)) if isinstance(typed, WallDistribution) else None
 
     def follow_settings(self, old: State | None, new: State) -> None:
         """Update checks and wall fields after changes of contact or wall thickness."""
@@ -160,7 +160,7 @@ class VolumeController(QObject):
         path = user_file(mesh)
         if path is not None:
             # The memory of files holds texts only: a wall distribution is kept in sessions.
-            is_mapped = isinstance(wall.thickness, ThicknessText)
+            is_mapped = isinstance(wall.thickness, WallDistribution)
             self._memory.remember_wall(path, wall._replace(thickness="") if is_mapped else wall)
 
     def _ask_for_distribution(self) -> None:

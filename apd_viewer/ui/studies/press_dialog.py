@@ -24,7 +24,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, parse_wall, press_method
-from apd_viewer.session.quantities.wall_distribution import TABLE_SUFFIX, ThicknessText, write_distribution
+from apd_viewer.session.quantities.wall_distribution import TABLE_SUFFIX, WallDistribution, write_distribution
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field
@@ -217,7 +217,7 @@ class PressDialog(RunDialog):
                 save_session(source, self._state, self._view, embed=True)
             else:
                 save_mesh(mesh, mesh.V, rest)
-            if isinstance(thickness, ThicknessText):
+            if isinstance(thickness, WallDistribution):
                 table = scratch / f"thickness{TABLE_SUFFIX}"
                 write_distribution(table, thickness.in_unit(unit))
                 options["--thickness"] = str(table)

@@ -29,7 +29,7 @@ from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
-from apd_viewer.session.quantities.wall_distribution import ThicknessText, read_distribution
+from apd_viewer.session.quantities.wall_distribution import WallDistribution, read_distribution
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
@@ -442,7 +442,7 @@ def test_press_dialog_presses_with_a_wall_distribution(asked, tmp_path):
     ask, options = asked
     V, F = box(1, 2, 4)
     thickness = mapped_thickness(np.linspace(0.2, 0.5, len(F)), V, F)
-    wall = PET._replace(thickness=ThicknessText("walls.csv", thickness, "mm"))
+    wall = PET._replace(thickness=WallDistribution("walls.csv", thickness, "mm"))
     dialog = ask(V, F, unit="cm", wall=wall)
     assert "walls.csv" in dialog.wall.text()
     table = Path(options(dialog).thickness)
