@@ -28,9 +28,8 @@ class Weld:
 
     Files repeat vertices at texture seams, and STL repeats all of them: without welding such a mesh falls
     apart into loose triangles. Equal positions are joined; at borders, where rounding leaves cracks, also
-    those within a tolerance of each other, and within half of the shorter boundary edge there. Sheets of one
-    part that lie on each other, such as those of a flat bag, are joined at their borders alone. The solve has
-    joined ones at the place of the first; in the file they keep their offsets from it, which do not turn.
+    those within a tolerance of each other, and within half of the shorter boundary edge there. The solve has
+    them at the place of the first; in the file they keep their offsets from it, which do not turn.
 
     Attributes
     ----------
@@ -61,7 +60,6 @@ class Weld:
         representative = np.empty(len(V), dtype=np.int64)
         representative[order] = leader
         if F is not None:
-            representative = _sheets_apart(F, representative)
             representative = _representatives_across_cracks(V, F, representative, tolerance)
         return cls.from_representatives(V, representative)
 
@@ -143,54 +141,6 @@ def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
     a, b = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     edge = a != b
     return np.minimum(a, b)[edge] * n + np.maximum(a, b)[edge]
-
-
-def _sheets_apart(F: np.ndarray, representative: np.ndarray) -> np.ndarray:
-    """Representatives, with sheets of one part that lie on each other left apart.
-
-    Joined at their inner vertices, too, they would have edges of more than two triangles.
-    """
-    n = len(representative)
-    own = np.arange(n)
-    shared = representative != own
-    shared[representative[shared]] = True
-    near = F[shared[F].any(axis=1)]
-    is_inner = np.zeros(n, dtype=bool)
-    is_inner[near] = True
-    is_inner[boundary_edges(near, n)] = False
-    keys, count = np.unique(_edge_keys(representative[near], n), return_counts=True)
-    crowded = keys[count > 2]
-    apart = is_inner & shared & np.isin(representative, [crowded // n, crowded % n])
-    if not apart.any():
-        return representative
-    # Bodies that touch each other are joined.
-    is_used = np.zeros(n, dtype=bool)
-    is_used[F] = True
-    part = _parts(_with_vertices_apart(representative, apart, is_used)[F], n)
-    _, of, count = np.unique(representative * n + part, return_inverse=True, return_counts=True)
-    return _with_vertices_apart(representative, apart & (count[of] > 1), is_used)
-
-
-def _with_vertices_apart(representative: np.ndarray, apart: np.ndarray, is_used: np.ndarray) -> np.ndarray:
-    """Representatives, those ``apart`` alone; unused vertices follow used ones."""
-    n = len(representative)
-    own, leader = np.arange(n), representative
-    for joined in (apart, is_used & ~apart):
-        lowest = np.full(n, n)
-        np.minimum.at(lowest, representative[joined], own[joined])
-        leader = np.where(lowest[representative] < n, lowest[representative], leader)
-    return np.where(apart, own, leader)
-
-
-def _parts(corners: np.ndarray, n: int) -> np.ndarray:
-    """Number of the connected part of each of ``n`` vertices."""
-    # Imported here: slow, and few meshes have sheets that lie on each other.
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    a, b = corners[:, [0, 0]].ravel(), corners[:, [1, 2]].ravel()
-    found: np.ndarray = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), False)[1]
-    return found
 
 
 def _representatives_across_cracks(

@@ -6,11 +6,8 @@ from meshes import box, grid, rotation, soup
 
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.mesh.weld import WELD_TOLERANCE, Weld
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.deformation_result import deform
-from apd_viewer.verification.case_meshes import disc, sewn_sheets
 
 V, F = box(3, 3, 9)
 LENGTH = np.linalg.norm(np.ptp(V, axis=0))
@@ -64,51 +61,6 @@ def test_weld_never_joins_a_closed_mesh_by_tolerance():
     tiny = V.copy()
     tiny[:, 0] *= 1e-9  # walls far nearer to each other than the tolerance
     assert len(Weld.from_positions(tiny, F).first) == len(V)
-
-
-def flat_bag(n, is_in_pieces=False):
-    """Two sheets that lie on each other, with a common rim, or each with one of its own."""
-    points, corners = disc(n)
-    W, G = sewn_sheets(points, corners, 0.0)
-    if is_in_pieces:
-        W = np.insert(np.concatenate([points, points]), 2, 0.0, axis=1)
-        G = np.concatenate([corners, corners[:, ::-1] + len(points)])
-    return W, G
-
-
-@pytest.mark.parametrize("is_in_pieces", [False, True])
-def test_weld_joins_the_sheets_of_a_flat_bag_at_their_rim_alone(is_in_pieces):
-    n = 4
-    W, G = flat_bag(n, is_in_pieces)
-    found = inspect(Mesh(W, G))
-    assert found.components == 1
-    assert found.volume == pytest.approx(0.0, abs=1e-12)
-    rim, inside = 6 * n, 1 + 3 * n * (n - 1)
-    assert len(Mesh(W, G).weld.first) == 2 * inside + rim
-
-
-def test_weld_lets_a_flat_bag_whose_sheets_lie_on_each_other_be_filled():
-    W, G = flat_bag(4)
-    film = {"method": "wall", "wall_thickness": 1e-3, "tension_field": True}
-    found = deform(W, G, [0], W[:1], filled_volume=0.8, contact=False, **film)
-    assert found.converged
-    assert volume(found.U, G) == pytest.approx(0.8, rel=1e-8)
-
-
-def test_weld_joins_bodies_that_touch_with_a_face():
-    top = V + [0.0, 0.0, 9.0]
-    W, G = np.concatenate([V, top]), np.concatenate([F, F + len(V)])
-    shared = int((V[:, 2] == 9.0).sum())
-    assert len(Mesh(W, G).weld.first) == 2 * len(V) - shared
-    assert inspect(Mesh(W, G)).components == 1
-
-
-def test_weld_joins_unused_vertices_to_a_sheet_of_a_flat_bag():
-    W, G = flat_bag(3)
-    stray = np.concatenate([W[:1], W])
-    inverse = Mesh(stray, G + 1).weld.inverse
-    assert inverse[0] == inverse[1]
-    assert len(np.unique(inverse)) == len(W)
 
 
 def test_weld_keeps_the_two_ends_of_a_short_edge_two():
