@@ -241,7 +241,7 @@ def test_press_command_takes_a_wall_distribution_for_its_thickness(ball, press, 
         reports.append(json.loads(report.read_text(encoding="utf-8")))
     one, same, even = reports
     for name in ("mass_grams", "load_low_newton", "wall_thickness_least", "yield_radius"):
-        assert one[name] == pytest.approx(same[name])
+        assert one[name] == pytest.approx(same[name], rel=1e-4), "millimetres round otherwise"
     assert one["mass_grams"] == pytest.approx(one["area_rest"] * 0.03 * 1.36, rel=1e-3)
     assert 0.02 < one["wall_thickness_least"] < 0.022 < 0.038 < one["wall_thickness_most"] < 0.04
     assert one["load_low_newton"] != pytest.approx(even["load_low_newton"], rel=1e-3)

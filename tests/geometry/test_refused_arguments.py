@@ -40,7 +40,7 @@ CASES = {
         "The convergence must be an apd_viewer.Convergence",
     ),
     "axis by its name": (lambda: press(axis="x"), DIRECTION),
-    "distance in words": (lambda: press(to="60%"), "enter a smaller distance"),
+    "distance in words": (lambda: press(to="wide"), "enter a smaller distance"),
     "start that is not a number": (lambda: press(start=V * np.nan), "Start positions must be"),
     "one obstacle, no list": (
         lambda: deform(contact=True, obstacles=apd_viewer.sphere((0, 0, 3), 1)),

@@ -32,7 +32,7 @@ def texts(item):
 @pytest.fixture
 def ended(qtbot, here, monkeypatch, dialog):
     """The dialog after a run of two cases, one of them coarse and the other not set up."""
-    cases = {"C": CASES["C"], "G": replace(CASES["G"], resolutions=(4, 6))}
+    cases = {"K": CASES["K"], "G": replace(CASES["G"], resolutions=(4, 6))}
     monkeypatch.setattr(case_table, "CASES", cases)
     click(dialog.run.start)
     finish(qtbot, dialog)
@@ -42,7 +42,7 @@ def ended(qtbot, here, monkeypatch, dialog):
 def test_verification_dialog_has_each_quantity_below_its_case_and_the_reason_of_what_is_missing(ended):
     table = ended.table
     missing, wound = (table.topLevelItem(k) for k in range(table.topLevelItemCount()))
-    assert texts(missing)[0].startswith("C  Two discs")
+    assert texts(missing)[0].startswith("K  ")
     assert [texts(missing.child(k))[0][:7] for k in range(missing.childCount())] == ["Not yet"]
     volume = texts(wound.child(0))
     assert volume[:2] == ["volume", "2.5637"]
