@@ -123,10 +123,10 @@ FABRICS = (
     Entry(
         "pillow_pressed",
         "An empty pillow, filled and pressed",
-        "Two squares of film, sewn at their rims, are filled with five litres and pressed to half of their height. "
-        "The film wrinkles, and does not stretch.",
+        "Two squares of cloth, sewn at their rims, are filled with five litres and pressed to half of their height. "
+        "Area and volume are exact at every step.",
         "apd-viewer press pillow.obj --axis y --to 50% --steps 5 --unit cm --volume 5l "
-        "--method wall --tension-field --thickness 0.5mm -o pressed.obj",
+        "--method local --area 100 --area-stiffness 100 --stiffness 0.0001 -o pressed.obj",
         files.pillow,
         state=states.pressed_pillow,
         look=(0.45, 0.4, 0.9),

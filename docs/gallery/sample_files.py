@@ -99,7 +99,7 @@ def cushion(folder: Path, count: int) -> None:
 
 
 def pillow(folder: Path, count: int) -> None:
-    """Two squares of film, sewn at their rims: an empty pillow 40 cm wide."""
+    """Two squares of cloth, sewn at their rims: an empty pillow 40 cm wide."""
     n = 2 * round(min(count / 8, 196) ** 0.5)  # with an odd number both sheets would share triangles
     uv, F = grid(n, n)
     V, F = sewn_sheets(40.0 * uv, F, 0.01)

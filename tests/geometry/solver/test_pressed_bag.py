@@ -56,6 +56,17 @@ def test_press_keeps_the_area_of_a_filled_pillow_exactly_where_that_is_asked(n):
     assert [step.area_error for step in found.steps] == pytest.approx([0.0] * 4, abs=1e-9)
 
 
+@pytest.mark.parametrize("method", ["exact", "local"])
+@pytest.mark.parametrize("n", [12, pytest.param(40, marks=pytest.mark.night)])
+def test_press_halves_the_height_of_a_filled_pillow_of_cloth_with_its_area_exact(method, n):
+    V, F = pillow(n)
+    found = press(V, F, Z, "50%", 5, method=method, filled_volume=FILLED, area="100%", stiffness=1e-4)
+    check_steps(found)
+    assert (np.diff([step.load for step in found.steps]) > 0.0).all()
+    assert [step.area_error for step in found.steps] == pytest.approx([0.0] * 6, abs=1e-11)
+    assert np.ptp(found.U[:, 2]) < 0.5 * np.ptp(found.steps[0].U[:, 2])
+
+
 def test_press_comes_to_rest_where_a_full_pillow_has_to_stretch():
     """The gap to the plates does not vanish under its pressure."""
     V, F = pillow(8)
