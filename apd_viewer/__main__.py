@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import apd_viewer
+from apd_viewer.commands.terminal.command_output import STANDARD_OUTPUT
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals, prepare_streams, print_error
 from apd_viewer.errors import InputError
@@ -68,13 +69,26 @@ def _run(words: list[str]) -> None:
         with log.recording_log(options.log_level):
             if words and words[0] in COMMANDS:
                 with exit_on_signals():
-                    options.run(options)
+                    _run_command(options)
             else:
                 options.run(options)
     except SystemExit:
         sys.stdout.flush()
         raise
     sys.stdout.flush()
+
+
+def _run_command(options: argparse.Namespace) -> None:
+    """Run a command and show its output; raises SystemExit with a status above 0."""
+    if options.json not in (None, STANDARD_OUTPUT):
+        # Imported here: the thumbnails of a file manager should not wait for it.
+        from apd_viewer.files.mesh_writing import check_writable
+
+        check_writable(Path(options.json))
+    output = options.run(options)
+    output.show(options.json)
+    if output.status:
+        raise SystemExit(output.status)
 
 
 def parse_arguments(words: list[str]) -> argparse.Namespace:
@@ -90,9 +104,8 @@ def parse_arguments(words: list[str]) -> argparse.Namespace:
 
 
 def _view_parser() -> Parser:
-    parser = Parser(
-        prog="apd-viewer", usage=_USAGE, description=tr("Area-preserving deformation of 3D objects.")
-    )
+    about = tr("Area-preserving deformation of 3D objects.")
+    parser = Parser(has_output=False, prog="apd-viewer", usage=_USAGE, description=about)
     parser.add_argument(
         "file",
         nargs="?",

@@ -4,6 +4,7 @@ import argparse
 
 from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.files.fe_deck import SIX_NODES, THREE_NODES, check_deck, write_deck
@@ -53,7 +54,7 @@ def _add_wall_options(parser: Parser) -> None:
 
 
 @unit_option_in_errors()
-def _deck(options: argparse.Namespace) -> None:
+def _deck(options: argparse.Namespace) -> CommandOutput:
     output = check_deck(options.output)
     document, view, motion = read_input(options)
     unit = Unit(options.unit or view.unit)
@@ -66,4 +67,6 @@ def _deck(options: argparse.Namespace) -> None:
     wall = deck_wall(text, unit, diagonal(document.mesh.V))
     deck = deck_of(document, wall, options.steps, motion)._replace(element=options.elements)
     write_deck(output, deck)
-    print("\n".join([deck_sentence(str(output), deck), *mesh_remarks(document.mesh)]))
+    lines = [deck_sentence(str(output), deck), *mesh_remarks(document.mesh)]
+    counts = {"shells": len(deck.used_faces), "held_nodes": deck.held_count, "steps": len(deck.steps)}
+    return CommandOutput(lines, lambda: {"mesh": document.mesh.name, "deck": str(output), **counts})

@@ -12,6 +12,7 @@ import numpy as np
 from apd_viewer.commands import result_output
 from apd_viewer.commands.motion_options import add_motion_options, motion_from
 from apd_viewer.commands.terminal import setting_options
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
@@ -19,6 +20,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.report import report_fields
 from apd_viewer.files.selections.selection import Selection, default_name
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
@@ -97,7 +99,7 @@ def _region(words: Sequence[str], vertices: int) -> Region:
     return Region(name, read_region(path, vertices), percent[0] if percent else None)
 
 
-def _deform(options: argparse.Namespace) -> None:
+def _deform(options: argparse.Namespace) -> CommandOutput:
     output = check_mesh_path(options.output)
     if options.picture:
         check_picture(options.picture)
@@ -135,15 +137,16 @@ def _deform(options: argparse.Namespace) -> None:
         progress=result_output.progress_line_callback(*last) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
+    fields = report_fields(mesh, result, target) if options.report or options.json else {}
     with ExitStack() as beside:  # output files are replaced together, the mesh before the files beside it
         if picture:
             beside.enter_context(replacing_file(options.picture)).write_bytes(picture)
         painted = selection.labels, _member(regions, len(mesh.V))
         result_output.write_scalar_files(beside, options, mesh, result.U, *painted, target)
-        written = result_output.write_result(beside, mesh, result, options.report, output, target)
-    print(result_output.result_summary(mesh, result, output, written))
-    if options.picture and not picture:
-        print(no_pictures_reason())
+        written = result_output.write_result(beside, mesh, result, options.report, output, fields)
+    lines = [result_output.result_summary(mesh, result, output, written)]
+    lines += [no_pictures_reason()] if options.picture and not picture else []
+    return CommandOutput(lines, lambda: fields)
 
 
 def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection) -> list[list[np.ndarray]]:

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from apd_viewer.commands.terminal.columns import column_count, padded_text
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.samples import open_sample, resource_path
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.storage.atomic_file import staging_folder
-from apd_viewer.files.tables import write_table
+from apd_viewer.files.tables import Cell, write_table
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deformation_result import Result, deform
@@ -30,6 +31,9 @@ _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated fractions of the work; th
 TOLERANCE = 1e-3
 _METHODS = "arap", "paper"  # in column order
 TABLE_TITLES = {"bottle": tr("Table 1: twisting a bottle"), "duck": tr("Table 2: bending a duck")}
+_MEASURED = "area_rest", "area", "area_error", "handle_drift", "iterations"
+_PUBLISHED = "move", "said_area_rest", "said_area", "said_area_error", "within_tolerance"
+_COLUMNS = "case", "method", *_MEASURED, *_PUBLISHED
 _HEADINGS = (
     tr("motion"),
     "",
@@ -52,7 +56,7 @@ def paper_parser() -> Parser:
     return parser
 
 
-def _paper(options: argparse.Namespace) -> None:
+def _paper(options: argparse.Namespace) -> CommandOutput:
     progress = Progress(options.progress_lines)
     drawn = True
     with ExitStack() as stack:
@@ -65,11 +69,9 @@ def _paper(options: argparse.Namespace) -> None:
             _write_curves(folder, progress)
             drawn = _draw_shapes(table, folder, progress)
         progress.end()
-    print(format_tables(table))
-    print()
-    print(tolerance_verdict(table))
-    if not drawn:
-        print(no_pictures_reason())
+    lines = [format_tables(table), "", tolerance_verdict(table)]
+    lines += [] if drawn else [no_pictures_reason()]
+    return CommandOutput(lines, lambda: [dict(zip(_COLUMNS, cells, strict=True)) for cells in _cells(table)])
 
 
 def _write_curves(folder: Path, progress: Progress) -> None:
@@ -240,15 +242,17 @@ def tolerance_verdict(rows: Sequence[PaperTableRow]) -> str:
 
 def write_csv(rows: Iterable[PaperTableRow], path: Path) -> None:
     """Write all digits of the rows as CSV; raises InputError if that fails."""
-    measured = "area_rest", "area", "area_error", "handle_drift", "iterations"
-    said = "move", "said_area_rest", "said_area", "said_area_error", "within_tolerance"
-    lines = [
+    write_table(path, _COLUMNS, _cells(rows))
+
+
+def _cells(rows: Iterable[PaperTableRow]) -> list[tuple[Cell, ...]]:
+    """Cells of the rows, by method, with all digits."""
+    return [
         (
-            *(row.name, result.method, *(getattr(result, name) for name in measured)),
+            *(row.name, result.method, *(getattr(result, name) for name in _MEASURED)),
             *(row.case.title, row.case.rest, area, area / row.case.rest - 1),
             abs(result.area_error) <= TOLERANCE,
         )
         for row in rows
         for result, area in ((row.arap, row.case.arap), (row.paper, row.case.paper))
     ]
-    write_table(path, ("case", "method", *measured, *said), lines)

@@ -1,7 +1,6 @@
 """The ``press`` command: press a mesh between two closing plates."""
 
 import argparse
-import json
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
@@ -13,6 +12,7 @@ import numpy as np
 from apd_viewer.commands.press_band_output import CylinderAsWide, band_fields, band_lines, band_rows
 from apd_viewer.commands.press_output import load_conditions, press_report, press_rows, press_summary
 from apd_viewer.commands.result_output import mesh_remarks
+from apd_viewer.commands.terminal.command_output import CommandOutput, json_text
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
@@ -141,10 +141,10 @@ def parse_distance(text: str) -> float | str:
     return parse_number(text, {})
 
 
-def _press(options: argparse.Namespace) -> None:
+def _press(options: argparse.Namespace) -> CommandOutput:
     meshes = [path for path in (options.output, options.crushed) if path]
     written = [*meshes, options.curve, options.figure, options.report]
-    if not any(written):
+    if not any(written) and not options.json:
         raise InputError(tr("Nothing would be written; add -o, --curve, --figure or --report."))
     for path in meshes:
         check_mesh_path(path)
@@ -194,21 +194,22 @@ def _press(options: argparse.Namespace) -> None:
                 else None
             )
             draw_press_curves(found, folder / options.figure.name, force, band)
-        if options.report:
+        fields = dict[str, Any]()
+        if options.report or options.json:
             fields = press_report(mesh, rest, found, settings, wall, newtons)
-            if band:
-                fields["band"] = band_fields(band, options.dents, newtons, cylinder)
-            said = json.dumps(fields, indent=2) + "\n"
-            beside.enter_context(replacing_file(options.report)).write_text(said, encoding="utf-8")
+            fields |= {"band": band_fields(band, options.dents, newtons, cylinder)} if band else {}
+        if options.report:
+            scratch = beside.enter_context(replacing_file(options.report))
+            scratch.write_text(json_text(fields), encoding="utf-8")
         if options.crushed:
             save_mesh(mesh, found.steps[-1].U, options.crushed, wall.unit.symbol)
         if options.output:
             save_mesh(mesh, found.U, options.output, wall.unit.symbol)
-    first = next(path for path in written if path)
+    first = next(filter(None, written), Path(mesh.name))
     extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
     lines = [press_summary(found, rest, first, wall, newtons, extent)]
     lines += band_lines(band, options.dents, newtons, cylinder) if band else []
-    print("\n".join([*lines, *mesh_remarks(mesh)]))
+    return CommandOutput([*lines, *mesh_remarks(mesh)], lambda: fields)
 
 
 def _presses(

@@ -17,12 +17,14 @@ import numpy as np
 from apd_viewer.cases.case import document_turns
 from apd_viewer.commands import result_output
 from apd_viewer.commands.terminal.animation_options import add_animation_option, is_film, scratch_path_beside
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations import animation_files
 from apd_viewer.files.animations.animation_shapes import Animation, ShapeRecorder
 from apd_viewer.files.mesh_writing import check_mesh_path
+from apd_viewer.files.report import report_fields
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.measurement import Measurement, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
@@ -58,7 +60,7 @@ def replay_parser() -> Parser:
     return parser
 
 
-def _replay(options: argparse.Namespace) -> None:
+def _replay(options: argparse.Namespace) -> CommandOutput:
     if Path(options.session).suffix.lower() != SESSION_SUFFIX:
         raise InputError(
             tr("{name} is not a session; give a .apd file.").format(name=Path(options.session).name)
@@ -76,15 +78,16 @@ def _replay(options: argparse.Namespace) -> None:
         mesh = document.mesh
         painted = document.labels, document.member
         result_output.write_scalar_files(beside, options, mesh, result.U, *painted, document.target_shape)
-        more = measurements_report(document, result.U) if options.report else {}
+        fields = dict[str, Any]()
+        if options.report or options.json:
+            fields = report_fields(mesh, result, document.target_shape)
+            fields |= measurements_report(document, result.U)
         if shapes is not None:
             _write_animations(options.animation, document, shapes, beside)
-        written = result_output.write_result(
-            beside, mesh, result, options.report, output, document.target_shape, more
-        )
-    print(result_output.result_summary(mesh, result, output, written))
-    if missing := missing_target_sentence(document):
-        print(missing)
+        written = result_output.write_result(beside, mesh, result, options.report, output, fields)
+    lines = [result_output.result_summary(mesh, result, output, written)]
+    lines += [missing] if (missing := missing_target_sentence(document)) else []
+    return CommandOutput(lines, lambda: fields)
 
 
 def _scratch(stack: ExitStack) -> Path:

@@ -5,14 +5,13 @@ import sys
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 
+from apd_viewer.commands.terminal.command_output import json_text
 from apd_viewer.commands.terminal.parser import add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import WrittenMesh, save_mesh
-from apd_viewer.files.report import write_report
 from apd_viewer.files.scalar_files import ScalarRows, check_scalar_file, write_scalars
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.mesh_findings import file_findings
@@ -37,12 +36,11 @@ def write_result(
     result: Result,
     report: Path | None,
     output: Path,
-    target: TargetShape | None = None,
-    more_fields: Mapping[str, object] = MappingProxyType({}),
+    fields: Mapping[str, object],
 ) -> WrittenMesh:
-    """Write the mesh and, if requested, a report with ``more_fields``."""
+    """Write the mesh and, if requested, its ``fields`` as a report."""
     if report:
-        write_report(stack.enter_context(replacing_file(report)), mesh, result, target, more_fields)
+        stack.enter_context(replacing_file(report)).write_text(json_text(fields), encoding="utf-8")
     return save_mesh(mesh, result.U, output)
 
 

@@ -7,6 +7,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from apd_viewer.cases.run_case import INPUTS_FOLDER
 from apd_viewer.cases.study import Study
 from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.cases.study_progress import CaseCounts, StudyForecast, study_forecast
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
@@ -73,7 +75,7 @@ def _columns() -> str:
     return tr("Columns of a plan, besides notes that begin with #: {columns}.").format(columns=text)
 
 
-def _study(options: argparse.Namespace) -> None:
+def _study(options: argparse.Namespace) -> CommandOutput:
     localize_numbers(False)  # sentences are stored in result files and must not depend on the number format
     if options.limit is not None and not options.limit > 0.0:
         raise InputError(tr("--limit must be greater than 0 seconds."))
@@ -83,17 +85,16 @@ def _study(options: argparse.Namespace) -> None:
         plan = read_plan(options.plan, InputFiles(options.output / INPUTS_FOLDER, keeps_copies=False))
         left = study_forecast(plan, options.output, options.retry_failed)
         print(mistake_lines(plan), end="", file=sys.stderr)
-        print(work_left_lines(left, _processes(options)))
-        return
+        return CommandOutput([work_left_lines(left, _processes(options))], left._asdict)
     study = Study(options.plan, options.output, options.retry_failed)
     try:
         print(mistake_lines(study.plan), end="", file=sys.stderr)
-        _run(study, options)
+        return _run(study, options)
     finally:
         study.close()
 
 
-def _run(study: Study, options: argparse.Namespace) -> None:
+def _run(study: Study, options: argparse.Namespace) -> CommandOutput:
     progress = Progress(options.progress_lines, _LOG)
     at_once = True
     engine: Engine | None = None
@@ -115,11 +116,14 @@ def _run(study: Study, options: argparse.Namespace) -> None:
         progress.end()
         if engine is not None:
             engine.close(at_once)
-    print(study_summary(table, options.output))
     print(damaged_results_line(study.damaged_count), end="", file=sys.stderr)
     if study.unfinished_cases:
         print(tr("interrupted; repeat the command to continue"), file=sys.stderr)
-        raise SystemExit(_INTERRUPTED)
+    return CommandOutput(
+        [study_summary(table, options.output)],
+        partial(study_report, table, options.output),
+        _INTERRUPTED if study.unfinished_cases else 0,
+    )
 
 
 def _engine(options: argparse.Namespace) -> Engine:
@@ -216,6 +220,18 @@ def study_summary(table: ResultTable, folder: Path) -> str:
     return "\n".join([*lines, *_first_lines(failed), *_first_lines(folds)])
 
 
+def study_report(table: ResultTable, folder: Path) -> dict[str, Any]:
+    """Fields of the JSON output on the results of a study."""
+    failed = [row for row in table.rows if row.status == FAILED]
+    folds = [{"lines": lines, "spread": spread} for lines, spread in table.competing_folds.items()]
+    return {
+        "results": str(folder / "results.csv"),
+        "cases": Counter(row.status for row in table.rows),
+        "failed": [{"line": row.line, "sentence": row.sentence} for row in failed],
+        "competing_folds": folds,
+    }
+
+
 def damaged_results_line(count: int) -> str:
     """Line on the number of damaged results; empty if there are none."""
     text = trn(
@@ -264,7 +280,7 @@ def design_parser() -> Parser:
     return parser
 
 
-def _design(options: argparse.Namespace) -> None:
+def _design(options: argparse.Namespace) -> CommandOutput:
     check_writable(options.output)
     given = _constant_cells(options)
     vary = [parse_variable(text) for text in options.vary]
@@ -280,7 +296,8 @@ def _design(options: argparse.Namespace) -> None:
         for row in rows
     ]
     write_table(options.output, columns, rows)
-    print(tr("{path}: {count:,} cases").format(path=options.output, count=len(rows)))
+    said = tr("{path}: {count:,} cases").format(path=options.output, count=len(rows))
+    return CommandOutput([said], lambda: {"plan": str(options.output), "cases": len(rows)})
 
 
 def _constant_cells(options: argparse.Namespace) -> dict[str, str]:

@@ -21,6 +21,7 @@ from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.animation_options import AnimationTargets, add_animation_option
 from apd_viewer.commands.terminal.columns import format_signed
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import add_contact_option, add_criteria, given_criteria
@@ -70,7 +71,7 @@ def sweep_parser() -> Parser:
     return parser
 
 
-def _sweep(options: argparse.Namespace) -> None:
+def _sweep(options: argparse.Namespace) -> CommandOutput:
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
     document, view, motion = read_input(options, options.weld)
     if options.contact is not None:
@@ -102,11 +103,9 @@ def _sweep(options: argparse.Namespace) -> None:
         films = [animations.scratch_path(path, folder, stack) for path in animations.films()]
         filmed = not films or write_sweep_films(case, steps, kept, view.camera, films, progress)
         progress.end()
-    print(sweep_summary(swept, options.output))
-    for sentence in _warnings(options, cases):
-        print(sentence)
-    if not filmed:
-        print(no_pictures_reason())
+    warnings = [*_warnings(options, cases), *([] if filmed else [no_pictures_reason()])]
+    told = {"folder": str(options.output), "steps": lines, "warnings": warnings}
+    return CommandOutput([sweep_summary(swept, options.output), *warnings], lambda: told)
 
 
 def _warnings(options: argparse.Namespace, cases: Sequence[Case]) -> set[str]:

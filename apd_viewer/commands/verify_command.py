@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from apd_viewer.commands.terminal.columns import column_count, padded_text
+from apd_viewer.commands.terminal.command_output import STANDARD_OUTPUT, CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
@@ -31,7 +32,6 @@ def verify_parser() -> Parser:
     )
     words = tr("letters of the cases, such as A,H; default: all")
     add_option(parser, "--case LETTERS", words)
-    add_option(parser, "--json", tr("print JSON, for scripts"))
     add_option(parser, "-o, --output DIR", tr("folder for a figure of each case, and the table"), type=Path)
     add_option(parser, "--progress-lines", tr("report progress as lines of JSON"))
     parser.set_defaults(run=_verify)
@@ -56,7 +56,7 @@ def cases_of(letters: str | None) -> list[VerificationCase]:
     return [CASES[letter] for letter in found]
 
 
-def _verify(options: argparse.Namespace) -> None:
+def _verify(options: argparse.Namespace) -> CommandOutput:
     cases, rows = cases_of(options.case), list[VerificationRow]()
     table = _Table(cases)
     with ExitStack() as stack:
@@ -65,17 +65,13 @@ def _verify(options: argparse.Namespace) -> None:
             rows += run.rows
             if folder is not None and run.measured:
                 _draw(run, folder)
-            if not options.json and not options.progress_lines:
+            if options.json != STANDARD_OUTPUT and not options.progress_lines:
                 print(table.lines(run), flush=True)
         if folder is not None:
             write_table(folder / "verification.csv", VerificationRow._fields, rows)
-    if options.json:
-        print(json.dumps([row._asdict() for row in rows], indent=2))
-    else:
-        print(verification_summary(rows))
     # A program reading the progress lines has seen the rows, and expects the status 0.
-    if any(row.is_worse for row in rows) and not options.progress_lines:
-        raise SystemExit(1)
+    is_worse = any(row.is_worse for row in rows) and not options.progress_lines
+    return CommandOutput([verification_summary(rows)], lambda: [row._asdict() for row in rows], int(is_worse))
 
 
 def _finished_runs(cases: Sequence[VerificationCase], progress: Progress, is_told: bool) -> Iterator[CaseRun]:

@@ -1,9 +1,9 @@
 """The ``volumes`` command: volumes by name, with published values for comparison."""
 
 import argparse
-import json
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from apd_viewer.commands.press_command import parse_axis
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.errors import InputError
@@ -58,13 +59,12 @@ def volumes_parser() -> Parser:
     add_option(parser, "--levels C.csv", tr("write the volume at each level"), type=Path)
     about = tr("draw the level over the volume, as F.png and F.svg")
     add_option(parser, "--figure F.png", about, type=Path)
-    add_option(parser, "--json V.json", tr("write the readings as JSON"), type=Path)
     parser.set_defaults(run=_volumes)
     return parser
 
 
 @unit_option_in_errors()
-def _volumes(options: argparse.Namespace) -> None:
+def _volumes(options: argparse.Namespace) -> CommandOutput:
     mesh = open_mesh(options.mesh)
     unit = Unit(options.unit or mesh.unit)
     litres = _bag(options.bag, unit)
@@ -81,13 +81,8 @@ def _volumes(options: argparse.Namespace) -> None:
         _write_levels(options.levels, Vessel(mesh.V, mesh.F, up))
     if options.figure is not None and up is not None:
         _draw_levels(options.figure, [mesh, *([] if before is None else [before])], up, fill, unit)
-    if options.json is not None:
-        names = mesh.name, None if before is None else before.name
-        report = volumes_report(names, now, rest, unit, wall.density, litres)
-        with replacing_file(options.json) as scratch:
-            scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     rows = tuple(volume_text.volume_rows(rest or now, now, unit, wall.density, litres, _up_name(up)))
-    print(volume_lines(mesh.name, rows, rest is not None))
+    lines = [volume_lines(mesh.name, rows, rest is not None)]
     for each, found in ((mesh, now), (before, rest)):
         if each is None or found is None:
             continue
@@ -96,8 +91,10 @@ def _volumes(options: argparse.Namespace) -> None:
             remarks.insert(
                 0, tr("There is no volume: {why}.").format(why=inspect(each).missing_volume_phrase)
             )
-        for sentence in remarks:
-            print(f"{each.name}: {sentence}")
+        lines += [f"{each.name}: {sentence}" for sentence in remarks]
+    names = mesh.name, None if before is None else before.name
+    report = partial(volumes_report, names, now, rest, unit, wall.density, litres)
+    return CommandOutput(lines, report)
 
 
 def _filling(options: argparse.Namespace, rest: Mesh, unit: Unit) -> tuple[np.ndarray | None, float | None]:

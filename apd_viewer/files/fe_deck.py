@@ -95,6 +95,11 @@ class Deck(NamedTuple):
     notes: tuple[str, ...] = ()
     element: str = SIX_NODES
 
+    @property
+    def held_count(self) -> int:
+        """Number of held nodes."""
+        return sum(len(part.vertices) for part in self.held_sets)
+
 
 def check_deck(path: str | Path) -> Path:
     """Return ``path`` if its name allows writing a deck, else raise InputError."""

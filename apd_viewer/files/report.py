@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck, check_shape
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
     import numpy as np
 
     from apd_viewer.geometry.analysis.target_shape import TargetShape
@@ -22,17 +16,8 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.solver.deformation_result import Result
 
 
-def write_report(
-    path: Path,
-    mesh: Mesh,
-    result: Result,
-    target: TargetShape | None = None,
-    more_fields: Mapping[str, object] = MappingProxyType({}),
-) -> None:
-    """Write the readings of ``result`` and further fields as JSON; raises InputError.
-
-    ``target`` is the target shape for comparison, if any.
-    """
+def report_fields(mesh: Mesh, result: Result, target: TargetShape | None = None) -> dict[str, Any]:
+    """Fields of a report, by name; with distances from a target shape, if any."""
     readings = asdict(result)
     del readings["U"]
     readings["convergence"] = result.convergence._asdict()
@@ -51,9 +36,7 @@ def write_report(
         report |= {f"{name}{suffix}": reading for name, reading in room.items()}
     if target is not None:
         report |= {"target_shape": target.mesh.name, **target_distance_fields(target, mesh, result.U)}
-    report |= more_fields
-    with replacing_file(path) as scratch:
-        scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    return report
 
 
 def target_distance_fields(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]:

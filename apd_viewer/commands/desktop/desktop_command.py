@@ -11,6 +11,7 @@ import sysconfig
 from collections.abc import Sequence
 from pathlib import Path
 
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.samples import resource_path
@@ -44,19 +45,23 @@ def own_command() -> list[str]:
     return [sys.executable, "-m", "apd_viewer"]
 
 
-def _desktop(options: argparse.Namespace) -> None:
+def _desktop(options: argparse.Namespace) -> CommandOutput:
     _check_system()
-    folder = data_folder()
+    folder, missing = data_folder(), list[str]()
     if options.install:
         missing = install_files(folder, own_command())
-        print(tr("Added menu entry, icon, file types and thumbnails to {folder}.").format(folder=folder))
-        if missing:
-            said = tr("Files cannot be opened by a click yet: install {programs} and repeat this command.")
-            print(said.format(programs=tr(" and ").join(missing)))
+        lines = [tr("Added menu entry, icon, file types and thumbnails to {folder}.")]
+        lines += (
+            [tr("Files cannot be opened by a click yet: install {programs} and repeat this command.")]
+            if missing
+            else []
+        )
     elif remove_files(folder):
-        print(tr("Removed menu entry, icon, file types and thumbnails from {folder}.").format(folder=folder))
+        lines = [tr("Removed menu entry, icon, file types and thumbnails from {folder}.")]
     else:
-        print(tr("There was nothing to remove in {folder}.").format(folder=folder))
+        lines = [tr("There was nothing to remove in {folder}.")]
+    lines = [line.format(folder=folder, programs=tr(" and ").join(missing)) for line in lines]
+    return CommandOutput(lines, lambda: {"folder": str(folder), "missing_programs": missing})
 
 
 def _check_system() -> None:

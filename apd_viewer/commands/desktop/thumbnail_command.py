@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable, open_mesh
@@ -37,7 +38,7 @@ def thumbnail_parser() -> Parser:
     return parser
 
 
-def _thumbnail(options: argparse.Namespace) -> None:
+def _thumbnail(options: argparse.Namespace) -> CommandOutput:
     path, size = options.file, options.size
     if not _LEAST <= size <= _MOST:
         raise InputError(
@@ -51,6 +52,7 @@ def _thumbnail(options: argparse.Namespace) -> None:
     )
     with replacing_file(options.output) as scratch:
         scratch.write_bytes(png_content(pixels))
+    return CommandOutput((), lambda: {"picture": str(options.output), "size": pixels.shape[1::-1]})
 
 
 def _session_thumbnail(path: Path, size: int) -> np.ndarray:

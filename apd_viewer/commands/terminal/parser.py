@@ -1,10 +1,12 @@
 """Command-line parser in the user's language."""
 
 import argparse
+import sys
 from collections.abc import Iterable
 from typing import Any
 
 from apd_viewer.commands.terminal.columns import column_count, wrapped_lines
+from apd_viewer.commands.terminal.command_output import STANDARD_OUTPUT
 from apd_viewer.language import tr, trn
 
 # Texts of argparse in Python 3.10 to 3.13, listed for translation; argparse looks them up itself.
@@ -51,10 +53,19 @@ class _Formatter(argparse.HelpFormatter):
         return "\n".join(indent + line for line in wrapped_lines(text, width - len(indent)))
 
 
-class Parser(argparse.ArgumentParser):
-    """Parser with one-line errors and with help in the user's language."""
+_JSON, _JSON_FILE = "--json", ".json"
 
-    def __init__(self, **settings: Any) -> None:
+
+class Parser(argparse.ArgumentParser):
+    """Parser with one-line errors and with help in the user's language.
+
+    Parameters
+    ----------
+    has_output : bool
+        The command has an output for scripts.
+    """
+
+    def __init__(self, has_output: bool = True, **settings: Any) -> None:
         super().__init__(add_help=False, formatter_class=_Formatter, **settings)
         self.add_argument("-h", "--help", action="help", help=tr("show this help message and exit"))
         self.add_argument(
@@ -66,11 +77,30 @@ class Parser(argparse.ArgumentParser):
                 "by default info is logged and nothing is printed"
             ),
         )
+        if has_output:
+            about = tr("print JSON in place of text, or write it to a file beside the text")
+            self.add_argument(_JSON, metavar="FILE.json", nargs="?", help=about)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Namespace and unknown words; a word after ``--json`` is its file only if it ends like one."""
+        words = sys.argv[1:] if args is None else args
+        return super().parse_known_args(_with_json_joined(words), namespace)
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Print the error in one line, without argparse's usage."""
         said = tr("error: {message}; see {program} --help").format(message=message, program=self.prog)
         self.exit(2, f"{said}\n")
+
+
+def _with_json_joined(words: Iterable[str]) -> list[str]:
+    """Words with the file, or the standard output, as part of the option ``--json``."""
+    joined = list[str]()
+    for word in words:
+        if joined and joined[-1] == _JSON and word.lower().endswith(_JSON_FILE):
+            joined[-1] = f"{_JSON}={word}"
+        else:
+            joined.append(word)
+    return [f"{_JSON}={STANDARD_OUTPUT}" if word == _JSON else word for word in joined]
 
 
 def add_option(parser: argparse._ActionsContainer, words: str, about: str = "", **how: Any) -> None:

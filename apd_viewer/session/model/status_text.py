@@ -53,8 +53,7 @@ def deck_sentence(name: str, deck: Deck) -> str:
         "{name}: {shells:,} shells, {held:,} held nodes, {n} steps.",
         len(deck.steps),
     )
-    held = sum(len(part.vertices) for part in deck.held_sets)
-    return sentence.format(name=name, shells=len(deck.used_faces), held=held, n=len(deck.steps))
+    return sentence.format(name=name, shells=len(deck.used_faces), held=deck.held_count, n=len(deck.steps))
 
 
 def baking_sentence(area: float, before: float, unit: Unit) -> str:
