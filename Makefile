@@ -104,6 +104,7 @@ docs: .venv/.tools ## build the site into build/docs; links between pages are ch
 
 wheel: docs ## build a wheel of this system, with the manual and compiled kernels in it, into dist
 	@.ci/step "Compiling the kernels (about 2 minutes)" .venv/bin/python resources/installer/kernels.py
+	@.ci/step "Writing the completions for shells" .venv/bin/python resources/installer/completions.py
 	@.ci/step "Building the wheel" .venv/bin/python -m pip wheel --quiet --no-deps -w dist .
 	@echo "See dist."
 
@@ -122,6 +123,7 @@ manual = $(packer)/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees 
 installer: $(packer)/.installed ## build a program that needs no Python, in a package of this system in dist/
 	@.ci/system-packages binutils
 	@.ci/step "Writing the manual" $(manual)
+	@.ci/step "Writing the completions for shells" $(packer)/bin/python resources/installer/completions.py
 	@.ci/step "Building the program and its package (several minutes)" $(packer)/bin/python resources/installer/build.py
 
 $(packer)/.installed: pyproject.toml

@@ -1,6 +1,7 @@
-"""Builds into the wheel what is made before: the manual, and compiled kernels.
+"""Builds into the wheel what is made before: manual, compiled kernels, and completions for shells.
 
-``make docs`` has left the pages in build/docs, resources/installer/kernels.py the kernels in build/kernels.
+``make docs`` has left the pages in build/docs; in resources/installer, kernels.py has left the kernels in
+build/kernels, and completions.py the completions in build/completions.
 """
 
 import sysconfig
@@ -11,6 +12,12 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 _PAGES = "build/docs"
 _KERNELS = "build/kernels"
+# Where shells look for completions, below the prefix of an installation.
+_COMPLETIONS = {
+    "build/completions/bash": "share/bash-completion/completions/apd-viewer",
+    "build/completions/zsh": "share/zsh/site-functions/_apd-viewer",
+    "build/completions/fish": "share/fish/vendor_completions.d/apd-viewer.fish",
+}
 # What no page shows: maps for debugging its style, and what Sphinx keeps for itself.
 _NEEDLESS = (".map", ".buildinfo", "objects.inv", "webpack-macros.html")
 
@@ -25,6 +32,9 @@ class CustomBuildHook(BuildHookInterface[Any]):
         self._add_pages(build_data)
         if self.target_name == "wheel":
             self._add_kernels(build_data)
+            for path, place in _COMPLETIONS.items():
+                if (Path(self.root) / path).is_file():
+                    build_data["shared_data"][str(Path(self.root) / path)] = place
 
     def _add_pages(self, build_data: dict[str, Any]) -> None:
         pages = Path(self.root) / _PAGES

@@ -183,6 +183,16 @@ def test_package_takes_the_manual_along_in_its_wheel_where_it_is_built(wheel, pa
         assert all(archive.read(name).decode() == f"docs/{name.split('/', 2)[2]}" for name in inside)
 
 
+def test_package_takes_the_completions_of_shells_along_in_its_wheel(wheel):
+    with zipfile.ZipFile(wheel(["completions/bash", "completions/zsh", "completions/fish"])) as archive:
+        inside = {name.partition(".data/data/")[2] for name in archive.namelist() if ".data/" in name}
+    assert inside == {
+        "share/bash-completion/completions/apd-viewer",
+        "share/zsh/site-functions/_apd-viewer",
+        "share/fish/vendor_completions.d/apd-viewer.fish",
+    }
+
+
 def test_package_with_kernels_has_a_wheel_of_this_system(wheel):
     compiled = [
         f"kernels/apd_viewer/geometry/{name}" for name in ("a-1.py311.nbi", "b/c-2.py311.1.nbc", "d.tmp")

@@ -22,6 +22,12 @@ _DESKTOP = {
     "desktop/apd-viewer.xml": "usr/share/mime/packages",
     "icons/apd-viewer.svg": "usr/share/icons/hicolor/scalable/apps",
 }
+# Completions for shells below build, and where they belong.
+_COMPLETIONS = {
+    "completions/bash": "usr/share/bash-completion/completions/apd-viewer",
+    "completions/zsh": "usr/share/zsh/vendor-completions/_apd-viewer",
+    "completions/fish": "usr/share/fish/vendor_completions.d/apd-viewer.fish",
+}
 _WITHOUT = {"libtbb.so.12"}  # numba's other way to use threads
 _OPTIONAL = "/platformthemes/libqgtk3.so"  # the looks of GTK, where it is installed
 _CONTROL = """\
@@ -103,6 +109,9 @@ def package(program: Path, tree: Path, place: Path) -> Path:
     for source, folder in _DESKTOP.items():
         (tree / folder).mkdir(parents=True, exist_ok=True)
         shutil.copyfile(_RESOURCES / source, tree / folder / Path(source).name)
+    for source, place_of_shell in _COMPLETIONS.items():
+        (tree / place_of_shell).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(contents.ROOT / "build" / source, tree / place_of_shell)
     _write_texts(tree)
     _write_control(tree)
     for path in [tree, *tree.rglob("*")]:  # whatever the umask of the builder

@@ -5,8 +5,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from apd_viewer.files.storage.atomic_file import replacing_file
-
 # Option value for JSON on the standard output, in place of the lines.
 STANDARD_OUTPUT = "-"
 
@@ -51,6 +49,9 @@ class CommandOutput(NamedTuple):
             if asked == STANDARD_OUTPUT:
                 print(said, end="")
                 return
+            # Imported here: options and errors should not wait for numpy.
+            from apd_viewer.files.storage.atomic_file import replacing_file
+
             with replacing_file(Path(asked)) as scratch:
                 scratch.write_text(said, encoding="utf-8")
         for line in self.lines:

@@ -82,7 +82,7 @@ class Parser(argparse.ArgumentParser):
             self.add_argument(_JSON, metavar="FILE.json", nargs="?", help=about)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Namespace and unknown words; a word after ``--json`` is its file only if it ends like one."""
+        """Parse words; the one after ``--json`` is its file only if it ends like one."""
         words = sys.argv[1:] if args is None else args
         return super().parse_known_args(_with_json_joined(words), namespace)
 
