@@ -23,7 +23,7 @@ CASES: dict[str, VerificationCase] = {
             "K",
             tr("Crushed can, full of liquid"),
             "Communications Physics, s42005-026-02589-5, 2026",
-            reason=tr("Not yet: a wall of 1/265 of the radius needs hours on a mesh that resolves it."),
+            reason=tr("Not yet: it takes half an hour, and the manual compares five runs with the can."),
         ),
         VerificationCase(
             "L",
