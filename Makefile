@@ -14,7 +14,7 @@ quick test night pictures: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test night night-suite night-alone night-extras quick lint format docs pictures wheel texts installer clean \
+.PHONY: help run test night night-suite night-alone night-extras quick lint format docs pictures wheel release texts installer clean \
         programs system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -92,6 +92,7 @@ lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy
 	@.ci/step "ruff check" .venv/bin/ruff check
 	@.ci/step "ruff format --check" .venv/bin/ruff format --check
 	@.ci/step "mypy" .venv/bin/mypy
+	@.ci/step "zizmor" .venv/bin/zizmor --offline --no-progress --quiet .github/workflows
 
 format: .venv/.tools ## format the source and sort its imports
 	@.ci/step "Sorting imports" .venv/bin/ruff check --fix --select I
@@ -101,6 +102,17 @@ format: .venv/.tools ## format the source and sort its imports
 docs: .venv/.tools ## build the site into build/docs; links between pages are checked
 	@.ci/step "Building the site" .venv/bin/python -m sphinx -W -n -q --keep-going -d build/doctrees docs build/docs
 	@echo "See build/docs/index.html."
+
+release: docs ## build what a release uploads into dist, and check it: source, wheels, bill of materials
+	@.ci/step "Installing what a release needs into .venv" .venv/bin/python -m pip install --quiet --group release
+	@rm -rf build/kernels dist
+	@.ci/step "Writing the completions for shells" .venv/bin/python resources/installer/completions.py
+	@.ci/step "Building source and wheel" .venv/bin/python -m hatchling build -t sdist -t wheel
+	@$(make) wheel
+	@.ci/step "Checking them" .venv/bin/python -m twine check --strict dist/*
+	@.ci/step "Writing the bill of materials" .venv/bin/python resources/installer/sbom.py dist/apd-viewer.cdx.json
+	@cd dist && sha256sum * > SHA256SUMS
+	@echo "See dist. For a tag such as v0.2.0 the workflow release does this, and offers it to PyPI."
 
 wheel: docs ## build a wheel of this system, with the manual and compiled kernels in it, into dist
 	@.ci/step "Compiling the kernels (about 2 minutes)" .venv/bin/python resources/installer/kernels.py

@@ -25,7 +25,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from apd_viewer.api import *
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "Convergence",
     "Deformation",

@@ -14,6 +14,7 @@ from pathlib import Path
 import contents
 import kernels
 import licences
+import sbom
 
 BUILD = contents.ROOT / "build" / "installer"
 DIST = contents.ROOT / "dist"
@@ -28,6 +29,7 @@ def main() -> None:
     licences.write(program / "LICENCES.txt")
     DIST.mkdir(exist_ok=True)
     package = PACKERS[sys.platform](program)
+    sbom.write(package.with_suffix(".cdx.json"))
     print(f"{package}: {megabytes(package)} MB; installed: {megabytes(program)} MB")
 
 

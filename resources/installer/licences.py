@@ -39,11 +39,12 @@ def libraries() -> list[metadata.Distribution]:
 
 
 def licence(library: metadata.Distribution) -> str:
-    """Short name of its licence."""
+    """Short name of its licence: as it says, or the title of its text."""
     said = library.metadata
     classes = [line for line in said.get_all("Classifier") or () if line.startswith("License ::")]
     named = "; ".join(line.split(" :: ")[-1] for line in classes)
-    return said.get("License-Expression") or named or (said.get("License") or "see its text").split("\n")[0]
+    title = next((text.strip() for text in texts(library)), "see its text")
+    return said.get("License-Expression") or named or (said.get("License") or title).split("\n")[0]
 
 
 def texts(library: metadata.Distribution) -> list[str]:

@@ -1,0 +1,51 @@
+"""What a release uploads: its bill of materials, and that workflows and version agree."""
+
+import json
+import re
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+from cyclonedx.schema import SchemaVersion
+from cyclonedx.validation.json import JsonStrictValidator
+
+import apd_viewer
+
+ROOT = Path(__file__).parents[1]
+SCRIPT = ROOT / "resources" / "installer" / "sbom.py"
+
+
+def _normalized(name):
+    return name.lower().replace("_", "-")
+
+
+def test_installer_has_a_valid_bill_of_materials_and_names_each_library_with_its_licence(tmp_path):
+    path = tmp_path / "bill.json"
+    subprocess.run([sys.executable, SCRIPT, path], check=True)
+    text = path.read_text(encoding="utf-8")
+    assert JsonStrictValidator(SchemaVersion.V1_6).validate_str(text) is None
+    bill = json.loads(text)
+    assert bill["metadata"]["component"]["version"] == apd_viewer.__version__
+    components = {_normalized(each["name"]): each for each in bill["components"]}
+    lines = [line for line in metadata.requires("apd-viewer") if "extra ==" not in line]
+    assert {_normalized(re.match(r"[\w.-]+", line)[0]) for line in lines} <= set(components)
+    assert not {"pytest", "ruff", "sphinx"} & set(components)
+    licences = {name: each["licenses"][0] for name, each in components.items()}
+    assert [name for name, said in licences.items() if "see its text" in json.dumps(said)] == []
+    assert licences["ipctk"] == {"license": {"name": "MIT License"}}
+    assert "LGPL-3.0-only" in json.dumps(licences["pyside6-essentials"])
+
+
+def test_package_versions_agree_with_the_citation():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert re.findall(r"(?m)^version: (.*)$", citation) == [apd_viewer.__version__]
+    assert re.findall(r'(?m)^version = "(.*)"$', project) == [apd_viewer.__version__]
+
+
+def test_project_workflows_pin_every_action_by_its_hash():
+    for path in (ROOT / ".github" / "workflows").glob("*.yml"):
+        used = re.findall(r"uses: (.*)", path.read_text(encoding="utf-8"))
+        assert used
+        assert [each for each in used if not re.fullmatch(r"[\w./-]+@[0-9a-f]{40} # v[\d.]+", each)] == []
