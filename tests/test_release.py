@@ -20,7 +20,7 @@ def _normalized(name):
     return name.lower().replace("_", "-")
 
 
-def test_installer_has_a_valid_bill_of_materials_and_names_each_library_with_its_licence(tmp_path):
+def test_package_has_a_valid_bill_of_materials_and_names_each_library_with_its_licence(tmp_path):
     path = tmp_path / "bill.json"
     subprocess.run([sys.executable, SCRIPT, path], check=True)
     text = path.read_text(encoding="utf-8")
