@@ -53,7 +53,11 @@ def band_rows(band: PressBand, newtons: NewtonConversion | None) -> list[dict[st
 
 
 def band_fields(
-    band: PressBand, dents: float, newtons: NewtonConversion | None, cylinder: CylinderAsWide | None
+    band: PressBand,
+    dents: float,
+    heights: np.ndarray,
+    newtons: NewtonConversion | None,
+    cylinder: CylinderAsWide | None,
 ) -> dict[str, object]:
     """Fields of the JSON report on several runs."""
     yields = [(each.curve.yield_deflection, each.curve.yield_load) for each in band.presses]
@@ -64,6 +68,7 @@ def band_fields(
         "dents_percent": dents,
         "yield_loads": loads,
         "yield_deflections": [deflection for deflection, _ in yields],
+        "buckle_heights": [None if np.isnan(height) else float(height) for height in heights],
         "last_loads": [each.steps[-1].load for each in band.presses],
         "settled": [all(step.settled for step in each.steps) for each in band.presses],
     }
@@ -77,9 +82,16 @@ def band_fields(
 
 
 def band_lines(
-    band: PressBand, dents: float, newtons: NewtonConversion | None, cylinder: CylinderAsWide | None
+    band: PressBand,
+    dents: float,
+    heights: np.ndarray,
+    newtons: NewtonConversion | None,
+    cylinder: CylinderAsWide | None,
 ) -> list[str]:
-    """Terminal lines about several runs; the lines before are about the first one."""
+    """Terminal lines about several runs; the lines before are about the first one.
+
+    ``heights`` (r,) are those of the first buckles: see :meth:`PressBand.buckle_heights`.
+    """
     deflections, loads = band.yields.T
     n, known = len(loads), np.isfinite(loads)
     lines = [
@@ -94,6 +106,12 @@ def band_lines(
                 loads=_range_text(loads[known], newtons),
                 mean=force_text(float(loads[known].mean()), newtons),
                 deflections=_between(*(format_exact(d, 4) for d in _ends(deflections[known]))),
+            )
+        )
+        shares = (format_grouped(100.0 * share, 0) for share in _ends(heights[known]))
+        lines.append(
+            tr("        the first buckle comes at {heights} % of the height").format(
+                heights=_between(*shares)
             )
         )
     counts = {

@@ -33,7 +33,13 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import DISTURBANCE, Convergence
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, wall_material as thin_wall_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
-from apd_viewer.geometry.solver.press_band import PressBand, dented_positions
+from apd_viewer.geometry.solver.press_band import (
+    DEEPEST_DENTS,
+    DEFAULT_DENTS,
+    MOST_RUNS,
+    PressBand,
+    dented_positions,
+)
 from apd_viewer.geometry.solver.pressed_mesh import Pressed, press_between
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
@@ -49,9 +55,7 @@ from apd_viewer.session.storage.session_file import open_session
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
-_DENTS, _DEEPEST = 10.0, 1000.0  # % of the wall thickness: depth of dents by default, and the largest
 _DENT_LENGTH = 0.5  # length over which dents are smooth, in roots of diagonal times thickness
-_MOST_RUNS = 1000
 _SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "area", "volume"
 
 
@@ -178,6 +182,7 @@ def _press(options: argparse.Namespace) -> None:
     cylinder = CylinderAsWide.between_plates(rest, checked_direction(axis), material)
     presses = _presses(options, rest, _dent_depth(options, method, wall), axis, to, start, settings)
     found, band = presses[0], PressBand(tuple(presses)) if len(presses) > 1 else None
+    heights = band.buckle_heights(mesh.joined_F, axis) if band else np.zeros(0)
     with ExitStack() as beside:
         if options.curve:
             rows = band_rows(band, newtons) if band else press_rows(found, newtons)
@@ -197,7 +202,7 @@ def _press(options: argparse.Namespace) -> None:
         if options.report:
             fields = press_report(mesh, rest, found, settings, wall, newtons)
             if band:
-                fields["band"] = band_fields(band, options.dents, newtons, cylinder)
+                fields["band"] = band_fields(band, options.dents, heights, newtons, cylinder)
             said = json.dumps(fields, indent=2) + "\n"
             beside.enter_context(replacing_file(options.report)).write_text(said, encoding="utf-8")
         if options.crushed:
@@ -207,7 +212,7 @@ def _press(options: argparse.Namespace) -> None:
     first = next(path for path in written if path)
     extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
     lines = [press_summary(found, rest, first, wall, newtons, extent)]
-    lines += band_lines(band, options.dents, newtons, cylinder) if band else []
+    lines += band_lines(band, options.dents, heights, newtons, cylinder) if band else []
     print("\n".join([*lines, *mesh_remarks(mesh)]))
 
 
@@ -240,16 +245,16 @@ def _presses(
 
 def _dent_depth(options: argparse.Namespace, method: str, wall: Wall) -> float | None:
     """Depth of the dents, mesh units; None without. Raises InputError."""
-    if not 1 <= options.runs <= _MOST_RUNS:
+    if not 1 <= options.runs <= MOST_RUNS:
         sentence = tr("The number of runs must be a whole number from 1 to {most:,}.")
-        raise InputError(sentence.format(most=_MOST_RUNS))
+        raise InputError(sentence.format(most=MOST_RUNS))
     if options.dents is None and options.runs > 1:
-        options.dents = _DENTS
+        options.dents = DEFAULT_DENTS
     if options.dents is None:
         return None
-    if not 0.0 < options.dents <= _DEEPEST:
+    if not 0.0 < options.dents <= DEEPEST_DENTS:
         sentence = tr("The depth of the dents must be above 0 and at most {most:g} % of the wall thickness.")
-        raise InputError(sentence.format(most=_DEEPEST))
+        raise InputError(sentence.format(most=DEEPEST_DENTS))
     if wall.thickness is None or not METHODS[method].is_wall:
         raise InputError(tr("Dents are of a thin wall; add --method wall and --thickness."))
     return options.dents / 100.0 * wall.thickness
