@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 __all__ = [
+    "BucklingModes",
     "Convergence",
     "Deformation",
     "Frame",
@@ -42,6 +43,7 @@ __all__ = [
     "SurfacePoint",
     "Vessel",
     "VolumeReadings",
+    "buckling_modes",
     "capsule",
     "deform",
     "dented_shape",

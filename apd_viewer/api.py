@@ -24,6 +24,10 @@ from apd_viewer.geometry.pose.frame import Frame as Frame
 from apd_viewer.geometry.solver.convergence import Convergence as Convergence
 from apd_viewer.geometry.solver.deformation import Deformation as Deformation
 from apd_viewer.geometry.solver.deformation_result import Result as Result
+from apd_viewer.geometry.solver.linear_buckling import (
+    BucklingModes as BucklingModes,
+    buckling_modes as buckling_modes,
+)
 from apd_viewer.geometry.solver.plate_press import PressStep as PressStep
 from apd_viewer.geometry.solver.press_band import PressBand as PressBand, dented_shape as dented_shape
 from apd_viewer.geometry.solver.pressed_mesh import Pressed as Pressed, press as press

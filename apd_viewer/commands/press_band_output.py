@@ -1,21 +1,29 @@
-"""Output of the ``press`` command about several runs: table, report and summary."""
+"""Output of the ``press`` command about several runs, and about buckling modes."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.commands.press_output import press_rows
+from apd_viewer.figures.rendered_pictures import Picture, draw_shapes
 from apd_viewer.files.tables import Cell
 from apd_viewer.geometry.energy.cylinder_buckling import classical_load, knock_down_factor, round_radius
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.linear_buckling import BucklingModes
 from apd_viewer.geometry.solver.press_band import PressBand
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_exact, format_grouped, format_short
 from apd_viewer.presentation.obstacle_readings import force_text
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
+from apd_viewer.session.quantities.units import Unit
+
+_PANEL = 420, 520  # px: size of the picture of a mode
 
 
 class CylinderAsWide(NamedTuple):
@@ -53,7 +61,11 @@ def band_rows(band: PressBand, newtons: NewtonConversion | None) -> list[dict[st
 
 
 def band_fields(
-    band: PressBand, dents: float, newtons: NewtonConversion | None, cylinder: CylinderAsWide | None
+    band: PressBand,
+    dents: float,
+    heights: np.ndarray,
+    newtons: NewtonConversion | None,
+    cylinder: CylinderAsWide | None,
 ) -> dict[str, object]:
     """Fields of the JSON report on several runs."""
     yields = [(each.curve.yield_deflection, each.curve.yield_load) for each in band.presses]
@@ -64,6 +76,7 @@ def band_fields(
         "dents_percent": dents,
         "yield_loads": loads,
         "yield_deflections": [deflection for deflection, _ in yields],
+        "buckle_heights": [None if np.isnan(height) else float(height) for height in heights],
         "last_loads": [each.steps[-1].load for each in band.presses],
         "settled": [all(step.settled for step in each.steps) for each in band.presses],
     }
@@ -77,9 +90,16 @@ def band_fields(
 
 
 def band_lines(
-    band: PressBand, dents: float, newtons: NewtonConversion | None, cylinder: CylinderAsWide | None
+    band: PressBand,
+    dents: float,
+    heights: np.ndarray,
+    newtons: NewtonConversion | None,
+    cylinder: CylinderAsWide | None,
 ) -> list[str]:
-    """Terminal lines about several runs; the lines before are about the first one."""
+    """Terminal lines about several runs; the lines before are about the first one.
+
+    ``heights`` (r,) are those of the first buckles: see :meth:`PressBand.buckle_heights`.
+    """
     deflections, loads = band.yields.T
     n, known = len(loads), np.isfinite(loads)
     lines = [
@@ -96,6 +116,12 @@ def band_lines(
                 deflections=_between(*(format_exact(d, 4) for d in _ends(deflections[known]))),
             )
         )
+        shares = (format_grouped(100.0 * share, 0) for share in _ends(heights[known]))
+        lines.append(
+            tr("        the first buckle comes at {heights} % of the height").format(
+                heights=_between(*shares)
+            )
+        )
     counts = {
         tr("        the load only rises in {n} of them"): int(n - known.sum()),
         tr("        steps of {n} of them did not come to rest"): sum(
@@ -106,6 +132,52 @@ def band_lines(
     if cylinder is not None:
         lines += _cylinder_lines(loads[known], newtons, cylinder)
     return lines
+
+
+def mode_fields(
+    modes: BucklingModes, newtons: NewtonConversion | None, cylinder: CylinderAsWide | None
+) -> dict[str, object]:
+    """Fields of the JSON report on buckling modes."""
+    fields = {"buckling_loads": modes.loads.tolist(), "buckling_deflections": modes.deflections.tolist()}
+    if newtons is not None:
+        fields["buckling_loads_newton"] = (newtons.newtons_per_load * modes.loads).tolist()
+    return fields if cylinder is None else fields | {"classical_load": cylinder.classical_load}
+
+
+def mode_lines(
+    modes: BucklingModes, unit: Unit, newtons: NewtonConversion | None, cylinder: CylinderAsWide | None
+) -> list[str]:
+    """Terminal lines about buckling modes."""
+    words = tr("mode {number}  buckles at {load}, deflection {deflection}")
+    lines = []
+    for k, (load, deflection) in enumerate(zip(modes.loads, modes.deflections, strict=True)):
+        gone = unit.format_length(format_exact(float(deflection), 4))
+        lines.append(words.format(number=k + 1, load=force_text(float(load), newtons), deflection=gone))
+    if not lines:
+        lines.append(tr("No buckling mode was found."))
+    lines.append(tr("        Of a perfect wall between smooth plates; dents lower the loads."))
+    return lines if cylinder is None else lines + _cylinder_lines(np.zeros(0), newtons, cylinder)
+
+
+def draw_modes(
+    mesh: Mesh,
+    shapes: Sequence[np.ndarray],
+    modes: BucklingModes,
+    axis: np.ndarray,
+    newtons: NewtonConversion | None,
+    path: Path,
+) -> bool:
+    """Draw deformed ``shapes`` of modes upright along an axis; False without OpenGL."""
+    up = axis / np.linalg.norm(axis)
+    across = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    (a, b, c), (x, y, z) = 0.55 * np.cross(across, up) + across + 0.35 * up, up
+    words = [
+        (tr("mode {number}").format(number=k + 1), force_text(float(load), newtons))
+        for k, load in enumerate(modes.loads[: len(shapes)])
+    ]
+    size = _PANEL[0] * len(shapes), _PANEL[1]
+    picture = Picture(path, shapes, words)
+    return bool(shapes) and draw_shapes(mesh, [picture], size, (a, b, c), (x, y, z), legend=False)
 
 
 def _cylinder_lines(

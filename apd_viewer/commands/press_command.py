@@ -9,8 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from apd_viewer.commands.press_band_output import CylinderAsWide, band_fields, band_lines, band_rows
-from apd_viewer.commands.press_output import load_conditions, press_report, press_rows, press_summary
+from apd_viewer.commands.press_band_output import (
+    CylinderAsWide,
+    band_fields,
+    band_lines,
+    band_rows,
+    draw_modes,
+    mode_fields,
+    mode_lines,
+)
+from apd_viewer.commands.press_output import (
+    load_conditions,
+    press_report,
+    press_rows,
+    press_summary,
+    still_weight,
+    weight_fields,
+    weight_lines,
+)
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.command_output import CommandOutput, json_text
 from apd_viewer.commands.terminal.output_files import check_files
@@ -24,16 +40,25 @@ from apd_viewer.commands.terminal.setting_options import (
 )
 from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh, unit_option_in_errors
 from apd_viewer.errors import InputError
+from apd_viewer.figures.rendered_pictures import no_pictures_reason
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
 from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
 from apd_viewer.files.tables import write_table
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import DISTURBANCE, Convergence
+from apd_viewer.geometry.solver.linear_buckling import MOST_MODES, modes_between_plates
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, wall_material as thin_wall_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
-from apd_viewer.geometry.solver.press_band import PressBand, dented_positions
+from apd_viewer.geometry.solver.press_band import (
+    DEEPEST_DENTS,
+    DEFAULT_DENTS,
+    MOST_RUNS,
+    PressBand,
+    dented_positions,
+)
 from apd_viewer.geometry.solver.pressed_mesh import Pressed, press_between
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
@@ -49,9 +74,9 @@ from apd_viewer.session.storage.session_file import open_session
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
-_DENTS, _DEEPEST = 10.0, 1000.0  # % of the wall thickness: depth of dents by default, and the largest
+_DRAWN = 0.03  # displacement of drawn buckling modes, in diagonals
+_PICTURED = 4  # most buckling modes in a figure
 _DENT_LENGTH = 0.5  # length over which dents are smooth, in roots of diagonal times thickness
-_MOST_RUNS = 1000
 _SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "area", "volume"
 
 
@@ -86,6 +111,12 @@ def press_parser() -> Parser:
     add_option(parser, "--runs N", about, type=int, default=1)
     about = tr("depth of these dents, in percent of the wall thickness; default: 10 for several runs")
     add_option(parser, "--dents PERCENT", about, type=float)
+    about = tr("press nothing, but find the N lowest buckling modes of the wall, written as OUT-1, OUT-2, …")
+    add_option(parser, "--modes N", about, type=int)
+    about = tr("weight on the upper plate, such as 2kg or 20N: the deflection at which the wall bears it")
+    add_option(parser, "--weight W", about)
+    about = tr("height from which this weight is dropped, such as 1.2m: the deflection at which it stops")
+    add_option(parser, "--drop HEIGHT", about)
     add_option(parser, "--release", tr("open the plates again at the end, and write the remaining shape"))
     about = tr("mesh file to write as well: the shape before the plates open again")
     add_option(parser, "--crushed C", about, type=Path)
@@ -176,8 +207,12 @@ def _press(options: argparse.Namespace) -> CommandOutput:
     }
     to = parse_distance(options.to)
     cylinder = CylinderAsWide.between_plates(rest, checked_direction(axis), material)
+    if options.modes is not None:
+        return _find_modes(options, mesh, rest, start, axis, material, wall, newtons, cylinder)
+    weight = still_weight(options.weight, options.drop, newtons, wall.unit)
     presses = _presses(options, rest, _dent_depth(options, method, wall), axis, to, start, settings)
     found, band = presses[0], PressBand(tuple(presses)) if len(presses) > 1 else None
+    heights = band.buckle_heights(mesh.joined_F, axis) if band else np.zeros(0)
     with ExitStack() as beside:
         if options.curve:
             rows = band_rows(band, newtons) if band else press_rows(found, newtons)
@@ -196,8 +231,8 @@ def _press(options: argparse.Namespace) -> CommandOutput:
             draw_press_curves(found, folder / options.figure.name, force, band)
         fields = dict[str, Any]()
         if options.report or options.json:
-            fields = press_report(mesh, rest, found, settings, wall, newtons)
-            fields |= {"band": band_fields(band, options.dents, newtons, cylinder)} if band else {}
+            fields = press_report(mesh, rest, found, settings, wall, newtons) | weight_fields(weight, found)
+            fields |= {"band": band_fields(band, options.dents, heights, newtons, cylinder)} if band else {}
         if options.report:
             scratch = beside.enter_context(replacing_file(options.report))
             scratch.write_text(json_text(fields), encoding="utf-8")
@@ -208,8 +243,52 @@ def _press(options: argparse.Namespace) -> CommandOutput:
     first = next(filter(None, written), Path(mesh.name))
     extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
     lines = [press_summary(found, rest, first, wall, newtons, extent)]
-    lines += band_lines(band, options.dents, newtons, cylinder) if band else []
+    lines += weight_lines(weight, found)
+    lines += band_lines(band, options.dents, heights, newtons, cylinder) if band else []
     return CommandOutput([*lines, *mesh_remarks(mesh)], lambda: fields)
+
+
+def _find_modes(
+    options: argparse.Namespace,
+    mesh: Mesh,
+    rest: RestMesh,
+    start: np.ndarray | None,
+    axis: np.ndarray,
+    material: Material,
+    wall: Wall,
+    newtons: NewtonConversion | None,
+    cylinder: CylinderAsWide | None,
+) -> CommandOutput:
+    """Find the lowest buckling modes, and write them; raises InputError."""
+    if not 1 <= options.modes <= MOST_MODES:
+        sentence = tr("The number of modes must be a whole number from 1 to {most:,}.")
+        raise InputError(sentence.format(most=MOST_MODES))
+    if not material.thickness:
+        raise InputError(tr("Buckling modes are of a thin wall; add --method wall and --thickness."))
+    if start is not None or options.curve or options.crushed:
+        raise InputError(
+            tr("Buckling modes are of the mesh at rest, and have no curve; write -o and --figure.")
+        )
+    progress = Progress(options.progress_lines)
+    progress.show(0.0, tr("finding buckling modes"))
+    modes = modes_between_plates(rest, axis, material, options.modes)
+    progress.show(1.0, tr("finding buckling modes"))
+    progress.end()
+    shapes = [rest.to_mesh_coordinates(rest.V + _DRAWN * rest.diagonal * each) for each in modes.shapes]
+    lines = mode_lines(modes, wall.unit, newtons, cylinder)
+    first = next(filter(None, (options.output, options.figure, options.report)), Path(mesh.name))
+    fields = {"mesh": mesh.name, **mode_fields(modes, newtons, cylinder)}
+    if options.report:
+        with replacing_file(options.report) as scratch:
+            scratch.write_text(json_text(fields), encoding="utf-8")
+    if options.output:
+        for k, U in enumerate(shapes):
+            path = options.output.with_name(f"{options.output.stem}-{k + 1}{options.output.suffix}")
+            save_mesh(mesh, U, path, wall.unit.symbol)
+    if options.figure and not draw_modes(mesh, shapes[:_PICTURED], modes, axis, newtons, options.figure):
+        lines.append(no_pictures_reason())
+    lines.insert(0, tr("{output}: buckling modes, drawn enlarged").format(output=first))
+    return CommandOutput(lines, lambda: fields)
 
 
 def _presses(
@@ -241,16 +320,16 @@ def _presses(
 
 def _dent_depth(options: argparse.Namespace, method: str, wall: Wall) -> float | None:
     """Depth of the dents, mesh units; None without. Raises InputError."""
-    if not 1 <= options.runs <= _MOST_RUNS:
+    if not 1 <= options.runs <= MOST_RUNS:
         sentence = tr("The number of runs must be a whole number from 1 to {most:,}.")
-        raise InputError(sentence.format(most=_MOST_RUNS))
+        raise InputError(sentence.format(most=MOST_RUNS))
     if options.dents is None and options.runs > 1:
-        options.dents = _DENTS
+        options.dents = DEFAULT_DENTS
     if options.dents is None:
         return None
-    if not 0.0 < options.dents <= _DEEPEST:
+    if not 0.0 < options.dents <= DEEPEST_DENTS:
         sentence = tr("The depth of the dents must be above 0 and at most {most:g} % of the wall thickness.")
-        raise InputError(sentence.format(most=_DEEPEST))
+        raise InputError(sentence.format(most=DEEPEST_DENTS))
     if wall.thickness is None or not METHODS[method].is_wall:
         raise InputError(tr("Dents are of a thin wall; add --method wall and --thickness."))
     return options.dents / 100.0 * wall.thickness

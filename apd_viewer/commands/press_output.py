@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from apd_viewer.commands.terminal.columns import format_signed
+from apd_viewer.errors import InputError
 from apd_viewer.files.report import shape_check_fields
 from apd_viewer.files.tables import Cell
 from apd_viewer.geometry.analysis.shape_check import check_shape
@@ -15,9 +17,14 @@ from apd_viewer.geometry.solver.pressed_mesh import Pressed
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.presentation import obstacle_readings
 from apd_viewer.presentation.number_format import format_exact, format_short
+from apd_viewer.session.quantities.expressions import parse_length, parse_number
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import Wall
 from apd_viewer.session.quantities.wall_material import GPA
+
+# Newtons of a unit of weight; what ends in another one is tried first.
+_WEIGHTS = {"kg": 9.80665, "g": 9.80665e-3, "kn": 1e3, "n": 1.0}
 
 
 def press_row(
@@ -113,6 +120,77 @@ def _newton_fields(found: Pressed, newtons: NewtonConversion) -> dict[str, objec
     }
     scaled = {name: None if value is None else value * unit for name, (value, unit) in factors.items()}
     return {"newtons_per_load": newtons.newtons_per_load, "stiffness_of_wall": newtons.stiffness, **scaled}
+
+
+class StillWeight(NamedTuple):
+    """Weight on the upper plate.
+
+    Attributes
+    ----------
+    newtons, load : float
+        In newtons, and in the units of the loads.
+    drop : float or None
+        Height from which it falls, mesh units; None if it is set down slowly.
+    unit : Unit
+        Of the mesh.
+    """
+
+    newtons: float
+    load: float
+    drop: float | None
+    unit: Unit
+
+
+def still_weight(
+    text: str | None, drop: str | None, newtons: NewtonConversion | None, unit: Unit
+) -> StillWeight | None:
+    """Weight from its texts such as ``2kg`` and ``1.2m``; raises InputError."""
+    if text is None:
+        if drop is not None:
+            raise InputError(tr("A drop needs a weight; add --weight such as 2kg."))
+        return None
+    if newtons is None:
+        raise InputError(tr("A weight needs newtons; add --material, or --thickness and --young."))
+    word = text.strip().lower()
+    symbol = next((each for each in _WEIGHTS if word.endswith(each)), None)
+    force = _WEIGHTS[symbol] * parse_number(word.removesuffix(symbol), {}) if symbol else 0.0
+    height = None if drop is None else parse_length(drop, unit, {})
+    if not force > 0.0 or (height is not None and height < 0.0):
+        raise InputError(tr("Enter a weight such as 2kg, 500g or 20N, and a height of at least 0."))
+    return StillWeight(force, force / newtons.newtons_per_load, height, unit)
+
+
+def weight_fields(weight: StillWeight | None, pressed: Pressed) -> dict[str, object]:
+    """Report fields of a weight."""
+    if weight is None:
+        return {}
+    stops = {} if weight.drop is None else {"drop_deflection": pressed.deflection_under(*weight[1:3])}
+    return {
+        "weight_newton": weight.newtons,
+        "weight_deflection": pressed.deflection_under(weight.load),
+        "drop": weight.drop,
+        **stops,
+    }
+
+
+def weight_lines(weight: StillWeight | None, pressed: Pressed) -> list[str]:
+    """Terminal lines about the deflection under a weight, at rest and dropped."""
+    if weight is None:
+        return []
+    force = f"{format_exact(weight.newtons, 4)}\u00a0N"
+    cases = {tr("weight  {force} at rest: {deflection}"): pressed.deflection_under(weight.load)}
+    if weight.drop is not None:
+        said = tr("weight  {force} dropped, as far as the still load tells: {deflection}")
+        cases[said] = pressed.deflection_under(weight.load, weight.drop)
+    return [
+        words.format(
+            force=force,
+            deflection=tr("never borne up to the last step")
+            if found is None
+            else tr("deflection {length}").format(length=weight.unit.format_length(format_exact(found, 4))),
+        )
+        for words, found in cases.items()
+    ]
 
 
 def press_summary(

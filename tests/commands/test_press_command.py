@@ -308,6 +308,9 @@ def test_press_command_tells_the_band_of_several_runs(press, tmp_path):
         ]
         assert max(loads) == pytest.approx(load, rel=1e-9)
     assert band["radius_over_thickness"] == pytest.approx(15.0, rel=1e-3)
+    places = [f"{100.0 * place:.0f}" for place in sorted(band["buckle_heights"])]
+    assert f"the first buckle comes at {' to '.join(dict.fromkeys(places))} % of the height" in said
+    assert all(0.0 <= place <= 1.0 for place in band["buckle_heights"])
     share = [100.0 * load / band["classical_load"] for load in sorted(band["yield_loads"])]
     assert f"the runs yield at {share[0]:.0f} to {share[1]:.0f} % of it" in said
     assert f"count on {100.0 * band['knock_down_factor']:.0f} % of that, at R/t 15." in said

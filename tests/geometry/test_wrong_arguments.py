@@ -56,7 +56,7 @@ NONE, VERTICES = {"None"}, {"0", "3", "np.int8"}
 IDS = {"0", "3", "np.int8", "[]", "array"}
 # Sound values by the name of the argument, or by function and name where they differ.
 SOUND = {
-    **dict.fromkeys(("calm", "plain", "weld", "contact", "release", "tension_field"), FLAGS),
+    **dict.fromkeys(("calm", "plain", "weld", "contact", "release", "tension_field", "held"), FLAGS),
     **dict.fromkeys(("stiffness", "area_stiffness", "shear_stiffness", "container"), NUMBERS),
     **dict.fromkeys(("tolerance", "radius", "size"), LENGTHS - {"None"}),
     **dict.fromkeys(("thickness", "gas", "filled_volume"), LENGTHS),
@@ -89,6 +89,7 @@ SOUND = {
     "deform progress": FLAGS | {"None", "call"},
     "dented_shape seed": VERTICES | {"huge"},
     **dict.fromkeys(("dented_shape depth", "dented_shape length"), LENGTHS - {"None"}),
+    "buckling_modes count": COUNTS,
     "press fixed": IDS,
     "press start": {"None"},
     "press to": {"np.float32", "np.int8"},
@@ -166,6 +167,10 @@ CALLS = {
     "vessel level": (lambda **said: vessel().level(**said), apd_viewer.Vessel.level),
     "vessel filling": (lambda **said: vessel().filling(**said), apd_viewer.Vessel.filling),
     "dented_shape": (apd_viewer.dented_shape, {"V": V, "F": F, "depth": 0.01, "length": 0.1}),
+    "buckling_modes": (
+        apd_viewer.buckling_modes,
+        {"V": V, "F": F, "axis": (0, 0, 1), "wall_thickness": 0.02, "count": 1},
+    ),
     "geodesic_path": (apd_viewer.geodesic_path, {"V": V, "F": F, "start": 0, "end": 5}),
     "at_vertex": (apd_viewer.SurfacePoint.at_vertex, {"F": F, "vertex": 0}),
     "SurfacePoint": (
@@ -187,6 +192,7 @@ CALLS = {
 }
 # What only the program makes.
 MADE = {
+    "BucklingModes",
     "Frame",
     "HullReadings",
     "InputError",

@@ -228,11 +228,11 @@ _TEXT = _Kind(lambda given: isinstance(given, str), tr("{name} must be a text.")
 _STIFFNESS = _number_kind(0.0, MOST_STIFFNESS)
 
 _KINDS = {
-    **dict.fromkeys(("calm", "contact", "plain", "weld", "release", "tension_field"), _FLAG),
+    **dict.fromkeys(("calm", "contact", "plain", "weld", "release", "tension_field", "held"), _FLAG),
     **dict.fromkeys(("stiffness", "area_stiffness", "shear_stiffness"), _STIFFNESS),
     **dict.fromkeys(("thickness", "yield_radius", "radius", "size"), _LENGTH),
     "wall_thickness": _Kind(lambda given: np.ndim(given) == 1 or _LENGTH.holds(given), _LENGTH.sentence),  # type: ignore[arg-type]
-    **dict.fromkeys(("iterations", "steps"), _COUNT),
+    **dict.fromkeys(("iterations", "steps", "buckling_modes.count"), _COUNT),
     **dict.fromkeys(("dented_shape.depth", "dented_shape.length"), _LENGTH),
     "dented_shape.seed": _Kind(
         lambda given: is_whole_number(given) and given >= 0,  # type: ignore[operator]

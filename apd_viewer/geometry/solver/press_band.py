@@ -18,6 +18,9 @@ from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import edge_weights, laplacian, vertex_areas
 from apd_viewer.geometry.solver.pressed_mesh import Pressed
 
+MOST_RUNS = 1000
+# Depth of dents by default and the largest, in percent of the wall thickness.
+DEFAULT_DENTS, DEEPEST_DENTS = 10, 1000
 # Number of times the random numbers are smoothed: once leaves kinks.
 _SMOOTHINGS = 2
 
@@ -109,6 +112,15 @@ class PressBand:
         curves = [each.curve for each in self.presses]
         return np.array([(each.yield_deflection, each.yield_load) for each in curves], dtype=float)
 
+    def buckle_heights(self, F: np.ndarray, axis: np.ndarray) -> np.ndarray:
+        """Height of the deepest dent once each has yielded, over the extent, (r,).
+
+        It is that of the deepest point inwards, apart from even shortening, where the load has first fallen;
+        NaN where it only rises. ``F`` (m, 3) are the triangles, ``axis`` (3,) is that of the press.
+        """
+        axis = np.asarray(axis) / np.linalg.norm(axis)
+        return np.array([_buckle_height(each, F, axis) for each in self.presses])
+
     def loads(self, deflections: np.ndarray) -> np.ndarray:
         """Mean loads (r, s) at ``deflections`` (s,); NaN beyond the last step."""
         rows = []
@@ -116,3 +128,18 @@ class PressBand:
             x, load = np.array([(step.deflection, step.load) for step in each.steps]).T
             rows.append(np.interp(deflections, x, load, right=np.nan))
         return np.array(rows)
+
+
+def _buckle_height(pressed: Pressed, F: np.ndarray, axis: np.ndarray) -> float:
+    yielded = pressed.curve.yield_deflection
+    if yielded is None:
+        return np.nan
+    first, after = pressed.steps[0], next(step for step in pressed.steps if step.deflection > yielded)
+    used = np.unique(F)
+    before, now = first.U @ axis, after.U @ axis
+    low, extent = before[used].min(), np.ptp(before[used])
+    share = (before - low) / extent
+    even = now[used].min() + share * np.ptp(now[used]) - before
+    moved = after.U - first.U - even[:, None] * axis
+    inwards = -np.einsum("ij,ij->i", moved, vertex_normals(first.U, F))
+    return float(share[used[np.argmax(inwards[used])]])

@@ -66,6 +66,33 @@ class Pressed:
         """Largest fraction of the energy due to stretching while the plates close."""
         return max(step.stretching for step in self.steps)
 
+    def deflection_under(self, weight: float, drop: float | None = None) -> float | None:
+        """Deflection at which the wall bears a weight; None if it never does.
+
+        Parameters
+        ----------
+        weight : float
+            In the units of the loads.
+        drop : float, optional
+            Height from which it falls, mesh units: it stops where the work of the load is that of the weight.
+            By default it is set down slowly, and rests where the load first reaches it.
+        """
+        x, load = np.array([(step.deflection, step.load) for step in self.steps]).T
+        work = np.append(0.0, np.cumsum(np.diff(x) * 0.5 * (load[1:] + load[:-1])))
+        missing = weight - load if drop is None else weight * (drop + x) - work
+        borne = np.flatnonzero(missing[1:] <= 0.0)
+        if not len(borne):
+            return None
+        k = int(borne[0])
+        step = x[k + 1] - x[k]
+        rise = (load[k + 1] - load[k]) / step
+        if drop is None:
+            return float(x[k] + missing[k] / rise)
+        # Work is quadratic within a step.
+        roots = np.roots([0.5 * rise, load[k] - weight, -missing[k]])
+        within = roots.real[(abs(roots.imag) == 0.0) & (roots.real > 1e-9 * step)]
+        return float(x[k] + min(within.min(initial=step), step))
+
     @property
     def last(self) -> PressStep:
         """Last step, of the release if there was one."""

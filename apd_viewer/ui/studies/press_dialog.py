@@ -13,6 +13,7 @@ from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS, plate_travel
+from apd_viewer.geometry.solver.press_band import DEEPEST_DENTS, DEFAULT_DENTS, MOST_RUNS
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation import number_format, obstacle_readings
@@ -77,6 +78,7 @@ class PressDialog(RunDialog):
             (tr("Begin with"), self._make_start()),
             (tr("At the end"), self._make_release()),
             (tr("Inside"), self._make_air()),
+            (tr("Runs"), self._make_runs()),
         )
         self.show_wall(view.wall)
         self.lay_out(about, rows)
@@ -151,6 +153,7 @@ class PressDialog(RunDialog):
         if own is not None and material.bending > 0.0:
             said.append(tr("this wall has {own:.1g}").format(own=own))
         self.hint.setText("; ".join(said))
+        self._show_runs()
 
     def _material(self, yield_radius: float | None = None) -> Material:
         """Material as entered; raises InputError on creases without stiffness."""
@@ -180,6 +183,24 @@ class PressDialog(RunDialog):
         self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
         return row_layout(self.air, STRETCH, spacing=16)
 
+    def _make_runs(self) -> QHBoxLayout:
+        self.runs = count_field(tr("Number of runs"), 1, MOST_RUNS, 1)
+        self.dents = count_field(tr("Depth of the dents"), 1, DEEPEST_DENTS, DEFAULT_DENTS, " %")
+        self.runs.setToolTip(tr("10 show how much a top load depends on dents that nobody sees"))
+        self.runs.valueChanged.connect(self._show_runs)
+        words = tr("each with other dents of"), tr("of the wall thickness, as a band of loads")
+        first, self.band_hint = map(QLabel, words)
+        return row_layout(self.runs, first, self.dents, self.band_hint, STRETCH)
+
+    def _show_runs(self) -> None:
+        """Enable several runs for a thin wall of known thickness."""
+        has_wall = METHODS[self.method.currentData()].is_wall
+        known = has_wall and self._wall.usable_thickness(self._unit) is not None
+        self.runs.setEnabled(known)
+        self.dents.setEnabled(known and self.runs.value() > 1)
+        words = tr("of the wall thickness, as a band of loads")
+        self.band_hint.setText(words if known else tr("by the method Wall, thickness known"))
+
     @property
     def _distance(self) -> float:
         """Final distance of the plates, mesh units."""
@@ -196,7 +217,7 @@ class PressDialog(RunDialog):
         """Start the press with the options chosen."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
-            options = self._options | self._targets | self._wall_options
+            options = self._options | self._targets | self._wall_options | self._run_options
             lengths = "--yield-radius", "--thickness"
             radius, apart = (float(options[name]) if name in options else None for name in lengths)
             self._material(radius)
@@ -240,6 +261,13 @@ class PressDialog(RunDialog):
         area, volume, *_ = goal_percentages(self._document.with_settings(method=self.method.currentData()))
         said = {"--area": area, "--volume": volume}
         return {option: f"{value!r}%" for option, value in said.items() if value is not None}
+
+    @property
+    def _run_options(self) -> dict[str, str]:
+        """Command options for several runs."""
+        if not self.dents.isEnabled():
+            return {}
+        return {"--runs": f"{self.runs.value():.0f}", "--dents": f"{self.dents.value():.0f}"}
 
     @property
     def _options(self) -> dict[str, str]:

@@ -1,5 +1,7 @@
 """Dents in a wall, and the band of loads of a mesh pressed with others each time."""
 
+from dataclasses import replace
+
 import meshes
 import numpy as np
 import pytest
@@ -7,6 +9,7 @@ import pytest
 import apd_viewer
 from apd_viewer.geometry.energy.cylinder_buckling import classical_load, knock_down_factor, round_radius
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.solver.pressed_mesh import pressed_mesh
 
 V, F = meshes.sphere(4)
 
@@ -76,6 +79,25 @@ def test_round_radius_is_of_round_bodies_alone():
         2.0, rel=2e-3
     )
     assert round_radius(tube @ np.diag([2.0, 1.5, 1.0]), np.array([0.0, 0.0, 1.0])) is None
+
+
+@pytest.mark.parametrize("share", [0.2, 0.65])
+def test_press_band_finds_the_first_buckle_at_its_height(share):
+    """Lids that go with the plates, and even shortening of the wall between, are no dents."""
+    X, triangles = meshes.can(48, 2.0)
+    wall = {"method": "wall", "wall_thickness": 0.05}
+    pressed = apd_viewer.press(X, triangles, (0, 0, 1), 1.999, 1, iterations=1, **wall)
+    low, height = X[:, 2].min(), np.ptp(X[:, 2])
+    steps = []
+    for gone, dent, load in ((0.0, 0.0, 0.0), (0.1, 0.0, 2.0), (0.2, 0.03, 1.0)):
+        U = X * [1.0, 1.0, 1.0 - gone / height]
+        near = np.exp(-(((X[:, 2] - low) / height - share) ** 2) / 0.01) * (X[:, 0] > 0.5)
+        U[:, 0] -= dent * near
+        steps.append(replace(pressed.steps[0], U=U, deflection=gone, load_low=load, load_high=load))
+    band = apd_viewer.PressBand((pressed_mesh(steps, (), False, 0.0), pressed))
+    found = band.buckle_heights(triangles, np.array([0.0, 0.0, 2.0]))
+    assert found[0] == pytest.approx(share, abs=0.05)
+    assert np.isnan(found[1])
 
 
 @pytest.mark.night

@@ -451,6 +451,24 @@ def test_press_dialog_presses_with_a_wall_distribution(asked, tmp_path):
     assert np.array_equal(found.thickness.triangles, wall.thickness.in_unit(Unit.CENTIMETRE).triangles)
 
 
+def test_press_dialog_presses_several_dented_walls_where_their_thickness_is_known(asked):
+    ask, options = asked
+    dialog = ask(*box(1, 2, 4), unit="cm")
+    assert not dialog.runs.isEnabled()
+    assert "thickness known" in dialog.band_hint.text()
+    dialog.show_wall(PET)
+    assert dialog.runs.isEnabled()
+    assert not dialog.dents.isEnabled()
+    assert (options(dialog).runs, options(dialog).dents) == (1, None)
+    dialog.runs.setValue(10)
+    assert (options(dialog).runs, options(dialog).dents) == (10, 10.0)
+    dialog.dents.setValue(25)
+    assert options(dialog).dents == 25.0
+    dialog.method.setCurrentIndex(dialog.method.findData("local"))
+    assert not dialog.runs.isEnabled()
+    assert (options(dialog).runs, options(dialog).dents) == (1, None)
+
+
 def test_press_dialog_leads_to_the_fields_of_the_wall_and_takes_what_is_chosen_there(qtbot, window, ball):
     fields = window.panel.measures.wall_fields
     window.panel.measures.is_folded = True
