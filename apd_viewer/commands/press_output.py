@@ -1,6 +1,6 @@
 """Output of the ``press`` command: table, report and summary."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from apd_viewer.files.report import shape_check_fields
 from apd_viewer.files.tables import Cell
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.plate_press import PressStep
 from apd_viewer.geometry.solver.pressed_mesh import Pressed
@@ -104,9 +104,14 @@ def _wall_fields(wall: Wall, area: float) -> dict[str, object]:
         "poisson": None if wall.young is None else wall.nu,
         "mass_grams": wall.grams(area),
     }
-    if isinstance(wall.thickness, ThicknessMap):
+    if isinstance(wall.thickness, WallMap):
         every = wall.thickness.triangles
         fields |= {"wall_thickness_least": float(every.min()), "wall_thickness_most": float(every.max())}
+        for name in ("young", "yield_radius"):
+            mean, mapped = getattr(wall, name), getattr(wall.thickness, name)
+            if mean is not None and mapped is not None:
+                ends = {"least": mapped.factors.min(), "most": mapped.factors.max()}
+                fields |= {f"{name}_{end}": float(mean * factor) for end, factor in ends.items()}
     return {name: value for name, value in fields.items() if value is not None}
 
 
@@ -315,21 +320,28 @@ def _wall_lines(wall: Wall, area: float, found: Pressed, newtons: NewtonConversi
 def _wall_text(wall: Wall) -> str:
     """Description of the known wall properties."""
     parts = [wall.material and wall.material.title]
+    mapped = wall.thickness if isinstance(wall.thickness, WallMap) else None
     if wall.thickness is not None:
-        parts.append(wall.unit.format_length(format_short(wall.thickness)))
-    if isinstance(wall.thickness, ThicknessMap):
-        ends = wall.thickness.triangles.min(), wall.thickness.triangles.max()
-        least, most = (wall.unit.format_length(format_short(end)) for end in ends)
-        parts[-1] = tr("{mean} on average, {least} to {most}").format(mean=parts[-1], least=least, most=most)
+        parts.append(_between(wall.thickness, mapped, wall.unit.format_length))
     if wall.density is not None:
         parts.append(f"{format_short(wall.density)}\u00a0g/cm³")
     if wall.young is not None:
-        parts.append(f"{format_short(wall.young / GPA)}\u00a0GPa")
+        parts.append(_between(wall.young / GPA, mapped and mapped.young, "{}\u00a0GPa".format))
         parts.append(tr("Poisson's ratio {ratio}").format(ratio=format_short(wall.nu)))
     if wall.yield_radius is not None:
-        radius = wall.unit.format_length(format_short(wall.yield_radius))
+        radius = _between(wall.yield_radius, mapped and mapped.yield_radius, wall.unit.format_length)
         parts.append(tr("yields below a radius of {radius}").format(radius=radius))
     return comma_separated(filter(None, parts))
+
+
+def _between(mean: float, mapped: WallMap | None, said: Callable[[str], str]) -> str:
+    """Mean of a property with its unit, and its ends if it is mapped."""
+    if mapped is None:
+        return said(format_short(mean))
+    least, most = (said(format_short(mean * end)) for end in (mapped.factors.min(), mapped.factors.max()))
+    return tr("{mean} on average, {least} to {most}").format(
+        mean=said(format_short(mean)), least=least, most=most
+    )
 
 
 def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, remains: str) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.files.storage.atomic_file import replacing_file
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.arrays import diagonal, significant_digits
 from apd_viewer.language import tr
 
@@ -24,6 +24,7 @@ _A_LINE = 16  # maximum number of ids per line of a set
 _LONGEST = 100  # maximum number of characters of a name in a comment
 _STATIC = "0.1, 1., 1e-5"  # initial increment, step period, minimum increment
 _MOST_INCREMENTS = 1000
+_MOST_MATERIALS = 50  # of a wall distribution
 
 
 class DeckWall(NamedTuple):
@@ -32,9 +33,10 @@ class DeckWall(NamedTuple):
     Attributes
     ----------
     thickness : float
-        Mesh units. A thickness map is written at the nodes, each with the mean of its elements.
+        Mesh units. A wall map is written at the nodes, each with the mean of its elements;
+        its moduli are materials.
     young : float
-        Young's modulus, newtons per square mesh unit.
+        Young's modulus, newtons per square mesh unit; of a wall map the mean.
     density : float or None
         Newtons times s² per mesh unit to the fourth.
     notes : tuple of str
@@ -187,22 +189,43 @@ def _set_lines(deck: Deck) -> Iterator[str]:
 
 
 def _wall_lines(deck: Deck) -> Iterator[str]:
-    wall = deck.wall
-    yield "*MATERIAL, NAME=WALL"
-    yield "*ELASTIC"
-    yield f"{_number(wall.young)}, {_number(wall.poisson)}"
-    if wall.density is not None:
-        yield "*DENSITY"
-        yield _number(wall.density)
-    is_mapped = isinstance(wall.thickness, ThicknessMap)
-    yield "*SHELL SECTION, ELSET=SURFACE, MATERIAL=WALL" + (", NODAL THICKNESS" if is_mapped else "")
-    yield _number(wall.thickness)
-    if isinstance(wall.thickness, ThicknessMap):
-        F = deck.F[deck.used_faces]
-        used = ThicknessMap(wall.thickness, wall.thickness.triangles[deck.used_faces])
-        values = used.at_vertices(F, len(deck.V))
+    wall, used = deck.wall, deck.used_faces
+    mapped = wall.thickness if isinstance(wall.thickness, WallMap) else None
+    factors, at = _modulus_groups(mapped, used)
+    for number, factor in enumerate(factors, start=1):
+        word = f"_{number}" if len(factors) > 1 else ""
+        if word:
+            yield f"*ELSET, ELSET=SURFACE{word}"
+            yield from _rows(used[at == number - 1])
+        yield f"*MATERIAL, NAME=WALL{word}"
+        yield "*ELASTIC"
+        yield f"{_number(wall.young * factor)}, {_number(wall.poisson)}"
+        if wall.density is not None:
+            yield "*DENSITY"
+            yield _number(wall.density)
+        nodal = ", NODAL THICKNESS" if mapped else ""
+        yield f"*SHELL SECTION, ELSET=SURFACE{word}, MATERIAL=WALL{word}{nodal}"
+        yield _number(wall.thickness)
+    if mapped:
+        F = deck.F[used]
+        values = WallMap(mapped, mapped.triangles[used]).at_vertices(F, len(deck.V))
         yield "*NODAL THICKNESS"
         yield from (f"{node + 1}, {_number(values[node])}" for node in np.unique(F).tolist())
+
+
+def _modulus_groups(mapped: WallMap | None, used: np.ndarray) -> tuple[list[float], np.ndarray]:
+    """Moduli over their mean, one for each material, and materials (k,) of elements.
+
+    Many different ones are gathered in classes of equal width, each with the mean in it.
+    """
+    factors = np.ones(len(used)) if mapped is None or mapped.young is None else mapped.young.factors[used]
+    least, width = factors.min(), np.ptp(factors) / _MOST_MATERIALS
+    kind = factors
+    if len(np.unique(factors)) > _MOST_MATERIALS:
+        kind = np.minimum((factors - least) // width, _MOST_MATERIALS - 1.0)
+    groups, at, counts = np.unique(kind, return_inverse=True, return_counts=True)
+    means = np.bincount(at, factors) / counts if kind is not factors else groups
+    return means.tolist(), at
 
 
 def _step_lines(held: Sequence[NodeSet], shifts: Sequence[np.ndarray]) -> Iterator[str]:

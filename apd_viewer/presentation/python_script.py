@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.mesh import BakedOrigin
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
@@ -99,7 +99,7 @@ def _check(document: Document) -> None:
         )
     if any(handle.falloff for handle in document.handles):
         raise InputError(tr("Python lines cannot express a falloff; save the session and replay it."))
-    if isinstance(document.settings.effective_settings.wall_thickness, ThicknessMap):
+    if isinstance(document.settings.effective_settings.wall_thickness, WallMap):
         raise InputError(tr("Python lines cannot hold a wall distribution; save the session and replay it."))
 
 

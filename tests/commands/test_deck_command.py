@@ -92,6 +92,31 @@ def test_deck_of_a_wall_distribution_stretches_by_its_integral_in_calculix(deck,
     assert np.abs(found - expected).max() < 0.01 * 3e-3
 
 
+@needs_ccx
+@pytest.mark.parametrize("kinds", [2, 200])
+def test_deck_of_a_modulus_from_place_to_place_stretches_by_its_integral_in_calculix(deck, tmp_path, kinds):
+    """A tube pulled along its axis stretches in inverse proportion to its modulus, of few or many kinds."""
+    V, F = tube(16, 12, height=3.0)
+    mesh, pull = bar(tmp_path, V, F), np.eye(4)
+    pull[2, 3] = 3e-3
+    np.savetxt(tmp_path / "pull.def", pull)
+    height = V[F][:, :, 2].mean(axis=1)
+    moduli = np.where(height < 1.5, 1.0, 3.0) * np.linspace(1.0, 1.0 + 1e-4 * (kinds > 2), len(F))
+    rows = (f"{k},0.05,{young!r}" for k, young in enumerate(moduli.tolist()))
+    (tmp_path / "walls.csv").write_text("\n".join(["triangle,thickness,young", *rows]))
+    words = "--transform", tmp_path / "pull.def", "--thickness", tmp_path / "walls.csv", "--poisson", "0"
+    status, said, out = deck(*mesh, *words, "--unit", "mm")
+    assert status == 0, said
+    assert 2 <= out.read_text().count("*MATERIAL") <= 50
+    moved = where_ours_are(out)[0]
+    base, top = ends(V)
+    low, high = V[base, 2].max(), V[top, 2].min()
+    middle = np.flatnonzero(np.abs(V[:, 2] - 1.5) < 1e-9)
+    found = np.array([moved[node + 1][2] for node in middle]) - 1.5
+    share = 3.0 * (1.5 - low) / (3.0 * (1.5 - low) + high - 1.5)
+    assert found == pytest.approx(3e-3 * share, rel=0.02)
+
+
 @pytest.mark.night
 @needs_ccx
 def test_deck_of_the_bottle_is_computed_by_calculix(deck):

@@ -233,18 +233,25 @@ def test_press_command_takes_a_wall_distribution_for_its_thickness(ball, press, 
         "z,thickness\n-1,0.02\n1,0.04\n",
         "z,thickness (mm)\n-1,0.2\n1,0.4\n",
         "z,thickness\n0,0.03\n",
+        "z,thickness,young,yield_radius\n0,0.03,3.4,1\n1,0.03,3.4,2\n",
+        "z,thickness,young (MPa)\n-1,0.03,2000\n1,0.03,4000\n",
     ):
         walls.write_text(text)
         words = "--unit", "cm", "--material", "pet-bottle", "--method", "wall", "--thickness", walls
         status, _, err, _ = press(ball, *QUICK[:-2], *words, "--report", report)
         assert (status, err) == (0, "")
         reports.append(json.loads(report.read_text(encoding="utf-8")))
-    one, same, even = reports
+    one, same, even, creasing, graded = reports
     for name in ("mass_grams", "load_low_newton", "wall_thickness_least", "yield_radius"):
         assert one[name] == pytest.approx(same[name], rel=1e-4), "millimetres round otherwise"
     assert one["mass_grams"] == pytest.approx(one["area_rest"] * 0.03 * 1.36, rel=1e-3)
     assert 0.02 < one["wall_thickness_least"] < 0.022 < 0.038 < one["wall_thickness_most"] < 0.04
     assert one["load_low_newton"] != pytest.approx(even["load_low_newton"], rel=1e-3)
+    assert (creasing["young"], creasing["young_least"]) == (3.4e9, 3.4e9)
+    assert 1.0 == creasing["yield_radius_least"] < creasing["yield_radius"] < 2.0
+    assert graded["young"] == pytest.approx(3e9, rel=1e-3)
+    assert graded["young_least"] < 2.2e9 < 3.8e9 < graded["young_most"]
+    assert graded["mass_grams"] == pytest.approx(even["mass_grams"], rel=1e-6)
     walls.write_text("vertex,thickness\n0,0.03\n")
     status, _, err, _ = press(ball, *QUICK[:-2], *words, "--report", report)
     assert (status, err.count("\n")) == (2, 1)

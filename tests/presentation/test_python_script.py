@@ -11,7 +11,7 @@ from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.energy.thickness_map import mapped_thickness
+from apd_viewer.geometry.energy.wall_map import wall_map_of
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.presentation.python_script import python_script
@@ -139,7 +139,7 @@ def test_python_script_refuses_what_its_lines_cannot_say(session):
     with pytest.raises(InputError, match="falloff"):
         python_script(session.store.state.document)
     mesh = document.mesh
-    thickness = mapped_thickness(np.full(len(mesh.F), 0.1), mesh.V, mesh.F)
+    thickness = wall_map_of(np.full(len(mesh.F), 0.1), mesh.V, mesh.F)
     with pytest.raises(InputError, match="wall distribution"):
         python_script(document.with_settings(method="wall", wall_thickness=thickness))
     with pytest.raises(InputError, match="no base"):

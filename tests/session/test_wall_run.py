@@ -7,7 +7,7 @@ import pytest
 from meshes import sphere, tube
 
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.energy.thickness_map import mapped_thickness
+from apd_viewer.geometry.energy.wall_map import wall_map_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.pressed_mesh import press
@@ -67,7 +67,7 @@ def readings(states):
 def test_wall_run_presses_as_the_command_does_by_the_method_wall(empty, most):
     """Of one thickness, and of one that grows along an axis."""
     ball = sphere(2)
-    thickness = mapped_thickness(np.interp(ball[0][:, 0], [-1.0, 1.0], [0.03, most]), *ball)
+    thickness = wall_map_of(np.interp(ball[0][:, 0], [-1.0, 1.0], [0.03, most]), *ball)
     press_in_view(empty, ball, 1.88, 2)
     shown, undo = empty.store.state, empty.gestures.history.undo_names
     first = [step.state for step in steps(empty)]

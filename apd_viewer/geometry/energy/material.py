@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 
 # Young's modulus times thickness of the cells of Eq. 1.
 _WALL_YOUNG = 4.0
@@ -26,9 +26,9 @@ class Material:
         Of what keeps neighbouring rotations alike, times the total area: alpha of SR-ARAP.
     yield_curvature : float
         Change of curvature above which bending stays, 1 / mesh unit; infinite for none that does. Of a
-        thickness map it is that of the mean: a thicker triangle yields at less.
+        wall map it is that of the mean, see :attr:`yield_curvatures`.
     thickness : float
-        Of a thin elastic wall, mesh units, instead of all the others; 0 for none. Of a thickness map the
+        Of a thin elastic wall, mesh units, instead of all the others; 0 for none. Of a wall map the
         mean, to which all weights refer.
     poisson : float
         Of the wall.
@@ -62,7 +62,19 @@ class Material:
     @property
     def thickness_factors(self) -> np.ndarray | float:
         """Thickness of every triangle (m,) over the mean; 1 if it is the same everywhere."""
-        return self.thickness.factors if isinstance(self.thickness, ThicknessMap) else 1.0
+        return self.thickness.factors if isinstance(self.thickness, WallMap) else 1.0
+
+    @property
+    def young_factors(self) -> np.ndarray | float:
+        """Modulus of every triangle (m,) over the mean; 1 if it is the same everywhere."""
+        young = self.thickness.young if isinstance(self.thickness, WallMap) else None
+        return 1.0 if young is None else young.factors
+
+    @property
+    def yield_curvatures(self) -> np.ndarray | float:
+        """Yield curvature of every triangle, (m,), or of all."""
+        radius = self.thickness.yield_radius if isinstance(self.thickness, WallMap) else None
+        return self.yield_curvature / (self.thickness_factors if radius is None else radius.factors)
 
     @property
     def plate_rigidity(self) -> float:

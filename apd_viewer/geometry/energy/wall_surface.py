@@ -7,9 +7,10 @@ Stretching is that of the material of St. Venant and Kirchhoff in every triangle
 in plane stress: ``lambda = C nu / (1 - nu^2)`` and ``mu = C / (2 (1 + nu))``, with C Young's modulus times
 thickness. Turns may be large, stretches not: the wall is meant to be thin. It bends at its hinges, see
 :class:`Hinges`. The membrane has Young's modulus times thickness 4 per area, as the cells of Eq. 1, so that
-loads of all methods compare; the bending rigidity follows from the thickness. Of a thickness map these are
+loads of all methods compare; the bending rigidity follows from the thickness. Of a wall map these are
 the weights of its mean: a triangle f times as thick stretches by f times its weight, bends by f^3 times it
-and yields at 1/f of the yield curvature.
+and yields at 1/f of the yield curvature, unless the map has yield radii. Its modulus over the mean is a
+factor of both.
 
 Over an arc of length l and curvature k the chord is shorter than the arc, ``l (1 - k^2 l^2 / 24)``. If all
 edges were alike, the flat triangles of a wall that bends would shrink evenly. Uneven edges shrink unevenly,
@@ -93,12 +94,12 @@ class WallSurface(HeldSurface):
         self.material, self._thickness = material, material.thickness
         self._found: tuple[float, float, np.ndarray] | None = None
         factors = material.thickness_factors
-        unit = replace(material, thickness=1.0).plate_rigidity * factors**3
+        unit = replace(material, thickness=1.0).plate_rigidity * factors**3 * material.young_factors
         clamps = np.asarray(np.isin(rest.F, fixed).all(axis=1))
         shape = rest.V, rest.F, unit, material.poisson, clamps
         self.hinges: Hinges = Hinges(*shape)
         if material.yield_curvature < np.inf:
-            self.hinges = self.creases = PlasticHinges(*shape, material.yield_curvature / factors)
+            self.hinges = self.creases = PlasticHinges(*shape, material.yield_curvatures)
         self.stretching = Stretching(rest.V, rest.all_triangles, self.hinges, material)
         # A triangle that vanishes takes the tensile stiffness times its area, of the mean triangle.
         self._collapse_weight = 0.5 * material.tensile_stiffness / max(len(rest.F), 1)
@@ -286,7 +287,7 @@ class Stretching:
     hats : (m, 3, 2) float array
         Gradients of the hat functions in each triangle's plane; zero for those that do not count.
     areas : (m,) float array
-        Times thickness over its mean.
+        Times thickness and modulus over their means.
     lame : tuple of float
         lambda and mu.
     relaxed : bool
@@ -298,7 +299,7 @@ class Stretching:
     def __init__(self, V: np.ndarray, patch: Patch, hinges: Hinges, material: Material) -> None:
         self.patch, self._hinges = patch, hinges
         self.hats, areas = _plane_hats(V, patch.F, is_well_shaped(cotangents(V, patch.F)))
-        self.areas = material.thickness_factors * areas
+        self.areas = material.thickness_factors * material.young_factors * areas
         firm, poisson = material.tensile_stiffness, material.poisson
         self.lame = lame, mu = firm * poisson / (1.0 - poisson**2), firm / (2.0 * (1.0 + poisson))
         # Strains, and stresses times area, by the squared lengths of the edges.

@@ -13,7 +13,7 @@ from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.thickness_map import mapped_thickness
+from apd_viewer.geometry.energy.wall_map import wall_map_of
 from apd_viewer.geometry.energy.wall_surface import WallSurface, joints_sentence
 from apd_viewer.geometry.goals.calm_parts import calm_level_weights
 from apd_viewer.geometry.goals.goals import Region, RegionReading
@@ -195,8 +195,8 @@ class Deformation:
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = soft_solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
-        thickness_map = mapped_thickness(wall_thickness, rest.V, rest.F)
-        thin = wall_material(rest.diagonal, thickness_map, poisson, yield_radius, tension_field)
+        wall_map = wall_map_of(wall_thickness, rest.V, rest.F)
+        thin = wall_material(rest.diagonal, wall_map, poisson, yield_radius, tension_field)
         check_any_free(rest, held)
         with cores_for(len(rest.solve_mesh.V)):
             levels = partial(calm_level_weights, rest.solve_mesh, held, handle_of, self._soft)

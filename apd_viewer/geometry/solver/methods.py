@@ -7,7 +7,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.arrays import check_argument
 from apd_viewer.language import tr
 
@@ -271,7 +271,7 @@ def wall_material(
     diagonal : float
         Of the bounding box, mesh units.
     thickness : float or None
-        Mesh units, perhaps a thickness map; None for a thousandth of the diagonal.
+        Mesh units, perhaps a wall map; None for a thousandth of the diagonal.
     poisson : float
     yield_radius : float, optional
         Mesh units; by default the wall is elastic.
@@ -282,7 +282,7 @@ def wall_material(
     if thickness is None:
         thickness = _THICKNESS * diagonal
     check_argument("wall_thickness", thickness)
-    every = thickness.triangles if isinstance(thickness, ThicknessMap) else np.array([thickness])
+    every = thickness.triangles if isinstance(thickness, WallMap) else np.array([thickness])
     if every.max() > _THICKEST * diagonal:
         raise InputError(
             tr("A wall is thin: its thickness must be at most {most:.3g} here; check the unit.").format(
@@ -297,7 +297,7 @@ def wall_material(
         )
     curvature = np.inf if yield_radius is None else 1.0 / yield_radius
     return Material(
-        thickness=thickness if isinstance(thickness, ThicknessMap) else float(thickness),
+        thickness=thickness if isinstance(thickness, WallMap) else float(thickness),
         poisson=float(poisson),
         yield_curvature=curvature,
         is_relaxed=bool(tension_field),

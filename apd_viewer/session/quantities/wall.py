@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import editable_number
 from apd_viewer.session.quantities import wall_material
@@ -99,7 +100,7 @@ class Wall:
     unit : Unit
         Of the mesh.
     thickness : float or None
-        Mesh units; the mean of a thickness map.
+        Mesh units; the mean of a wall map.
     density : float or None
         g/cm³.
     young : float or None
@@ -168,15 +169,23 @@ class Wall:
 
 
 def parse_wall(text: WallText, unit: Unit) -> Wall:
-    """Wall from a text, for a mesh in a unit; raises InputError."""
+    """Wall from a text, for a mesh in a unit; raises InputError.
+
+    A typed modulus or yield radius is the mean of one that differs from place to place.
+    """
     known = text.material
     thickness = _optional_number(text.thickness, lambda typed: parse_thickness(typed, unit))
     if known and thickness is None:
         thickness = parse_length(f"{known.thickness} mm", unit, {})
     density = _optional_number(text.density, wall_material.parse_density)
     young = _optional_number(text.young, wall_material.parse_young_modulus)
+    mapped = thickness if isinstance(thickness, WallMap) else None
+    if mapped and mapped.young:
+        young = float(mapped.young) if young is None else young
     poisson = _optional_number(text.poisson, wall_material.parse_poisson_ratio)
     radius = _optional_number(text.yield_radius, lambda typed: parse_length(typed, unit, {}))
+    if mapped and mapped.yield_radius:
+        radius = float(mapped.yield_radius) if radius is None else radius
     if known:
         density = known.density if density is None else density
         young = wall_material.GPA * known.young if young is None and known.young is not None else young

@@ -1,4 +1,4 @@
-"""Wall distributions in files: the thickness of a wall at each place."""
+"""Wall distributions in files: thickness, modulus and yield radius at each place."""
 
 import csv
 import re
@@ -13,12 +13,12 @@ from apd_viewer.files.meshes import read_mesh
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.files.tables import write_table
 from apd_viewer.files.vtk.xml_surface import VtkXmlFile
-from apd_viewer.geometry.energy.thickness_map import (
-    ThicknessMap,
+from apd_viewer.geometry.energy.wall_map import (
+    WallMap,
     check_positive,
     interpolated_values,
     triangle_means,
-    triangle_thickness,
+    triangle_wall,
 )
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -26,13 +26,17 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import standing_axis
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, parse_length
 from apd_viewer.session.quantities.units import SYMBOLS, NoUnitError, Unit
+from apd_viewer.session.quantities.wall_material import MODULI, parse_young_modulus
 
 TABLE_SUFFIX = ".csv"
 DISTRIBUTION_SUFFIXES = (TABLE_SUFFIX, ".ply", ".vtp", ".vtu")
-_THICKNESS, _HEIGHT, _AXES = "thickness", "height", "xyz"
+_THICKNESS, _YOUNG, _RADIUS = "thickness", "young", "yield_radius"
+_HEIGHT, _AXES = "height", "xyz"
 _ROWS = {"vertex": "vertex", "index": "vertex", "triangle": "triangle"}
-# A column and its unit: thickness, thickness_mm or thickness (mm).
-_COLUMN = re.compile(rf"([a-z]+?)(?:[\s_]*[\[(]?({'|'.join(SYMBOLS)})[\])]?)?", re.IGNORECASE)
+# A column and its unit: thickness, thickness_mm, thickness (mm) or young (MPa).
+_UNIT = r"(?:[\s_]*[\[(]?({})[\])]?)?"
+_COLUMN = re.compile(rf"(yield[\s_]radius|(?!young)[a-z]+?){_UNIT.format('|'.join(SYMBOLS))}", re.IGNORECASE)
+_MODULUS = re.compile(rf"(young){_UNIT.format('|'.join(MODULI))}", re.IGNORECASE)
 _FARTHEST = 0.05  # of the diagonal: distance of a measured point from the nearest vertex
 
 
@@ -41,34 +45,36 @@ class WallDistribution(str):
 
     Attributes
     ----------
-    thickness : ThicknessMap
+    thickness : WallMap
     unit : str
         Symbol of the unit of the thickness; empty for that of the mesh.
     """
 
     __slots__ = ("thickness", "unit")
-    thickness: ThicknessMap
+    thickness: WallMap
     unit: str
 
-    def __new__(cls, name: str, thickness: ThicknessMap, unit: str = "") -> "WallDistribution":
+    def __new__(cls, name: str, thickness: WallMap, unit: str = "") -> "WallDistribution":
         """Name of a file, and what it says."""
         made = super().__new__(cls, name)
         made.thickness, made.unit = thickness, unit
         return made
 
-    def __getnewargs__(self) -> tuple[str, ThicknessMap, str]:  # type: ignore[override]
+    def __getnewargs__(self) -> tuple[str, WallMap, str]:  # type: ignore[override]
         """Arguments that make a copy."""
         return str(self), self.thickness, self.unit
 
-    def in_unit(self, unit: Unit) -> ThicknessMap:
+    def in_unit(self, unit: Unit) -> WallMap:
         """Thickness in the ``unit`` of the mesh; raises InputError if unknown."""
         return (
             self.thickness.scaled(parse_length(f"1 {self.unit}", unit, {})) if self.unit else self.thickness
         )
 
     def on(self, mesh: Mesh) -> "WallDistribution":
-        """The same thickness of the triangles on another rest shape."""
-        thickness = triangle_thickness(self.thickness.triangles, mesh.V, mesh.F)
+        """The same wall of the triangles on another rest shape."""
+        beside = (self.thickness.young, self.thickness.yield_radius)
+        told = (None if each is None else each.triangles for each in beside)
+        thickness = triangle_wall(self.thickness.triangles, mesh.V, mesh.F, *told)
         return WallDistribution(str(self), thickness, self.unit)
 
     def __eq__(self, other: object) -> bool:
@@ -98,8 +104,9 @@ def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> WallDistribution:
 
     A table has a heading: ``vertex,thickness`` or ``triangle,thickness`` (from 0, in any order),
     ``x,y,z,thickness`` for measured points, or ``height,thickness``, also with x, y or z in place of the
-    height. A unit may follow a name, as in ``thickness (mm)``; other numbers are in mesh units. PLY, VTP and
-    VTU files of the mesh have a vertex or face property of the name ``thickness``.
+    height. Columns ``young`` and ``yield_radius`` may be beside it. A unit may follow a name, as in
+    ``thickness (mm)``; other numbers are in mesh units and GPa. PLY, VTP and VTU files of the mesh have
+    vertex or face properties of these names.
 
     Raises
     ------
@@ -109,11 +116,9 @@ def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> WallDistribution:
     content = read_content(path)
     try:
         if path.suffix.lower() == TABLE_SUFFIX:
-            values, symbol = _ThicknessTable(content.decode("utf-8-sig", "replace"), unit).thickness_on(mesh)
+            thickness, symbol = _WallTable(content.decode("utf-8-sig", "replace"), unit).wall_on(mesh)
         else:
-            values, symbol = _stored_property(read_mesh(path, content), mesh), ""
-        check_positive(values)
-        thickness = triangle_thickness(values, mesh.V, mesh.F)
+            thickness, symbol = _stored_wall(read_mesh(path, content), mesh), ""
     except NoUnitError:
         raise
     except (InputError, csv.Error) as error:
@@ -121,28 +126,57 @@ def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> WallDistribution:
     return WallDistribution(path.name[:MOST_CHARACTERS], thickness, symbol)
 
 
-def write_distribution(path: Path, thickness: ThicknessMap) -> None:
-    """Write the thickness of every triangle as a table; raises InputError."""
-    rows = np.column_stack([np.arange(len(thickness.triangles)), thickness.triangles])
-    write_table(path, ("triangle", _THICKNESS), rows)
+def write_distribution(path: Path, thickness: WallMap) -> None:
+    """Write the wall of every triangle as a table; raises InputError."""
+    columns = {"triangle": np.arange(len(thickness.triangles)), _THICKNESS: thickness.triangles}
+    if thickness.young is not None:
+        columns[f"{_YOUNG} (Pa)"] = thickness.young.triangles
+    if thickness.yield_radius is not None:
+        columns[_RADIUS] = thickness.yield_radius.triangles
+    write_table(path, tuple(columns), np.column_stack([*columns.values()]))
 
 
-def _stored_property(found: Mesh, mesh: Mesh) -> np.ndarray:
-    """Thickness (m,) by a property of the vertices or faces of the mesh in a file."""
+def _stored_wall(found: Mesh, mesh: Mesh) -> WallMap:
+    """Wall by properties of the vertices or faces of the mesh in a file."""
     if not np.array_equal(found.F, mesh.F):
         raise InputError(tr("It is of another mesh: its triangles differ."))
+    thickness, young, radius = (_stored_property(found, mesh, name) for name in (_THICKNESS, _YOUNG, _RADIUS))
+    if thickness is None:
+        raise InputError(tr("It has no property “{name}” of vertices or triangles.").format(name=_THICKNESS))
+    return _checked_wall(mesh, thickness, None if young is None else _pascals(young, ""), radius)
+
+
+def _stored_property(found: Mesh, mesh: Mesh, name: str) -> np.ndarray | None:
+    """Property (m,) of the vertices or faces of the mesh in a file; None without."""
     for of_vertices in (True, False):
         origin, values, count = found.origin, None, len(found.V) if of_vertices else len(mesh.F)
         if isinstance(origin, PlyFile):
-            values = origin.property_values("vertex" if of_vertices else "face", _THICKNESS)
+            values = origin.property_values("vertex" if of_vertices else "face", name)
         elif isinstance(origin, VtkXmlFile):
-            values = origin.data_values("PointData" if of_vertices else "CellData", _THICKNESS)
+            values = origin.data_values("PointData" if of_vertices else "CellData", name)
         if values is not None and len(values) == count:
             return triangle_means(values, mesh.F) if of_vertices else values
-    raise InputError(tr("It has no property “{name}” of vertices or triangles.").format(name=_THICKNESS))
+    return None
 
 
-class _ThicknessTable:
+def _checked_wall(
+    mesh: Mesh, thickness: np.ndarray, young: np.ndarray | None, radius: np.ndarray | None
+) -> WallMap:
+    check_positive(thickness)
+    if radius is not None:
+        check_positive(
+            radius, tr("The yield radius must be greater than 0 everywhere; number {k:,} is {value:g}.")
+        )
+    return triangle_wall(thickness, mesh.V, mesh.F, young, radius)
+
+
+def _pascals(values: np.ndarray, symbol: str) -> np.ndarray:
+    """Moduli in Pa from numbers in a unit, by default GPa; raises InputError."""
+    few, at = np.unique(values, return_inverse=True)
+    return np.array([parse_young_modulus(f"{each!r} {symbol}") for each in few.tolist()])[at]
+
+
+class _WallTable:
     """Table of numbers with a heading.
 
     Parameters
@@ -160,38 +194,51 @@ class _ThicknessTable:
         self._names: dict[str, int] = {}
         self._symbols: dict[str, str] = {}
         for k, cell in enumerate(rows[0] if rows else ()):
-            if (column := _COLUMN.fullmatch(cell.strip())) is not None:
-                name = column[1].lower()
+            column = _MODULUS.fullmatch(cell.strip()) or _COLUMN.fullmatch(cell.strip())
+            if column is not None:
+                name = column[1].lower().replace(" ", "_")
                 self._names[name], self._symbols[name] = k, (column[2] or "").lower()
         self._rows, self._comma, self._unit = rows[1:], "," if comma == ";" else ".", unit
 
-    def thickness_on(self, mesh: Mesh) -> tuple[np.ndarray, str]:
-        """Thickness (m,) of the triangles, and the symbol of its unit."""
-        rows = next((name for name in _ROWS if name in self._names), None)
-        axes = [axis for axis in (_HEIGHT, *_AXES) if axis in self._names]
-        if _THICKNESS not in self._names or not self._rows or not (rows or axes):
+    def wall_on(self, mesh: Mesh) -> tuple[WallMap, str]:
+        """Wall of the triangles, and the symbol of the unit of its thickness."""
+        is_placed = any(name in self._names for name in (*_ROWS, _HEIGHT, *_AXES))
+        if _THICKNESS not in self._names or not self._rows or not is_placed:
             raise InputError(
                 tr(
                     "A table of thickness needs rows below a heading such as vertex,thickness or "
                     "x,y,z,thickness or height,thickness."
                 )
             )
-        values = self._column(_THICKNESS)
-        check_positive(values)
+        check_positive(self._column(_THICKNESS))
+        values = self._of_triangles(self._column(_THICKNESS), mesh)
+        symbol, young, radius = self._symbols[_THICKNESS], None, None
+        if _YOUNG in self._names:
+            young = self._of_triangles(_pascals(self._column(_YOUNG), self._symbols[_YOUNG]), mesh)
+        if _RADIUS in self._names:
+            radius = self._of_triangles(self._column(_RADIUS), mesh)
+            if self._symbols[_RADIUS] != symbol:
+                radius = radius * (self._factor(_RADIUS) / self._factor(_THICKNESS))
+        return _checked_wall(mesh, values, young, radius), symbol
+
+    def _of_triangles(self, values: np.ndarray, mesh: Mesh) -> np.ndarray:
+        """Values (m,) of the triangles from those of the rows."""
+        rows = next((name for name in _ROWS if name in self._names), None)
+        axes = [axis for axis in (_HEIGHT, *_AXES) if axis in self._names]
         if rows:
             is_vertex = _ROWS[rows] == "vertex"
             values = _in_order(self._column(rows), values, len(mesh.V) if is_vertex else len(mesh.F))
             if not is_vertex:
-                return values, self._symbols[_THICKNESS]
+                return values
         elif axes == list(_AXES):
             points = np.column_stack([self._column(axis) * self._factor(axis) for axis in axes])
             values = interpolated_values(points, values, mesh.V, _FARTHEST * diagonal(mesh.V))
         else:
             values = self._along(axes, values, mesh)
-        return triangle_means(values, mesh.F), self._symbols[_THICKNESS]
+        return triangle_means(values, mesh.F)
 
     def _along(self, axes: Sequence[str], values: np.ndarray, mesh: Mesh) -> np.ndarray:
-        """Thickness at the vertices of a mesh, interpolated along one axis."""
+        """Values at the vertices of a mesh, interpolated along one axis."""
         if len(axes) > 1:
             raise InputError(tr("Points need x, y and z; a profile has only one of them, or height."))
         (axis,) = axes

@@ -19,7 +19,7 @@ _DENSITIES = {
     "oz/in3": 28.349523125 / 2.54**3,
 }
 _PSI = 6894.757293168  # Pa
-_MODULI = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": GPA, "psi": _PSI, "ksi": 6894757.293168}
+MODULI = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": GPA, "psi": _PSI, "ksi": 6894757.293168}
 _PRESSURES = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "mbar": 1e2, "bar": 1e5, "atm": 101_325.0, "psi": _PSI}
 _AMOUNT_AND_WORD = re.compile(r"(.*?)\s*([a-zA-Z]*)", re.DOTALL)
 _AMOUNT_AND_RATIO = re.compile(r"(.+?)\s*(?<![a-z])([a-z]+\s*[/∕⁄]\s*[a-z]+\^?[3³]?)", re.DOTALL)
@@ -121,7 +121,7 @@ def parse_density(text: str) -> float:
 def parse_young_modulus(text: str) -> float:
     """Young's modulus in Pa from a text; a bare number is in GPa. Raises InputError."""
     unknown = tr("“{unit}” is not a unit of Young's modulus; use GPa, MPa or psi.")
-    amount, factor = _amount_and_factor(text, _AMOUNT_AND_WORD, _MODULI, unknown)
+    amount, factor = _amount_and_factor(text, _AMOUNT_AND_WORD, MODULI, unknown)
     value = (factor or GPA) * _number(
         amount, text, tr("“{text}” is not a Young's modulus; enter one such as 2.8 GPa.")
     )

@@ -6,7 +6,7 @@ newer ones may have unknown contents, and are refused.
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -23,7 +23,7 @@ from apd_viewer.files.storage.archive import Archive, npy_content, write_archive
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import open_regular_file, read_content
 from apd_viewer.geometry.analysis.target_shape import TargetShape
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
@@ -41,7 +41,9 @@ SESSION_FORMAT, SESSION_VERSION = "apd-session", 1
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
 _WELD = "weld"  # array of the vertex to which each vertex is welded, if seams were welded
 _IMAGE_MEMBER, _IMAGED = "region-image", "imaged"  # file of the image on a region, and array of its vertices
-_MEANS, _MAP = "thicknesses", "thickness"  # means of thickness maps, and arrays of their triangles
+# Means of wall maps, and arrays of their triangles; what may be beside the thickness, by its name.
+_MEANS, _MAP = "thicknesses", "thickness"
+_BESIDE = {"moduli": "young", "yield_radii": "yield_radius"}
 _MOST_MAPS = 1000
 # Farthest valid positions, in bounding-box diagonals of the mesh.
 _FARTHEST = 1e8
@@ -105,7 +107,8 @@ def save_session(
     if view.image is not None:
         arrays[_IMAGED] = view.image.inside.astype(np.uint8)
     maps = _used_maps(state, view, timeline)
-    arrays |= {f"{_MAP}-{k}": each.triangles for k, each in enumerate(maps.values())}
+    means_beside, arrays_of_maps = _stored_maps(maps.values())
+    arrays |= arrays_of_maps
     steps, arrays_of_steps = timeline_to_json(timeline, state) if timeline.steps else (None, {})
     said = {
         "format": SESSION_FORMAT,
@@ -114,7 +117,7 @@ def save_session(
         "mesh": told,
         **({"target": target} if target else {}),
         "arrays": list(arrays),
-        **({_MEANS: list(maps)} if maps else {}),
+        **({_MEANS: list(maps), **means_beside} if maps else {}),
         "document": session_json.document_to_json(document),
         "frame": session_json.frame_to_json(state.frame),
         "view": session_json.view_to_json(view),
@@ -177,7 +180,7 @@ def _opened(path: Path, with_timeline: bool) -> OpenedFile:
         return OpenedFile(state, _view(said.nested_fields("view"), archive, len(mesh.V), maps), timeline)
 
 
-def _view(fields: JsonFields, archive: Archive, n: int, maps: session_json.ThicknessMaps) -> View:
+def _view(fields: JsonFields, archive: Archive, n: int, maps: session_json.WallMaps) -> View:
     view = session_json.view_from_json(fields, maps)
     if not fields.has_value("image"):
         return view
@@ -185,24 +188,42 @@ def _view(fields: JsonFields, archive: Archive, n: int, maps: session_json.Thick
     return replace(view, image=session_json.image_from_json(fields.nested_fields("image"), content, inside))
 
 
-def _used_maps(state: State, view: View, timeline: Timeline) -> dict[float, ThicknessMap]:
+def _used_maps(state: State, view: View, timeline: Timeline) -> dict[float, WallMap]:
     """Thickness maps of wall and settings, by their means."""
     steps = (each for step in timeline.steps for each in (step.state, step.wall_result))
     used = [each.document.settings.wall_thickness for each in (state, *steps) if each is not None]
     if isinstance(view.wall.thickness, WallDistribution):
         used.append(view.wall.thickness.thickness)
-    return {float(each): each for each in used if isinstance(each, ThicknessMap)}
+    return {float(each): each for each in used if isinstance(each, WallMap)}
 
 
-def _maps(fields: JsonFields, archive: Archive, m: int) -> dict[float, ThicknessMap]:
-    """Thickness maps of a session, by their means; raises ValueError if damaged."""
-    means = map(float, fields.arrays(_MEANS, _MOST_MAPS))
-    maps = {
-        mean: ThicknessMap(mean, archive.array(f"{_MAP}-{k}", "<f8", (m,))) for k, mean in enumerate(means)
-    }
-    if not all((each.triangles > 0.0).all() and np.isfinite(each.triangles).all() for each in maps.values()):
-        raise ValueError(tr("its “wall” is damaged"))
-    return maps
+def _stored_maps(maps: Collection[WallMap]) -> tuple[dict[str, list[float]], dict[str, np.ndarray]]:
+    """Means of what is beside the thickness of wall maps, 0 for none, and all arrays."""
+    arrays = {f"{_MAP}-{k}": each.triangles for k, each in enumerate(maps)}
+    means: dict[str, list[float]] = {}
+    for key, name in _BESIDE.items():
+        found = {k: told for k, each in enumerate(maps) if (told := getattr(each, name)) is not None}
+        arrays |= {f"{name}-{k}": each.triangles for k, each in found.items()}
+        means |= {key: [float(found.get(k, 0.0)) for k in range(len(maps))]} if found else {}
+    return means, arrays
+
+
+def _maps(fields: JsonFields, archive: Archive, m: int) -> dict[float, WallMap]:
+    """Wall maps of a session, by their means; raises ValueError if damaged."""
+
+    def read(mean: float, member: str, *beside: WallMap | None) -> WallMap:
+        triangles = archive.array(member, "<f8", (m,))
+        if not (mean > 0.0 and (triangles > 0.0).all() and np.isfinite(triangles).all()):
+            raise ValueError(tr("its “wall” is damaged"))
+        return WallMap(mean, triangles, *beside)
+
+    means = [float(mean) for mean in fields.arrays(_MEANS, _MOST_MAPS)]
+    beside: list[list[WallMap | None]] = [[] for _ in means]
+    for key, name in _BESIDE.items():
+        told = dict(enumerate(map(float, fields.arrays(key, len(means)))))
+        for k, each in enumerate(beside):
+            each.append(read(told[k], f"{name}-{k}") if told.get(k) else None)
+    return {mean: read(mean, f"{_MAP}-{k}", *beside[k]) for k, mean in enumerate(means)}
 
 
 def _content(path: Path) -> bytes:

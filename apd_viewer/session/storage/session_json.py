@@ -13,7 +13,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import JsonFields
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame, FrameContact
@@ -36,8 +36,8 @@ from apd_viewer.session.storage import part_json
 _POINTS = ("position", "focal", "up")
 _WALL = WallText._fields
 _MEAN, _UNIT = "thickness_mean", "thickness_unit"  # of a wall distribution
-ThicknessMaps: TypeAlias = Mapping[float, ThicknessMap]
-NO_MAPS: ThicknessMaps = {}
+WallMaps: TypeAlias = Mapping[float, WallMap]
+NO_MAPS: WallMaps = {}
 _AXES = "xyz"
 _NO_OVERLAY = "none"
 # Values of settings for sessions older than the setting, if different from the current default.
@@ -76,7 +76,7 @@ def document_to_json(document: Document) -> dict[str, Any]:
 
 
 def document_from_json(
-    fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndarray], maps: ThicknessMaps = NO_MAPS
+    fields: JsonFields, mesh: Mesh, arrays: dict[str, np.ndarray], maps: WallMaps = NO_MAPS
 ) -> Document:
     """Document from JSON, mesh, arrays ``labels``, ``member``, ``grip``, and maps."""
     handles = tuple(part_json.handle_from_json(part) for part in fields.nested_list("handles", MOST_HANDLES))
@@ -204,8 +204,8 @@ def view_to_json(view: View) -> dict[str, Any]:
     return said if view.up_axis is None else {**said, "up_axis": view.up_axis.value}
 
 
-def view_from_json(fields: JsonFields, maps: ThicknessMaps = NO_MAPS) -> View:
-    """View from JSON, and thickness maps."""
+def view_from_json(fields: JsonFields, maps: WallMaps = NO_MAPS) -> View:
+    """View from JSON, and wall maps."""
     unit = _unit(fields)
     wall = _wall_from_json(fields.nested_fields("wall"), maps) if fields.has_value("wall") else WallText()
     overlay = fields.text("overlay") if fields.has_value("overlay") else None
@@ -250,7 +250,7 @@ def _wall_to_json(wall: WallText) -> dict[str, Any]:
     return {**told, _MEAN: float(wall.thickness.thickness), _UNIT: wall.thickness.unit}
 
 
-def _wall_from_json(fields: JsonFields, maps: ThicknessMaps) -> WallText:
+def _wall_from_json(fields: JsonFields, maps: WallMaps) -> WallText:
     """Wall as typed; null fields are empty."""
     words = [fields.text(name) if fields.has_value(name) else "" for name in _WALL]
     if any(len(word) > MOST_CHARACTERS for word in words):
@@ -264,8 +264,8 @@ def _wall_from_json(fields: JsonFields, maps: ThicknessMaps) -> WallText:
     return wall._replace(thickness=WallDistribution(wall.thickness, known, unit))
 
 
-def _with_map(settings: Settings, maps: ThicknessMaps) -> Settings:
-    """Settings with the thickness map of their mean, if there is one."""
+def _with_map(settings: Settings, maps: WallMaps) -> Settings:
+    """Settings with the wall map of their mean, if there is one."""
     known = None if settings.wall_thickness is None else maps.get(settings.wall_thickness)
     return settings if known is None else replace(settings, wall_thickness=known)
 

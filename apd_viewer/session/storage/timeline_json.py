@@ -22,7 +22,7 @@ from apd_viewer.session.model.timeline import (
     TimelineStep,
 )
 from apd_viewer.session.storage import session_json
-from apd_viewer.session.storage.session_json import NO_MAPS, ThicknessMaps
+from apd_viewer.session.storage.session_json import NO_MAPS, WallMaps
 
 MOST_BYTES = 128 * 2**20  # limit for all arrays of a timeline in a session file
 _ARRAYS = "labels", "grip", "shape"
@@ -107,7 +107,7 @@ def _document_to_json(document: Document) -> dict[str, Any]:
 
 
 def timeline_from_json(
-    fields: JsonFields, state: State, read: ArrayReader, maps: ThicknessMaps = NO_MAPS
+    fields: JsonFields, state: State, read: ArrayReader, maps: WallMaps = NO_MAPS
 ) -> tuple[Timeline, State]:
     """Timeline from JSON, and the session's state, replaced by its step if it has one.
 
@@ -136,7 +136,7 @@ def timeline_from_json(
     return Timeline(tuple(steps), dropped), shown
 
 
-def _document(fields: JsonFields, state: State, read: ArrayReader, maps: ThicknessMaps) -> Document:
+def _document(fields: JsonFields, state: State, read: ArrayReader, maps: WallMaps) -> Document:
     mesh = state.document.mesh
     labels, initial = (read(fields.text(name), _KINDS[name]) for name in _ARRAYS[:2])
     none = frozen(np.zeros(len(mesh.V), dtype=np.uint8))

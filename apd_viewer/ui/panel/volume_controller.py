@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Signal
 from apd_viewer.errors import InputError
 from apd_viewer.files.samples import sample_of
 from apd_viewer.files.storage.atomic_file import resolved_path
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import wall_material as thin_wall_material
@@ -184,7 +184,7 @@ class VolumeController(QObject):
     def _show_distribution(self) -> None:
         """Offer the wall distribution as an overlay."""
         thickness = self._panel.measures.wall_fields.value.usable_thickness(self._session.store.unit)
-        if not isinstance(thickness, ThicknessMap):
+        if not isinstance(thickness, WallMap):
             self._heat.set_thickness(None)
             return
         mesh = self._session.store.required_state().document.mesh

@@ -9,7 +9,7 @@ from scipy.sparse import bsr_array
 
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.energy.thickness_map import ThicknessMap
+from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.energy.wall_surface import WallSurface
 from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
 from apd_viewer.geometry.pose.constraints import SoftConstraints
@@ -65,7 +65,7 @@ MESHES = {"tube": tube(8, 5), "uneven": uneven(*tube(8, 5)), "sheet": grid(4, 5)
 def test_wall_surface_has_the_derivatives_of_its_energy_and_of_goals(mesh, kind):
     V, F = mesh
     fixed, rng = [0, 1, 2], np.random.default_rng(1)
-    thickness = ThicknessMap(0.05, 0.05 * rng.uniform(0.5, 2.0, len(F))) if kind == "mapped" else 0.05
+    thickness = WallMap(0.05, 0.05 * rng.uniform(0.5, 2.0, len(F))) if kind == "mapped" else 0.05
     soft = SoftConstraints(np.array([5, 7]), np.ones(2), np.array([3.0, 2.0]), np.array([0, 0]))
     surface = wall(
         V, F, fixed, replace(MATERIAL, is_relaxed=kind == "relaxed", thickness=thickness), soft=soft

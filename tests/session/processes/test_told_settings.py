@@ -5,7 +5,7 @@ import pytest
 from driven_session import pose
 from meshes import box
 
-from apd_viewer.geometry.energy.thickness_map import mapped_thickness
+from apd_viewer.geometry.energy.wall_map import wall_map_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
@@ -75,7 +75,7 @@ def test_request_solver_gives_after_any_change_of_a_setting_what_a_new_one_gives
 def test_request_solver_notices_another_thickness_map_of_the_same_mean():
     mesh = folded().mesh
     height = mesh.V[:, 2] / mesh.V[:, 2].max()
-    maps = [mapped_thickness(values, mesh.V, mesh.F) for values in (0.1 + 0.2 * height, 0.3 - 0.2 * height)]
+    maps = [wall_map_of(values, mesh.V, mesh.F) for values in (0.1 + 0.2 * height, 0.3 - 0.2 * height)]
     before, after = (folded().with_settings(**FREE, **WALL, wall_thickness=each) for each in maps)
     running = Asked()
     first, expected = running.last_frame(before, 0), Asked().last_frame(after, 0)

@@ -12,7 +12,11 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import NoUnitError, Unit
 from apd_viewer.session.quantities.wall import WallText, parse_wall
-from apd_viewer.session.quantities.wall_distribution import read_distribution, thickness_text
+from apd_viewer.session.quantities.wall_distribution import (
+    read_distribution,
+    thickness_text,
+    write_distribution,
+)
 
 V, F = tube(12, 6, height=3.0)
 MESH = Mesh(V, F)
@@ -66,6 +70,33 @@ def test_read_distribution_has_the_unit_of_its_heading(tmp_path):
         read_distribution(given, MESH, Unit.NONE)
 
 
+@pytest.mark.parametrize(
+    ("heading", "columns"),
+    [
+        ("z,thickness (mm),young,yield_radius (cm)", ([0.0, 3.0], [0.2, 0.5], [1.0, 4.0], [0.3, 0.6])),
+        ("z,thickness_mm,Young (MPa),yield radius (mm)", ([0.0, 3.0], [0.2, 0.5], [1e3, 4e3], [3.0, 6.0])),
+        ("z,thickness,young [Pa],yield_radius", ([0.0, 3.0], [0.02, 0.05], [1e9, 4e9], [0.3, 0.6])),
+    ],
+)
+def test_read_distribution_of_modulus_and_yield_radius(tmp_path, heading, columns):
+    """In their own units; a typed number replaces the mean."""
+    text = read(tmp_path, table(heading, *columns), Unit.CENTIMETRE)
+    height = V[:, 2][F].mean(axis=1) / 3.0
+    wall = parse_wall(WallText(text), Unit.CENTIMETRE)
+    assert wall.thickness.young.triangles == pytest.approx(1e9 * (1.0 + 3.0 * height), rel=1e-9)
+    assert wall.thickness.yield_radius.triangles == pytest.approx(0.3 * (1.0 + height), rel=1e-9)
+    assert wall.young == float(wall.thickness.young)
+    assert wall.yield_radius == float(wall.thickness.yield_radius)
+    assert 2.5e9 < wall.young < 4e9, "more of the wall is at the stiff end"
+    typed = parse_wall(WallText(text, "", "7 MPa", "", "2 mm"), Unit.CENTIMETRE)
+    assert (typed.young, typed.yield_radius) == (7e6, pytest.approx(0.2))
+    write_distribution(tmp_path / "again.csv", wall.thickness)
+    again = read_distribution(tmp_path / "again.csv", MESH, Unit.NONE)
+    assert again.thickness.young.triangles == pytest.approx(wall.thickness.young.triangles, rel=1e-9)
+    assert again.in_unit(Unit.METRE).yield_radius == again.thickness.yield_radius
+    assert again.on(MESH) == again
+
+
 def test_read_distribution_measures_height_above_the_bottom(tmp_path):
     X, triangles = box(2, 2, 6)
     open_box = Mesh(X + [0.0, 0.0, 7.0], triangles[X[triangles][:, :, 2].min(axis=1) < 6.0])
@@ -99,7 +130,8 @@ def surface(folder, name):
         path.write_text(text + "\n".join(" ".join(map(str, row)) for row in rows) + "\n")
         return path
     data = pyvista.PolyData.from_regular_faces(V, F)
-    data["thickness"] = THICK if "vertex" in name else OF_TRIANGLES
+    for key, scale in (("thickness", 1.0), ("young", 10.0), ("yield_radius", 5.0)):
+        data[key] = scale * (THICK if "vertex" in name else OF_TRIANGLES)
     data.save(path)
     return path
 
@@ -109,6 +141,9 @@ def test_read_distribution_of_a_property_of_the_mesh(tmp_path, name):
     path = surface(tmp_path, name)
     found = read_distribution(path, open_mesh(path), Unit.NONE)
     assert found.thickness.triangles == pytest.approx(OF_TRIANGLES, rel=1e-6)
+    if path.suffix == ".vtp":
+        assert found.thickness.young.triangles == pytest.approx(1e10 * OF_TRIANGLES, rel=1e-6)
+        assert found.thickness.yield_radius.triangles == pytest.approx(5.0 * OF_TRIANGLES, rel=1e-6)
     with pytest.raises(InputError, match=f"{name}: It is of another mesh"):
         read_distribution(path, Mesh(V, F[1:]), Unit.NONE)
 
@@ -143,6 +178,9 @@ def test_read_distribution_needs_the_property(tmp_path):
         ("z,thickness\n0", "Row 2 has “” in place of a number"),
         ("z,thickness\n0,1\n1,-0.2", "must be greater than 0 everywhere; number 1 is -0.2"),
         ("z,thickness\n0,nan", "number 0 is nan"),
+        ("z,thickness,young\n0,1,2\n1,1,-2", "-2 GPa is out of range"),
+        ("z,thickness,young\n0,1,x", "Row 2 has “x” in place of a number"),
+        ("z,thickness,yield_radius\n0,1,2\n1,1,0", "yield radius must be greater than 0 everywhere"),
         ("z,thickness", "needs rows below a heading"),
         ("0,0.3\n1,0.3", "needs rows below a heading"),
         ("", "needs rows below a heading"),

@@ -58,7 +58,8 @@ def test_session_file_keeps_a_wall_distribution(tmp_path):
     """Bit for bit: that of the wall as typed, and that by which the shape was solved, in its own unit."""
     V, F = box(2, 2, 6)
     mesh = Mesh(V, F)
-    (tmp_path / "walls.csv").write_text("z,thickness (mm)\n0,0.2\n6,0.5\n")
+    heading = "z,thickness (mm),young,yield_radius (cm)"
+    (tmp_path / "walls.csv").write_text(f"{heading}\n0,0.2,2,0.6\n6,0.5,3,0.8\n")
     typed = thickness_text(str(tmp_path / "walls.csv"), mesh, Unit.CENTIMETRE)
     state = initial_state(mesh)
     thickness = typed.in_unit(Unit.CENTIMETRE)
@@ -68,7 +69,11 @@ def test_session_file_keeps_a_wall_distribution(tmp_path):
     found, seen = open_session(tmp_path / "a.apd")
     assert seen.wall == view.wall
     assert found.document.settings == state.document.settings
-    assert np.array_equal(found.document.settings.wall_thickness.triangles, thickness.triangles)
+    kept = found.document.settings.wall_thickness
+    for one, other in ((kept, thickness), (kept.young, thickness.young)):
+        assert float(one) == float(other)
+        assert np.array_equal(one.triangles, other.triangles)
+    assert kept.yield_radius == thickness.yield_radius
     with zipfile.ZipFile(tmp_path / "a.apd") as archive:
         members = {name: archive.read(name) for name in archive.namelist()}
     damaged = np.load(io.BytesIO(members["thickness-0.npy"]))

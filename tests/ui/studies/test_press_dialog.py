@@ -22,7 +22,7 @@ from study_driving import click, finish
 from apd_viewer.__main__ import main
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
-from apd_viewer.geometry.energy.thickness_map import mapped_thickness
+from apd_viewer.geometry.energy.wall_map import wall_map_of
 from apd_viewer.geometry.goals.percentage import percentage
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
@@ -441,7 +441,7 @@ def test_press_dialog_presses_with_a_wall_of_the_users_own(asked):
 def test_press_dialog_presses_with_a_wall_distribution(asked, tmp_path):
     ask, options = asked
     V, F = box(1, 2, 4)
-    thickness = mapped_thickness(np.linspace(0.2, 0.5, len(F)), V, F)
+    thickness = wall_map_of(np.linspace(0.2, 0.5, len(F)), V, F)
     wall = PET._replace(thickness=WallDistribution("walls.csv", thickness, "mm"))
     dialog = ask(V, F, unit="cm", wall=wall)
     assert "walls.csv" in dialog.wall.text()

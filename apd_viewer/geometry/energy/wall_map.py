@@ -1,4 +1,4 @@
-"""Thickness of a wall that differs from place to place: its wall distribution."""
+"""Wall that differs from place to place: its wall distribution."""
 
 from __future__ import annotations
 
@@ -11,37 +11,53 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 
 
-class ThicknessMap(float):
+class WallMap(float):
     """Mean thickness of a wall by area, which knows that of every triangle.
 
-    It is a number wherever one is needed: times the area it is the volume of the wall.
+    It is a number wherever one is needed: times the area it is the volume of the wall. The maps of modulus
+    and yield radius are of the same kind.
 
     Attributes
     ----------
     triangles : (m,) float array
         Thickness of every triangle, in the unit of the mean.
+    young : WallMap or None
+        Young's modulus, Pa, and its mean by volume of the wall: times the mean thickness it is the mean
+        stiffness by area. None if it is the same everywhere.
+    yield_radius : WallMap or None
+        Yield radius in the unit of the thickness; None if the outer fibres of all triangles yield at the same
+        strain.
     """
 
     triangles: np.ndarray
+    young: WallMap | None
+    yield_radius: WallMap | None
 
-    def __new__(cls, mean: float, triangles: np.ndarray) -> Self:
+    def __new__(
+        cls,
+        mean: float,
+        triangles: np.ndarray,
+        young: WallMap | None = None,
+        yield_radius: WallMap | None = None,
+    ) -> Self:
         """Thickness from the mean and the thickness of every triangle."""
         made = super().__new__(cls, mean)
-        made.triangles = triangles
+        made.triangles, made.young, made.yield_radius = triangles, young, yield_radius
         return made
 
-    def __getnewargs__(self) -> tuple[float, np.ndarray]:  # type: ignore[override]
+    def __getnewargs__(self) -> tuple[float, np.ndarray, WallMap | None, WallMap | None]:  # type: ignore[override]
         """Arguments that make a copy."""
-        return float(self), self.triangles
+        return float(self), self.triangles, self.young, self.yield_radius
 
     @property
     def factors(self) -> np.ndarray:
         """Thickness of every triangle over the mean, (m,)."""
         return self.triangles / float(self)
 
-    def scaled(self, factor: float) -> ThicknessMap:
+    def scaled(self, factor: float) -> WallMap:
         """Thickness in another unit."""
-        return ThicknessMap(factor * float(self), factor * self.triangles)
+        radius = None if self.yield_radius is None else self.yield_radius.scaled(factor)
+        return WallMap(factor * float(self), factor * self.triangles, self.young, radius)
 
     def at_vertices(self, F: np.ndarray, n: int) -> np.ndarray:
         """Mean (n,) of elements ``F`` (m, 3 or 6) at ``n`` vertices; NaN if none."""
@@ -51,13 +67,15 @@ class ThicknessMap(float):
             return np.bincount(corners, sums, minlength=n) / counts
 
     def __eq__(self, other: object) -> bool:
-        """True for the same thickness of every triangle."""
+        """True for the same wall at every triangle."""
         if self is other:
             return True
-        return isinstance(other, ThicknessMap) and np.array_equal(self.triangles, other.triangles)
+        if not isinstance(other, WallMap) or not np.array_equal(self.triangles, other.triangles):
+            return False
+        return self.young == other.young and self.yield_radius == other.yield_radius
 
     def __ne__(self, other: object) -> bool:
-        """True unless the thickness of every triangle is the same."""
+        """True unless the wall is the same at every triangle."""
         return not self == other
 
     def __hash__(self) -> int:
@@ -65,7 +83,7 @@ class ThicknessMap(float):
         return float.__hash__(self)
 
 
-def mapped_thickness(given: object, V: np.ndarray, F: np.ndarray) -> float | None:
+def wall_map_of(given: object, V: np.ndarray, F: np.ndarray) -> float | None:
     """Thickness from a number, or from one for each vertex or triangle.
 
     Parameters
@@ -79,9 +97,9 @@ def mapped_thickness(given: object, V: np.ndarray, F: np.ndarray) -> float | Non
     InputError
         If there are too few or too many numbers, or one is not greater than 0.
     """
-    if given is None or (np.ndim(given) == 0 and not isinstance(given, ThicknessMap)):  # type: ignore[arg-type]
+    if given is None or (np.ndim(given) == 0 and not isinstance(given, WallMap)):  # type: ignore[arg-type]
         return given  # type: ignore[return-value]
-    told = given.triangles if isinstance(given, ThicknessMap) else given
+    told = given.triangles if isinstance(given, WallMap) else given
     try:
         values = np.array(told, dtype=np.float64)
     except (TypeError, ValueError):
@@ -93,9 +111,9 @@ def mapped_thickness(given: object, V: np.ndarray, F: np.ndarray) -> float | Non
         )
         raise InputError(sentence.format(count=values.size, n=len(V), m=len(F)))
     check_positive(values)
-    if isinstance(given, ThicknessMap):
+    if isinstance(given, WallMap):
         return given
-    return triangle_thickness(triangle_means(values, F) if len(values) == len(V) else values, V, F)
+    return triangle_wall(triangle_means(values, F) if len(values) == len(V) else values, V, F)
 
 
 def triangle_means(values: np.ndarray, F: np.ndarray) -> np.ndarray:
@@ -104,20 +122,36 @@ def triangle_means(values: np.ndarray, F: np.ndarray) -> np.ndarray:
     return a + ((b - a) + (c - a)) / 3.0
 
 
-def triangle_thickness(values: np.ndarray, V: np.ndarray, F: np.ndarray) -> ThicknessMap:
-    """Thickness map from that of every triangle, (m,)."""
+def triangle_wall(
+    values: np.ndarray,
+    V: np.ndarray,
+    F: np.ndarray,
+    young: np.ndarray | None = None,
+    yield_radius: np.ndarray | None = None,
+) -> WallMap:
+    """Wall map from the thickness of every triangle, modulus and yield radius, (m,)."""
     areas = np.linalg.norm(np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]), axis=1)
-    mean = np.average(values, weights=areas if areas.any() else None)
+    modulus = None if young is None else _averaged(young, areas * values)
+    radius = None if yield_radius is None else _averaged(yield_radius, areas)
+    return _averaged(values, areas, modulus, radius)
+
+
+def _averaged(values: np.ndarray, weights: np.ndarray, *beside: WallMap | None) -> WallMap:
+    mean = np.average(values, weights=weights if weights.any() else None)
+    # Of numbers that are all alike it is that number.
     mean = float(np.clip(mean, values.min(), values.max()))
-    return ThicknessMap(mean, frozen(values))
+    return WallMap(mean, frozen(values), *beside)
 
 
-def check_positive(values: np.ndarray) -> None:
-    """Raise InputError unless each thickness (k,) is greater than 0, and finite."""
+def check_positive(values: np.ndarray, sentence: str = "") -> None:
+    """Raise InputError unless each of (k,) numbers is greater than 0, and finite.
+
+    The ``sentence`` names the first that is not; by default it is a thickness.
+    """
     bad = np.flatnonzero(~((values > 0.0) & (values < np.inf)))
     if len(bad):
-        sentence = tr("The wall thickness must be greater than 0 everywhere; number {k:,} is {value:g}.")
-        raise InputError(sentence.format(k=bad[0], value=values[bad[0]]))
+        usual = tr("The wall thickness must be greater than 0 everywhere; number {k:,} is {value:g}.")
+        raise InputError((sentence or usual).format(k=bad[0], value=values[bad[0]]))
 
 
 def interpolated_values(points: np.ndarray, values: np.ndarray, X: np.ndarray, farthest: float) -> np.ndarray:
