@@ -21,7 +21,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.thickness_map import mapped_thickness
+from apd_viewer.geometry.energy.wall_map import wall_map_of
 from apd_viewer.geometry.energy.wall_surface import WallSurface
 from apd_viewer.geometry.linalg.block_cholesky import BlockPattern
 from apd_viewer.geometry.mesh.arrays import checked, checked_direction
@@ -108,7 +108,7 @@ def buckling_modes(
     >>> folded = ball.vertices + 0.1 * modes.shapes[0]
     """
     rest = RestMesh.from_arrays(V, F, weld)
-    thickness = mapped_thickness(wall_thickness, rest.V, rest.F)
+    thickness = wall_map_of(wall_thickness, rest.V, rest.F)
     return modes_between_plates(rest, axis, wall_material(rest.diagonal, thickness, poisson), count, held)
 
 
