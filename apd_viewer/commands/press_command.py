@@ -52,7 +52,7 @@ _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
 _DENTS, _DEEPEST = 10.0, 1000.0  # % of the wall thickness: depth of dents by default, and the largest
 _DENT_LENGTH = 0.5  # length over which dents are smooth, in roots of diagonal times thickness
 _MOST_RUNS = 1000
-_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "area", "volume"
+_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "hardening", "area", "volume"
 
 
 def press_parser() -> Parser:
