@@ -77,7 +77,7 @@ _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
 _DRAWN = 0.03  # displacement of drawn buckling modes, in diagonals
 _PICTURED = 4  # most buckling modes in a figure
 _DENT_LENGTH = 0.5  # length over which dents are smooth, in roots of diagonal times thickness
-_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "area", "volume"
+_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "hardening", "area", "volume"
 
 
 def press_parser() -> Parser:

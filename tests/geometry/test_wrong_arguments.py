@@ -67,6 +67,7 @@ SOUND = {
     "vessel filling volume": NUMBERS | {"1e308"},
     "wall_thickness": NONE,  # the others are too thick for this mesh
     "poisson": {"0", "np.float32"},
+    "hardening": {"0", "np.float32"},
     **dict.fromkeys(("Deformation gas", "deform gas"), NONE),  # needs contact
     **dict.fromkeys(("iterations", "steps", "most_iterations"), COUNTS),
     **dict.fromkeys(("shifts", "begin", "soft_targets", "rest", "area", "volume"), NONE),

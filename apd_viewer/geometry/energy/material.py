@@ -27,6 +27,8 @@ class Material:
     yield_curvature : float
         Change of curvature above which bending stays, 1 / mesh unit; infinite for none that does. Of a
         wall map it is that of the mean, see :attr:`yield_curvatures`.
+    hardening : float
+        Stiffness of a wall that yields over its elastic one, 0 to less than 1.
     thickness : float
         Of a thin elastic wall, mesh units, instead of all the others; 0 for none. Of a wall map the
         mean, to which all weights refer.
@@ -42,6 +44,7 @@ class Material:
     bending: float = 0.0
     coupling: float = 0.0
     yield_curvature: float = np.inf
+    hardening: float = 0.0
     thickness: float = 0.0
     poisson: float = 0.0
     is_relaxed: bool = False

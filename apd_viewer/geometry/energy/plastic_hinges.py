@@ -2,13 +2,13 @@
 
 A triangle's change of curvature, in the norm ``k^2 = (1 - nu) |H|^2 + nu (tr H)^2`` of its bending energy, is
 elastic up to the yield curvature y. What goes beyond it flows, in its own direction [Simo & Hughes 1998,
-Computational Inelasticity: return mapping of perfect plasticity]. The least sum of the energy and of what the
-flow takes is
+Computational Inelasticity: return mapping]. The least sum of the energy and of what the flow takes is
 
-    D/2 A k^2   up to y,        D A (y k - y^2 / 2)   above.
+    D/2 A k^2   up to y,        D A (y k - y^2 / 2 + h (k - y)^2 / 2)   above,
 
-A fold at a single hinge turns by an angle, whatever its triangles are: so a fold takes ``D y`` per length and
-angle on every mesh.
+h the hardening: the stiffness where it flows over the elastic one, 0 for perfect plasticity. Flow by p raises
+y by ``h / (1 - h) p``, in all directions. Without hardening a fold at a single hinge, which turns by an angle
+whatever its triangles are, takes ``D y`` per length and angle on every mesh.
 """
 
 import numpy as np
@@ -28,6 +28,8 @@ class PlasticHinges(Hinges):
         See :class:`Hinges`.
     yield_curvature : float or (m,) float array
         Change of curvature above which bending stays, 1 / mesh unit, of each triangle or of all.
+    hardening : float
+        0 to less than 1.
 
     Attributes
     ----------
@@ -45,21 +47,26 @@ class PlasticHinges(Hinges):
         poisson: float,
         clamps: np.ndarray | None = None,
         yield_curvature: float | np.ndarray = np.inf,
+        hardening: float = 0.0,
     ) -> None:
         super().__init__(V, F, rigidity, poisson, clamps)
-        self._yield, self._rigid = yield_curvature, rigidity * face_areas(V, F)
+        self._new, self._rigid = np.broadcast_to(yield_curvature, len(F)), rigidity * face_areas(V, F)
+        self._hardening = hardening
         self._to_hinges, self._is_coupled = self.slopes.T.tocsr(), self.Q != 0.0
         self.clear_flow()
 
     def clear_flow(self) -> None:
         """Remove all creases."""
         self.committed_flow, self.dissipated_energy = np.zeros(self.slopes.shape[0]), 0.0
+        self._yield = self._new
 
     def _bending(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
         """Stored and dissipated energy, and its derivatives (h,) by ``angles`` (h,)."""
         forces, sizes = self._stresses(self._elastic_slopes(angles))
         stored = np.minimum(sizes, self._yield)
+        beyond = sizes - stored
         energy = parallel_ops.inner_product(self._rigid * stored, sizes - 0.5 * stored)
+        energy += 0.5 * self._hardening * parallel_ops.inner_product(self._rigid * beyond, beyond)
         forces *= np.repeat(self._elastic_fractions(sizes), 3)
         return energy + self.dissipated_energy, self._to_hinges @ forces
 
@@ -77,11 +84,13 @@ class PlasticHinges(Hinges):
         """Make the flow at the ``angles`` (h,) permanent."""
         slopes = self._elastic_slopes(angles)
         sizes = self._stresses(slopes)[1]
-        beyond = np.maximum(sizes - self._yield, 0.0)
+        beyond, h = np.maximum(sizes - self._yield, 0.0), self._hardening
         self.committed_flow = (
             self.committed_flow + np.repeat(1.0 - self._elastic_fractions(sizes), 3) * slopes
         )
-        self.dissipated_energy += parallel_ops.inner_product(self._yield * self._rigid, beyond)
+        moments = (self._yield + 0.5 * h * beyond) * self._rigid
+        self.dissipated_energy += parallel_ops.inner_product(moments, (1.0 - h) * beyond)
+        self._yield = self._yield + h * beyond
 
     def _elastic_slopes(self, angles: np.ndarray) -> np.ndarray:
         return self.slopes @ self.turned(angles) - self.committed_flow
@@ -94,4 +103,5 @@ class PlasticHinges(Hinges):
 
     def _elastic_fractions(self, sizes: np.ndarray) -> np.ndarray:
         """Fractions (m,) of changes of curvature (m,) that are elastic."""
-        return np.divide(self._yield, sizes, out=np.ones(len(sizes)), where=sizes > self._yield)
+        elastic = self._yield + self._hardening * np.maximum(sizes - self._yield, 0.0)
+        return np.divide(elastic, sizes, out=np.ones(len(sizes)), where=sizes > self._yield)

@@ -99,7 +99,7 @@ class WallSurface(HeldSurface):
         shape = rest.V, rest.F, unit, material.poisson, clamps
         self.hinges: Hinges = Hinges(*shape)
         if material.yield_curvature < np.inf:
-            self.hinges = self.creases = PlasticHinges(*shape, material.yield_curvatures)
+            self.hinges = self.creases = PlasticHinges(*shape, material.yield_curvatures, material.hardening)
         self.stretching = Stretching(rest.V, rest.all_triangles, self.hinges, material)
         # A triangle that vanishes takes the tensile stiffness times its area, of the mean triangle.
         self._collapse_weight = 0.5 * material.tensile_stiffness / max(len(rest.F), 1)

@@ -161,6 +161,7 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
 
 P = ParamSpec("P")
 R = TypeVar("R")
+MOST_HARDENING = 0.99
 MOST_STIFFNESS = 1e9  # products with areas, and their squares, keep enough digits
 _LARGEST = 1e38  # largest length or coordinate; products of the squares of larger ones overflow
 _MOST_ITERATIONS = 10**9
@@ -240,6 +241,7 @@ _KINDS = {
     ),
     "regions": _LIST,
     "poisson": _number_kind(0.0, 0.5),
+    "hardening": _number_kind(0.0, MOST_HARDENING),
     "tolerance": _number_kind(1e-12, 1e9),
     **dict.fromkeys(
         ("gas", "filled_volume"),

@@ -88,8 +88,8 @@ class Deformation:
         Stiffness of every triangle's area (area modulus) and shape (shear modulus) for "local".
     wall_thickness : float or array, optional
         Of "wall", mesh units, or one for each vertex or triangle; 1/1000 of the diagonal by default.
-    poisson : float
-        Poisson's ratio of the wall.
+    poisson, hardening : float
+        Of the wall: Poisson's ratio, and its stiffness where it yields over the elastic one.
     tension_field : bool
         Whether the wall wrinkles finer than its mesh, resisting no compression, as film and cloth do.
     area, volume : float or str, optional
@@ -182,6 +182,7 @@ class Deformation:
         thickness: float | None = None,
         obstacles: Sequence[Obstacle] = (),
         yield_radius: float | None = None,
+        hardening: float = 0.0,
         gas: float | None = None,
         weld: bool = False,
     ) -> None:
@@ -195,8 +196,8 @@ class Deformation:
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = soft_solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
-        wall_map = wall_map_of(wall_thickness, rest.V, rest.F)
-        thin = wall_material(rest.diagonal, wall_map, poisson, yield_radius, tension_field)
+        wall = wall_map_of(wall_thickness, rest.V, rest.F), poisson, yield_radius, tension_field, hardening
+        thin = wall_material(rest.diagonal, *wall)
         check_any_free(rest, held)
         with cores_for(len(rest.solve_mesh.V)):
             levels = partial(calm_level_weights, rest.solve_mesh, held, handle_of, self._soft)
@@ -218,8 +219,7 @@ class Deformation:
                 check_contact(self._traits, plain)
                 self.contact = contact_descent(inner, goals, *touching, enclosed, contact)
             self.solver = cast(IterativeSolver, self.contact or inner)
-        self._stability = Stability(self.solver, rest.diagonal)
-        self._convergence = DEFAULT_CONVERGENCE
+        self._stability, self._convergence = Stability(self.solver, rest.diagonal), DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
         self._begin()

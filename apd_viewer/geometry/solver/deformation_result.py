@@ -167,6 +167,7 @@ def deform(
     obstacles: Sequence[Obstacle] = (),
     shifts: np.ndarray | None = None,
     yield_radius: float | None = None,
+    hardening: float = 0.0,
     gas: float | None = None,
     convergence: Convergence = DEFAULT_CONVERGENCE,
     weld: bool = False,
@@ -179,8 +180,8 @@ def deform(
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness,
     wall_thickness, poisson, tension_field
         See :class:`Deformation`.
-    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, convergence,
-    weld
+    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, hardening, gas,
+    convergence, weld
         Also there.
     contact : bool, optional
         Whether to prevent self-intersections beyond those at rest; held vertices may be stopped by contact.
@@ -245,6 +246,7 @@ def deform(
         thickness=thickness,
         obstacles=obstacles,
         yield_radius=yield_radius,
+        hardening=hardening,
         gas=gas,
         convergence=convergence,
         plain=iterations is not None,

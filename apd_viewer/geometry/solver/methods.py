@@ -263,6 +263,7 @@ def wall_material(
     poisson: float,
     yield_radius: float | None = None,
     tension_field: bool = False,
+    hardening: float = 0.0,
 ) -> Material:
     """Material of a thin elastic wall; raises InputError unless it is thin.
 
@@ -277,8 +278,11 @@ def wall_material(
         Mesh units; by default the wall is elastic.
     tension_field : bool
         Whether the wall wrinkles finer than its mesh.
+    hardening : float
+        Of its creases.
     """
     check_argument("poisson", poisson)
+    check_argument("hardening", hardening)
     if thickness is None:
         thickness = _THICKNESS * diagonal
     check_argument("wall_thickness", thickness)
@@ -300,5 +304,6 @@ def wall_material(
         thickness=thickness if isinstance(thickness, WallMap) else float(thickness),
         poisson=float(poisson),
         yield_curvature=curvature,
+        hardening=float(hardening),
         is_relaxed=bool(tension_field),
     )

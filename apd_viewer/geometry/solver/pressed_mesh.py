@@ -125,6 +125,7 @@ def press(
     filled_volume: float | None = None,
     thickness: float | None = None,
     yield_radius: float | None = None,
+    hardening: float = 0.0,
     start: np.ndarray | None = None,
     gas: float | None = None,
     release: bool = False,
@@ -148,7 +149,7 @@ def press(
     fixed : (k,) ints
         Vertices held at their positions; may be empty.
     method, stiffness, area_stiffness, shear_stiffness, wall_thickness, poisson, tension_field, area, volume,
-    filled_volume, thickness, convergence, weld
+    filled_volume, thickness, hardening, convergence, weld
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
     yield_radius : float, optional
         Walls bent from flat to a smaller radius, mesh units, keep a crease; by default they are elastic.
@@ -203,6 +204,7 @@ def press(
         filled_volume=filled_volume,
         thickness=thickness,
         yield_radius=yield_radius,
+        hardening=hardening,
         gas=gas,
         convergence=convergence,
     )

@@ -14,6 +14,7 @@ from typing import Any
 
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.goals.percentage import LEAST_PERCENTAGE, MOST_PERCENTAGE
+from apd_viewer.geometry.mesh.arrays import MOST_HARDENING
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, LARGEST_TOLERANCE, Convergence
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
@@ -121,6 +122,8 @@ class Settings:
     yield_radius : float or None
         Walls in contact that are bent to a smaller radius keep a crease, mesh units, if they are stiff; None
         for none.
+    hardening : float
+        Of creases of a thin wall: its stiffness where it yields over the elastic one.
     gas : float or None
         Pressure times volume of the gas enclosed in contact, in areas of the surface; None for none.
     convergence : Convergence
@@ -252,6 +255,17 @@ class Settings:
         applies=lambda settings: (
             settings.uses_contact and (settings.traits.is_wall or settings.effective_stiffness > 0.0)
         ),
+    )
+    hardening: float = _setting(
+        0.0,
+        SettingKind.NUMBER,
+        tr("Hardening"),
+        tr("stiffness of a wall where it yields, over the elastic one, for creases of 'wall'"),
+        tr("Change hardening"),
+        applies=lambda settings: (
+            settings.uses_contact and settings.traits.is_wall and settings.yield_radius is not None
+        ),
+        most=MOST_HARDENING,
     )
     gas: float | None = _setting(
         None,

@@ -38,6 +38,38 @@ def test_plastic_hinges_take_the_energy_of_a_plate_that_yields(curvature):
     assert hinges.moments(angles_at(hinges, U))[0] == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.parametrize("hardening", [0.0, 0.1, 0.5])
+def test_plastic_hinges_harden_along_a_bilinear_curve(hardening):
+    """A strip is bent, released, bent back beyond its yield, and again: isotropic, in straight lines.
+
+    The energy is the area under the curve, and what is dissipated the area less what springs back.
+    """
+    X, triangles = grid(60, 12, 1 / 60, 1 / 12)
+    hinges = PlasticHinges(X, triangles, RIGIDITY, 0.0, yield_curvature=YIELD, hardening=hardening)
+    rolled = angles_at(hinges, np.column_stack([np.sin(X[:, 0]), X[:, 1], np.cos(X[:, 0])]))
+    ends, curvatures, moments, k, bound = (1.2, -0.9, 1.5), [0.0], [0.0], 0.0, YIELD
+    for end in ends:
+        sign = np.sign(end)
+        at_yield = k - moments[-1] / RIGIDITY + sign * bound  # elastic up to the bound on that side
+        assert sign * (end - at_yield) > 0.0, "it yields on this way"
+        bound += hardening * abs(end - at_yield)
+        curvatures += [at_yield, end]
+        moments += [sign * RIGIDITY * (bound - hardening * abs(end - at_yield)), sign * RIGIDITY * bound]
+        k = end
+    work = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(curvatures) * (np.add(moments[1:], moments[:-1])))])
+    for corner, (curvature, moment) in enumerate(zip(curvatures, moments, strict=True)):
+        energy = hinges.moments(curvature * rolled)[0]
+        around = [hinges.moments((curvature + side * 1e-6) * rolled)[0] for side in (-1, 1)]
+        assert energy == pytest.approx(work[corner], rel=0.02, abs=1e-9)
+        assert (around[1] - around[0]) / 2e-6 == pytest.approx(moment, rel=0.03, abs=1e-3)
+        hinges.commit_flow(curvature * rolled)
+        assert hinges.moments(curvature * rolled)[0] == pytest.approx(energy, rel=1e-12)
+        kept = work[corner] - 0.5 * moment**2 / RIGIDITY
+        assert hinges.dissipated_energy == pytest.approx(kept, rel=0.03, abs=1e-3)
+    hinges.clear_flow()
+    assert hinges.moments(YIELD * rolled)[0] == pytest.approx(0.5 * RIGIDITY * YIELD**2, rel=0.02)
+
+
 def test_plastic_hinges_are_hinges_below_the_yield_curvature():
     plain = Hinges(V, F, RIGIDITY, POISSON)
     yielding = PlasticHinges(V, F, RIGIDITY, POISSON, yield_curvature=1e6)
@@ -48,9 +80,10 @@ def test_plastic_hinges_are_hinges_below_the_yield_curvature():
     assert yielding.stiffness_at(angles) is yielding.Q
 
 
-def test_plastic_hinges_matrix_bounds_the_energy_from_above():
+@pytest.mark.parametrize("hardening", [0.0, 0.3])
+def test_plastic_hinges_matrix_bounds_the_energy_from_above(hardening):
     """The matrix of a step is that of a quadratic that touches the energy, and is nowhere below it."""
-    hinges = PlasticHinges(V, F, RIGIDITY, POISSON, yield_curvature=YIELD)
+    hinges = PlasticHinges(V, F, RIGIDITY, POISSON, yield_curvature=YIELD, hardening=hardening)
     rng, angles = np.random.default_rng(2), angles_at(hinges, shaken(0.1, 2))
     E, moments = hinges.moments(angles)
     matrix = hinges.stiffness_at(angles)
@@ -63,9 +96,8 @@ def test_plastic_hinges_matrix_bounds_the_energy_from_above():
 
 @pytest.mark.parametrize("flowed", [False, True])
 def test_plastic_hinges_moments_are_the_slope_of_the_energy(flowed):
-    wall = WallSurface(
-        SolveMesh(V, F), np.array([0, 5]), Material(thickness=0.05, poisson=POISSON, yield_curvature=YIELD)
-    )
+    given = Material(thickness=0.05, poisson=POISSON, yield_curvature=YIELD, hardening=0.2)
+    wall = WallSurface(SolveMesh(V, F), np.array([0, 5]), given)
     if flowed:
         wall.restart(shaken(0.05, 3))
         E = wall.energy
@@ -95,6 +127,16 @@ def test_plastic_hinges_remember_where_they_flowed():
     assert np.abs(hinges.moments(hinges.rest)[1]).max() > 0.0
     hinges.clear_flow()
     assert hinges.moments(hinges.rest)[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_wall_that_hardens_keeps_less_of_a_press():
+    """A ring opened again: with hardening it needs more load, and springs back further."""
+    X, triangles = tube(48, 2, height=0.25, shear=0.5)
+    given = {"method": "wall", "wall_thickness": 0.02, "poisson": 0.0, "yield_radius": 2.0, "release": True}
+    soft, hard = (press(X, triangles, (1, 0, 0), 1.0, 3, hardening=each, **given) for each in (0.0, 0.3))
+    assert hard.steps[-1].load > 1.1 * soft.steps[-1].load
+    lost = [2.0 - np.ptp(found.U[:, 0]) for found in (soft, hard)]
+    assert 0.05 < lost[1] < 0.9 * lost[0]
 
 
 @pytest.mark.parametrize("shear", [0.25, 0.5])

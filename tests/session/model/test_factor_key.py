@@ -72,6 +72,9 @@ OF_SETTINGS = {
     "contact": lambda said: said.with_settings(contact=True),
     "thickness": lambda said: said.with_settings(contact=True, thickness=0.125),
     "yield_radius": lambda said: said.with_settings(contact=True, stiffness=0.5, yield_radius=2.0),
+    "hardening": lambda said: said.with_settings(
+        method="wall", contact=True, yield_radius=2.0, hardening=0.1
+    ),
     "gas": lambda said: said.with_settings(contact=True, gas=0.5),
     "convergence": lambda said: said.with_settings(convergence=Convergence(100)),
 }

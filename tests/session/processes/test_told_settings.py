@@ -36,6 +36,7 @@ CHANGES = {
     "contact": (FREE, True),
     "thickness": ({"contact": True}, 0.3),
     "yield_radius": ({"contact": True, "stiffness": 0.01}, 5.0),
+    "hardening": (WALL | {"contact": True, "wall_thickness": 0.2, "yield_radius": 30.0}, 0.5),
     "gas": ({"contact": True}, 0.5),
     "convergence": (FREE, Convergence(3)),
 }
@@ -72,7 +73,7 @@ def test_request_solver_gives_after_any_change_of_a_setting_what_a_new_one_gives
     assert np.abs(running.last_frame(after, 1).U - expected.U).max() < 1e-9
 
 
-def test_request_solver_notices_another_thickness_map_of_the_same_mean():
+def test_request_solver_notices_another_wall_map_of_the_same_mean():
     mesh = folded().mesh
     height = mesh.V[:, 2] / mesh.V[:, 2].max()
     maps = [wall_map_of(values, mesh.V, mesh.F) for values in (0.1 + 0.2 * height, 0.3 - 0.2 * height)]

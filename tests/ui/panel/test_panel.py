@@ -407,6 +407,19 @@ def test_area_section_lets_local_keep_the_total_too_where_that_is_asked(qtbot, b
     assert (settings.area_stiffness, settings.shear_stiffness) == (30.0, 0.2)
 
 
+def test_method_section_has_hardening_for_creases_of_walls_alone(qtbot, bottle):
+    section = bottle.panel.method
+    choose(bottle, "wall")
+    bottle.session.settings.set_contact(True, None)
+    assert not section.numbers["hardening"].isVisibleTo(bottle.shell)
+    section.numbers["yield_radius"].setValue(1.5)
+    section.numbers["hardening"].setValue(0.25)
+    assert section.numbers["hardening"].isVisibleTo(bottle.shell)
+    assert document(bottle).settings.hardening == 0.25
+    choose(bottle, "local")
+    assert not section.numbers["hardening"].isVisibleTo(bottle.shell)
+
+
 def test_method_section_has_creases_and_gas_in_contact_alone(qtbot, bottle):
     section = bottle.panel.method
     for on in (False, True):
