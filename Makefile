@@ -88,10 +88,11 @@ quick_tests = tests/test_architecture.py tests/test_package.py tests/presentatio
 quick: lint .venv/.compiled ## run ruff, mypy and the tests that matter most, in less than a minute
 	@.ci/step "pytest, the quick tests" $(environment) .venv/bin/pytest -n 2 --dist worksteal $(quick_tests)
 
-lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy
+lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy, vermin, zizmor
 	@.ci/step "ruff check" .venv/bin/ruff check
 	@.ci/step "ruff format --check" .venv/bin/ruff format --check
 	@.ci/step "mypy" .venv/bin/mypy
+	@.ci/step "vermin" .venv/bin/vermin --quiet -t=3.10- --no-tips --eval-annotations apd_viewer hatch_build.py
 	@.ci/step "zizmor" .venv/bin/zizmor --offline --no-progress --quiet .github/workflows
 
 format: .venv/.tools ## format the source and sort its imports

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Self
-
 import numpy as np
 
 from apd_viewer.errors import InputError
@@ -39,7 +37,7 @@ class WallMap(float):
         triangles: np.ndarray,
         young: WallMap | None = None,
         yield_radius: WallMap | None = None,
-    ) -> Self:
+    ) -> WallMap:
         """Thickness from the mean and the thickness of every triangle."""
         made = super().__new__(cls, mean)
         made.triangles, made.young, made.yield_radius = triangles, young, yield_radius
