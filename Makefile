@@ -40,7 +40,7 @@ environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
 
 workers = -n auto --dist worksteal
 
-test: lint programs ## set up what is missing, then run every check of the day: ruff, mypy, pytest
+test: lint programs ## set up what is missing, then run every check of the day: ruff, mypy, vermin, zizmor, pytest
 	@.ci/step "pytest" $(environment) .venv/bin/pytest $(workers)
 	@.venv/bin/python tests/support/night.py --last
 
