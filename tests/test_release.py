@@ -37,6 +37,14 @@ def test_package_has_a_valid_bill_of_materials_and_names_each_library_with_its_l
     assert "LGPL-3.0-only" in json.dumps(licences["pyside6-essentials"])
 
 
+def test_package_without_the_window_needs_what_the_manual_says():
+    page = (ROOT / "docs" / "howto" / "install.md").read_text(encoding="utf-8")
+    (named,) = re.findall(r"(?m)^pip install (numpy .*)$", page)
+    lines = [line for line in metadata.requires("apd-viewer") if "extra ==" not in line]
+    needed = {_normalized(re.match(r"[\w.-]+", line)[0]) for line in lines}
+    assert set(named.split()) == needed - {"pyside6-essentials", "pyvista", "pyvistaqt"}
+
+
 def test_package_versions_agree_with_the_citation():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
