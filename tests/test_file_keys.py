@@ -261,8 +261,8 @@ KEYS = {
     press_report: """
         mesh vertices faces method stiffness yield_radius hardening gas area_rest volume_rest
             volume_capped_rest distance load_low load_high load_excess_percent stretching_percent energy
-            volume volume_capped area_error crossings iterations settled stable opening load_low_newton
-            load_high_newton newton_factor
+            volume volume_capped area_error crossings iterations settled stable opening
+            load_low_newton load_high_newton newton_factor
             stopped yield_load yield_deflection apparent_stiffness work unit material material_source
             wall_thickness density young poisson mass_grams newtons_per_load stiffness_of_wall
             yield_load_newton apparent_stiffness_newton_per_mm work_joule self_intersections_rest

@@ -215,7 +215,7 @@ def _measure_traits() -> dict[Measure, MeasureTraits]:
         ),
         Measure.THICKNESS: MeasureTraits(
             tr("Wall thickness"),
-            tr("Colour by wall thickness, of a wall distribution from a file: see the section Size and mass"),
+            tr("Colour by wall thickness, of a wall distribution: see the section Size and mass"),
             "",
             ScaleKind.LENGTH,
             lambda deviation, *_: deviation.thickness,

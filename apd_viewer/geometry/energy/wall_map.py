@@ -57,6 +57,11 @@ class WallMap(float):
         radius = None if self.yield_radius is None else self.yield_radius.scaled(factor)
         return WallMap(factor * float(self), factor * self.triangles, self.young, radius)
 
+    def on(self, V: np.ndarray, F: np.ndarray, triangles: np.ndarray | None = None) -> WallMap:
+        """Map on another rest shape, also with other thickness of the triangles."""
+        beside = (None if each is None else each.triangles for each in (self.young, self.yield_radius))
+        return triangle_wall(self.triangles if triangles is None else triangles, V, F, *beside)
+
     def at_vertices(self, F: np.ndarray, n: int) -> np.ndarray:
         """Mean (n,) of elements ``F`` (m, 3 or 6) at ``n`` vertices; NaN if none."""
         corners, sums = F.ravel(), np.repeat(self.triangles, F.shape[1])

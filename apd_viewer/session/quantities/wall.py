@@ -5,12 +5,15 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.wall_map import WallMap
+from apd_viewer.geometry.energy.wall_map import WallMap, triangle_wall
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import editable_number
 from apd_viewer.session.quantities import wall_material
-from apd_viewer.session.quantities.expressions import parse_length, parse_number
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_distribution import WallDistribution
 
@@ -229,6 +232,38 @@ def parse_thickness(text: str, unit: Unit) -> float:
     if not thickness > 0.0:
         raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))
     return thickness
+
+
+def with_part_thickness(
+    wall: WallText, own: str, part: str, inside: np.ndarray, mesh: Mesh, unit: Unit
+) -> WallText:
+    """Wall with another thickness in a part of the mesh, as a wall distribution.
+
+    Parameters
+    ----------
+    wall : WallText
+    own : str
+        Thickness of the part, a length.
+    part : str
+        Its name.
+    inside : (n,) bool array
+        Its vertices; a triangle belongs to it by two of its corners.
+    mesh, unit : Mesh, Unit
+
+    Raises
+    ------
+    InputError
+        If it is no length, or the wall has no thickness yet.
+    """
+    thickness, usual = parse_thickness(own, unit), wall.usable_thickness(unit)
+    if usual is None:
+        raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))
+    V, F = mesh.V, mesh.F
+    before = usual if isinstance(usual, WallMap) else triangle_wall(np.full(len(F), usual), V, F)
+    after = before.on(V, F, np.where(inside[F].sum(axis=1) >= 2, thickness, before.triangles))
+    title = wall.thickness.strip() or unit.format_length(editable_number(f"{usual:.4g}"))
+    name = comma_separated((title, f"{part} {own.strip()}"))[:MOST_CHARACTERS]
+    return wall._replace(thickness=WallDistribution(name, after, unit.symbol))
 
 
 def _optional_number(text: str, parse: Callable[[str], float]) -> float | None:

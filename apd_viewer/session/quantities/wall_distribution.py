@@ -41,7 +41,7 @@ _FARTHEST = 0.05  # of the diagonal: distance of a measured point from the neare
 
 
 class WallDistribution(str):
-    """Name of a file with a wall distribution, typed as the thickness of a wall.
+    """Name of a wall distribution, such as its file, typed as a thickness.
 
     Attributes
     ----------
@@ -72,10 +72,7 @@ class WallDistribution(str):
 
     def on(self, mesh: Mesh) -> "WallDistribution":
         """The same wall of the triangles on another rest shape."""
-        beside = (self.thickness.young, self.thickness.yield_radius)
-        told = (None if each is None else each.triangles for each in beside)
-        thickness = triangle_wall(self.thickness.triangles, mesh.V, mesh.F, *told)
-        return WallDistribution(str(self), thickness, self.unit)
+        return WallDistribution(str(self), self.thickness.on(mesh.V, mesh.F), self.unit)
 
     def __eq__(self, other: object) -> bool:
         """True for the same name, thickness and unit."""

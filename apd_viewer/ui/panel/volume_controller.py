@@ -1,11 +1,14 @@
 """Controller of shape checks and walls in panel, findings and preferences."""
 
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QInputDialog
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.samples import sample_of
@@ -13,14 +16,17 @@ from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.methods import wall_material as thin_wall_material
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
+from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable, format_significant
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
-from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
+from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall, with_part_thickness
 from apd_viewer.session.quantities.wall_distribution import WallDistribution, read_distribution
 from apd_viewer.session.quantities.wall_material import wall_material
 from apd_viewer.session.session import Session
@@ -31,6 +37,14 @@ from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 
 _OF_WALL = "wall_thickness", "poisson", "yield_radius"
+
+
+def painted_parts(document: Document) -> Iterator[tuple[str, np.ndarray]]:
+    """Names and vertices (n,) of base, handles and regions, unless empty."""
+    names = {BASE: tr("Base")} | {HANDLE + k: handle.name for k, handle in enumerate(document.handles)}
+    parts = [(name, document.labels == label) for label, name in names.items()]
+    parts += [(region.name, document.member == k) for k, region in enumerate(document.regions, start=1)]
+    return ((name, inside) for name, inside in parts if inside.any())
 
 
 class VolumeController(QObject):
@@ -74,7 +88,8 @@ class VolumeController(QObject):
         }
         panel.measures.wall_fields.entered.connect(self._type)
         panel.measures.wall_fields.entered.connect(self.update_wall_settings)
-        panel.measures.wall_fields.from_file.clicked.connect(self._ask_for_distribution)
+        panel.measures.wall_fields.from_file.triggered.connect(self._ask_for_distribution)
+        panel.measures.wall_fields.places.menu().aboutToShow.connect(self._offer_parts)
         panel.method.contact_chosen.connect(self._set_contact)
         panel.method.wall_creases_chosen.connect(self._use_yield_radius)
         panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
@@ -171,12 +186,38 @@ class VolumeController(QObject):
         if path is None:
             return
         fields, mesh = self._panel.measures.wall_fields, state.document.mesh
+        self._use(
+            lambda: fields.value._replace(thickness=read_distribution(path, mesh, self._session.store.unit))
+        )
+
+    def _offer_parts(self) -> None:
+        """Offer another thickness for each part that is painted."""
+        menu = self._panel.measures.wall_fields.places.menu()
+        for action in menu.actions()[1:]:
+            menu.removeAction(action)
+        if (state := self._session.store.state) is None:
+            return
+        for part, inside in painted_parts(state.document):
+            title = tr("Thickness of “{part}”…").format(part=part.replace("&", "&&"))
+            menu.addAction(title, partial(self._ask_for_part, part, inside))
+
+    def _ask_for_part(self, part: str, inside: np.ndarray) -> None:
+        """Ask for the thickness of a part, and colour the shape by it."""
+        fields, mesh = self._panel.measures.wall_fields, self._session.store.required_state().document.mesh
+        title, label = tr("Thickness of a part"), tr("Wall thickness of “{part}”, such as 0.1mm:")
+        own, is_given = QInputDialog.getText(self._panel, title, label.format(part=part))
+        if is_given:
+            unit = self._session.store.unit
+            self._use(lambda: with_part_thickness(fields.value, own, part, inside, mesh, unit))
+
+    def _use(self, distribution: Callable[[], WallText]) -> None:
+        """Take a wall, and colour the shape by it; tell why it cannot be used."""
+        fields = self._panel.measures.wall_fields
         try:
-            thickness = read_distribution(path, mesh, self._session.store.unit)
+            wall = distribution()
         except InputError as error:
             self.failed.emit(str(error))
             return
-        wall = fields.value._replace(thickness=thickness)
         self._panel.measures.show_wall(wall)
         fields.entered.emit(wall)
         self._heat.choose_measure(Measure.THICKNESS)

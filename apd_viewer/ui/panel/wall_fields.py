@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QWidget
+from PySide6.QtWidgets import QLabel, QMenu, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable, format_short
@@ -14,7 +14,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
 from apd_viewer.session.quantities.wall_material import DEFAULT_POISSON, WALL_MATERIALS
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
-from apd_viewer.ui.widgets.fields import ComboBox, TextField, return_focus, small_button
+from apd_viewer.ui.widgets.fields import ComboBox, TextField, attach_menu, return_focus, small_button
 from apd_viewer.ui.widgets.folding_section import Heading, quiet_label
 from apd_viewer.ui.widgets.theme import Theme, icon
 
@@ -30,8 +30,10 @@ class WallFields(QWidget):
     Attributes
     ----------
     entered : Signal(WallText)
-    from_file : QToolButton
-        Asks for a file of the thickness at each place.
+    places : QToolButton
+        Opens a menu of ways to a thickness that differs from place to place.
+    from_file : QAction
+        Asks for a file of it; first in the menu.
     heading : Heading
         Folds density, elasticity and creases.
     """
@@ -67,11 +69,12 @@ class WallFields(QWidget):
         self.thickness = _entry(tr("Wall thickness"), tip)
         tip = tr("Density of the material: 1.38 (g/cm³, as of PET), 1380 kg/m³ or 86 lb/ft³")
         self.density = _entry(tr("Density"), tip, tr("no mass"))
-        self.from_file = small_button(
-            tr("Thickness from file…"),
-            tr(
-                "Wall distribution: a table such as height,thickness or x,y,z,thickness, or a PLY or VTK file"
-            ),
+        tip = tr("Wall distribution: from a file, or of a painted part; a thin line is a folding line")
+        self.places = small_button(tr("Thickness from place to place"), tip)
+        attach_menu(self.places, QMenu(self.places, toolTipsVisible=True))
+        self.from_file = self.places.menu().addAction(tr("Thickness from file…"))
+        self.from_file.setToolTip(
+            tr("Wall distribution: a table such as height,thickness or x,y,z,thickness, or a PLY or VTK file")
         )
         self.young = _entry(tr("Young's modulus"), tr("For loads in newtons: 2.8GPa"), tr("no newtons"))
         self.poisson = _entry(tr("Poisson's ratio"), tr("From 0 to 0.5"), format_short(DEFAULT_POISSON))
@@ -86,7 +89,7 @@ class WallFields(QWidget):
         self.heading.toggled.connect(body.setVisible)
         label = QLabel(tr("Material"), objectName="quiet", buddy=self.material)
         chosen = row_layout(label, (self.material, 1))
-        thick = _row(self.thickness.accessibleName(), self.thickness, self.from_file)
+        thick = _row(self.thickness.accessibleName(), self.thickness, self.places)
         column_layout(chosen, thick, self.heading, body, margins=(0, 4, 0, 0), parent=self)
 
     @property
@@ -168,7 +171,7 @@ class WallFields(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Apply the theme to the heading."""
         self.heading.set_theme(theme)
-        self.from_file.setIcon(icon("open", theme))
+        self.places.setIcon(icon("open", theme))
 
 
 def _entry(name: str, tip: str, usual: str = "") -> TextField:

@@ -5,13 +5,14 @@ import pickle
 import numpy as np
 import pytest
 import pyvista
-from meshes import box, tube
+from meshes import box, grid, tube
 
+from apd_viewer import deform
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import NoUnitError, Unit
-from apd_viewer.session.quantities.wall import WallText, parse_wall
+from apd_viewer.session.quantities.wall import WallText, parse_wall, with_part_thickness
 from apd_viewer.session.quantities.wall_distribution import (
     read_distribution,
     thickness_text,
@@ -192,6 +193,41 @@ def test_read_distribution_needs_the_property(tmp_path):
 def test_read_distribution_says_in_a_sentence_what_is_wrong(tmp_path, text, said):
     with pytest.raises(InputError, match=f"walls.csv: .*{said}"):
         read(tmp_path, text)
+
+
+def test_with_part_thickness_makes_a_folding_line():
+    """A sheet whose ends are pushed together folds on its thin line, and without it bends in the middle."""
+    X, triangles = grid(40, 6, 1 / 40, 1 / 40)
+    sheet, x = Mesh(X, triangles), X[:, 0]
+    base, end = np.flatnonzero(x < 0.04), np.flatnonzero(x > 0.96)
+    plain = WallText("0.01")
+    line = with_part_thickness(plain, "0.002", "Line", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
+    assert str(line.thickness) == "0.01, Line 0.002"
+    along = np.flatnonzero(X[:, 1] == X[3, 1])
+    along = along[np.argsort(x[along])]
+    folds = []
+    for wall in (plain, line):
+        held, there = np.r_[base, end], np.vstack([X[base], X[end] - [0.2, 0.0, 0.0]])
+        thickness = parse_wall(wall, Unit.NONE).thickness
+        found = deform(X, triangles, held, there, handle=end, method="wall", wall_thickness=thickness)
+        run = np.diff(found.U[along], axis=0)
+        turns = np.abs(np.diff(np.arctan2(run[:, 2], run[:, 0])))
+        folds.append((x[along][1:-1][turns.argmax()], turns.max()))
+    assert folds[0] == (pytest.approx(0.5, abs=0.06), pytest.approx(0.15, abs=0.03))
+    assert folds[1] == (pytest.approx(0.3, abs=1e-9), pytest.approx(2.2, abs=0.5))
+
+
+def test_with_part_thickness_keeps_what_else_differs_from_place_to_place(tmp_path):
+    text = read(tmp_path, "z,thickness,young,yield_radius\n0,0.02,1,3\n3,0.05,4,5\n")
+    inside = V[:, 2] > 1.4
+    wall = with_part_thickness(WallText(text), "0.01", "Top", inside, MESH, Unit.NONE).thickness.thickness
+    part = inside[F].sum(axis=1) >= 2
+    assert (wall.triangles[part] == 0.01).all()
+    assert np.array_equal(wall.triangles[~part], text.thickness.triangles[~part])
+    assert np.array_equal(wall.young.triangles, text.thickness.young.triangles)
+    assert np.array_equal(wall.yield_radius.triangles, text.thickness.yield_radius.triangles)
+    with pytest.raises(InputError, match="Enter a wall thickness"):
+        with_part_thickness(WallText(), "0.01", "Top", inside, MESH, Unit.NONE)
 
 
 def test_thickness_text_leaves_a_length_as_typed():

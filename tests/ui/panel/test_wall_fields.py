@@ -8,11 +8,13 @@ from driving import document, idle
 from meshes import sphere
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QInputDialog
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
@@ -227,7 +229,7 @@ def test_press_takes_creases_from_the_material(bottle, fields):
 
 def load(monkeypatch, window, path):
     monkeypatch.setattr(file_dialogs, "ask_for_wall_distribution", lambda *_: path)
-    window.panel.measures.wall_fields.from_file.click()
+    window.panel.measures.wall_fields.from_file.trigger()
 
 
 def test_wall_fields_take_a_wall_distribution_from_a_file(qtbot, bottle, fields, tmp_path, monkeypatch):
@@ -264,6 +266,40 @@ def test_wall_fields_take_a_wall_distribution_from_a_file(qtbot, bottle, fields,
     bottle.volume.restore_view(view)
     assert heat.measure is thickness
     assert fields.value == view.wall
+
+
+def offered(window, part):
+    """Action of a part in the menu of ways to a thickness from place to place."""
+    menu = window.panel.measures.wall_fields.places.menu()
+    menu.aboutToShow.emit()
+    return next(action for action in menu.actions() if part in action.text())
+
+
+def test_wall_fields_give_a_painted_part_a_thickness_of_its_own(bottle, fields, monkeypatch):
+    """The rest stays as thick as it was; a second part adds to the first, and undo takes it back."""
+    choose(fields, PET)
+    mesh = document(bottle).mesh
+    bottle.session.settings.change(method="wall", **bottle.volume.wall_settings("wall_thickness"))
+    base = np.isin(mesh.F, np.flatnonzero(document(bottle).labels == BASE)).sum(axis=1) >= 2
+    top = np.isin(mesh.F, np.flatnonzero(document(bottle).labels == HANDLE)).sum(axis=1) >= 2
+    assert base.any()
+    assert top.any()
+    handle = document(bottle).handles[0].name
+    for part, own in (("Base", "0.1mm"), (handle, "0.07cm")):
+        monkeypatch.setattr(QInputDialog, "getText", lambda *_, own=own: (own, True))
+        offered(bottle, part).trigger()
+    expected = np.where(top, 0.07, np.where(base, 0.01, 0.03))
+    assert document(bottle).settings.wall_thickness.triangles == pytest.approx(expected)
+    assert fields.thickness.text() == f"0.03\xa0cm, Base 0.1mm, {handle} 0.07cm"
+    assert bottle.display_options.overlay.measure is Measure.THICKNESS
+    bottle.session.gestures.undo()
+    assert document(bottle).settings.wall_thickness.triangles == pytest.approx(np.where(base, 0.01, 0.03))
+    before = fields.value
+    for given, said in ((("thin", True), "thin"), (("0", True), "greater than 0"), (("1mm", False), "")):
+        monkeypatch.setattr(QInputDialog, "getText", lambda *_, given=given: given)
+        offered(bottle, "Base").trigger()
+        assert said in bottle.notice.text
+        assert fields.value == before
 
 
 def test_wall_fields_say_why_a_file_is_no_wall_distribution(bottle, fields, tmp_path, monkeypatch):
