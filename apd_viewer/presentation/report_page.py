@@ -81,6 +81,8 @@ class ReportSubject:
         Time of the request.
     newtons : NewtonConversion or None
         Of the loads; None if newtons are unknown.
+    pressed : tuple of PageBlock
+        Results of the dialog of presses for this mesh.
     """
 
     state: State
@@ -94,6 +96,7 @@ class ReportSubject:
     newtons: NewtonConversion | None = None
     steps: Sequence[ReportStep] = ()
     heading: ReportHeading = NO_HEADING
+    pressed: tuple[PageBlock, ...] = ()
 
 
 def report_page(subject: ReportSubject, evidence: ReportReadings, drawings: ReportDrawings) -> Page:
@@ -107,6 +110,11 @@ def report_page(subject: ReportSubject, evidence: ReportReadings, drawings: Repo
         PageSection(tr("Volume"), (PageTable(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_steps(subject, drawings),
+        *(
+            [PageSection(tr("Press between plates"), subject.pressed, is_wide=True)]
+            if subject.pressed
+            else []
+        ),
         *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(report_blocks.settings_blocks(state, unit))),
