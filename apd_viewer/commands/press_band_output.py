@@ -179,10 +179,9 @@ def draw_modes(
     ]
     size = _PANEL[0] * len(shapes), _PANEL[1]
     N = vertex_normals(mesh.V, mesh.joined_F)
-    away = [np.einsum("ij,ij->i", N, each) for each in modes.shapes[: len(shapes)]]
-    picture = Picture(
-        path, shapes, words, [DIVERGING.colors(0.5 + 0.5 * each / abs(each).max()) for each in away]
-    )
+    outwards = [np.einsum("ij,ij->i", N, each) for each in modes.shapes[: len(shapes)]]
+    colors = [DIVERGING.colors(0.5 + 0.5 * each / abs(each).max()) for each in outwards]
+    picture = Picture(path, shapes, words, colors)
     return bool(shapes) and draw_shapes(mesh, [picture], size, (a, b, c), (x, y, z), legend=False)
 
 

@@ -110,11 +110,7 @@ def report_page(subject: ReportSubject, evidence: ReportReadings, drawings: Repo
         PageSection(tr("Volume"), (PageTable(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_steps(subject, drawings),
-        *(
-            [PageSection(tr("Press between plates"), subject.pressed, is_wide=True)]
-            if subject.pressed
-            else []
-        ),
+        *_pressed(subject),
         *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(report_blocks.settings_blocks(state, unit))),
@@ -287,6 +283,12 @@ def _steps(subject: ReportSubject, drawings: ReportDrawings) -> Iterator[PageSec
     titles = tr("Step"), *(each.title for each in texts), tr("State")
     table = PageGrid(titles, tuple(rows))
     yield PageSection(tr("Steps"), (drawings.steps, *drawings.curves, table), is_wide=True)
+
+
+def _pressed(subject: ReportSubject) -> Iterator[PageSection]:
+    """Section on the results of the dialog of presses, if there are any."""
+    if subject.pressed:
+        yield PageSection(tr("Press between plates"), subject.pressed, is_wide=True)
 
 
 def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> Iterator[PageSection]:
