@@ -351,12 +351,12 @@ def test_press_command_says_which_modes_and_weights_there_are(words, sentence, b
     assert said.strip() == f"error: {sentence}"
 
 
-def test_press_command_says_at_which_deflection_a_weight_is_borne(ball, press, tmp_path):
+def test_press_command_says_at_which_deflection_a_weight_is_borne(smooth_ball, press, tmp_path):
     report = tmp_path / "r.json"
-    known = "--unit", "cm", "--thickness", "0.3mm", "--young", "3.4GPa", "--to", "95%", "--steps", 2
+    known = "--unit", "cm", "--thickness", "0.3mm", "--young", "3.4GPa", "--to", "97%", "--steps", 2
 
     def found(*words):
-        status, said, _, _ = press(ball, *known, *words, "--report", report)
+        status, said, _, _ = press(smooth_ball, *known, *words, "--report", report)
         assert status == 0
         return said, json.loads(report.read_text(encoding="utf-8"))
 
