@@ -191,5 +191,5 @@ def _picture(mesh: Mesh, selection: Selection, result: Result) -> bytes | None:
         path = Path(folder) / "picture.png"
         lines = [" ".join(line.split()) for line in result_output.result_lines(result)]
         words = [[tr("Rest")], [METHODS[result.method].short_title, *lines]]
-        shapes = Picture(path, [mesh.V, result.U], words, label_colors(selection.labels))
+        shapes = Picture(path, [mesh.V, result.U], words, [label_colors(selection.labels)])
         return path.read_bytes() if draw_shapes(mesh, [shapes], _PICTURE) else None

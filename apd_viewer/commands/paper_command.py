@@ -104,7 +104,7 @@ def _draw_shapes(table: Sequence[PaperTableRow], folder: Path, progress: Progres
                 shapes.append(result.U)
                 words.append([f"{amount}, {name}", *_readings(result)])
         size, look = _PICTURES[sample]
-        picture = Picture(folder / f"{sample}.png", shapes, words, label_colors(labels))
+        picture = Picture(folder / f"{sample}.png", shapes, words, [label_colors(labels)])
         if not draw_shapes(mesh, [picture], size, view_direction=look):
             return False
     return True

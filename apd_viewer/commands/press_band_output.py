@@ -15,9 +15,11 @@ from apd_viewer.geometry.energy.cylinder_buckling import classical_load, knock_d
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.solver.linear_buckling import BucklingModes
 from apd_viewer.geometry.solver.press_band import PressBand
 from apd_viewer.language import tr
+from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.presentation.number_format import format_exact, format_grouped, format_short
 from apd_viewer.presentation.obstacle_readings import force_text
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
@@ -176,7 +178,10 @@ def draw_modes(
         for k, load in enumerate(modes.loads[: len(shapes)])
     ]
     size = _PANEL[0] * len(shapes), _PANEL[1]
-    picture = Picture(path, shapes, words)
+    N = vertex_normals(mesh.V, mesh.joined_F)
+    outwards = [np.einsum("ij,ij->i", N, each) for each in modes.shapes[: len(shapes)]]
+    colors = [DIVERGING.colors(0.5 + 0.5 * each / abs(each).max()) for each in outwards]
+    picture = Picture(path, shapes, words, colors)
     return bool(shapes) and draw_shapes(mesh, [picture], size, (a, b, c), (x, y, z), legend=False)
 
 

@@ -111,7 +111,7 @@ def press_parser() -> Parser:
     add_option(parser, "--runs N", about, type=int, default=1)
     about = tr("depth of these dents, in percent of the wall thickness; default: 10 for several runs")
     add_option(parser, "--dents PERCENT", about, type=float)
-    about = tr("press nothing, but find the N lowest buckling modes of the wall, written as OUT-1, OUT-2, …")
+    about = tr("press nothing, but find the N lowest buckling modes of the wall, written as OUT-1 and so on")
     add_option(parser, "--modes N", about, type=int)
     about = tr("weight on the upper plate, such as 2kg or 20N: the deflection at which the wall bears it")
     add_option(parser, "--weight W", about)

@@ -51,9 +51,9 @@ def _draw(job: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.
         for column in range(count):
             plotter.subplot(0, column)
             plotter.renderer.clear_actors()
-            U, paint = shapes[number * count + column], None if column else picture["paint"]
-            if paint is not None:
-                _show(plotter, F, U, np.load(paint), rgb=True)
+            U, paints = shapes[number * count + column], picture["paints"]
+            if column < len(paints):
+                _show(plotter, F, U, np.load(paints[column]), rgb=True)
             else:
                 _show_change(plotter, F, U, areas)
             _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1], job["font"])

@@ -37,14 +37,14 @@ class Picture(NamedTuple):
     shapes : sequence of (n, 3) float array, or of paths of .npy files
     captions : sequence of sequence of str
         Title and further lines of each shape.
-    first_colors : (n, 3) uint8 array or None
-        Colours of the first shape instead of what has changed: of one at rest, where nothing has.
+    colors : sequence of (n, 3) uint8 arrays
+        Colours of the first shapes instead of their area change, such as of one at rest, which has none.
     """
 
     path: Path
     shapes: Sequence[np.ndarray | Path]
     captions: Sequence[Sequence[str]]
-    first_colors: np.ndarray | None = None
+    colors: Sequence[np.ndarray] = ()
 
 
 def check_picture(path: Path) -> None:
@@ -120,11 +120,15 @@ def _picture_job(picture: Picture, number: int, folder: Path) -> dict[str, objec
         if not isinstance(shape, Path):
             np.save(path, shape)
         paths.append(str(path))
-    paint = None
-    if picture.first_colors is not None:
-        paint = str(folder / f"{number}-paint.npy")
-        np.save(paint, picture.first_colors)
-    return {"path": str(folder / f"{number}.png"), "shapes": paths, "words": picture.captions, "paint": paint}
+    paints = [str(folder / f"{number}-paint-{column}.npy") for column in range(len(picture.colors))]
+    for paint, colors in zip(paints, picture.colors, strict=True):
+        np.save(paint, colors)
+    return {
+        "path": str(folder / f"{number}.png"),
+        "shapes": paths,
+        "words": picture.captions,
+        "paints": paints,
+    }
 
 
 def _run(folder: Path, count: int, drawn: Callable[[int], object]) -> bool:

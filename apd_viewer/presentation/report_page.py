@@ -81,6 +81,8 @@ class ReportSubject:
         Time of the request.
     newtons : NewtonConversion or None
         Of the loads; None if newtons are unknown.
+    pressed : tuple of PageBlock
+        Results of the dialog of presses for this mesh.
     """
 
     state: State
@@ -94,6 +96,7 @@ class ReportSubject:
     newtons: NewtonConversion | None = None
     steps: Sequence[ReportStep] = ()
     heading: ReportHeading = NO_HEADING
+    pressed: tuple[PageBlock, ...] = ()
 
 
 def report_page(subject: ReportSubject, evidence: ReportReadings, drawings: ReportDrawings) -> Page:
@@ -107,6 +110,7 @@ def report_page(subject: ReportSubject, evidence: ReportReadings, drawings: Repo
         PageSection(tr("Volume"), (PageTable(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_steps(subject, drawings),
+        *_pressed(subject),
         *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(report_blocks.settings_blocks(state, unit))),
@@ -279,6 +283,12 @@ def _steps(subject: ReportSubject, drawings: ReportDrawings) -> Iterator[PageSec
     titles = tr("Step"), *(each.title for each in texts), tr("State")
     table = PageGrid(titles, tuple(rows))
     yield PageSection(tr("Steps"), (drawings.steps, *drawings.curves, table), is_wide=True)
+
+
+def _pressed(subject: ReportSubject) -> Iterator[PageSection]:
+    """Section on the results of the dialog of presses, if there are any."""
+    if subject.pressed:
+        yield PageSection(tr("Press between plates"), subject.pressed, is_wide=True)
 
 
 def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> Iterator[PageSection]:

@@ -176,6 +176,7 @@ class Workbench(QObject):
             session,
             newtons,
             self.press.report_charts,
+            self.runs.pressed_blocks,
         )
 
     def _make_actions(self) -> None:

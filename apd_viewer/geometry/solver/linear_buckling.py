@@ -6,7 +6,7 @@ distance grows the change of the Hessian, ``lambda G`` with ``G`` its derivative
     (K + lambda G) x = 0,
 
 and the wall may leave its shape. lambda is the deflection, and ``lambda u . K u`` the load [Bathe 2014,
-Finite Element Procedures, 2nd ed., section 6.8.2]. Real walls have imperfections and buckle earlier.
+Finite Element Procedures, 2nd ed.]. Real walls have imperfections and buckle earlier.
 """
 
 from __future__ import annotations

@@ -23,6 +23,7 @@ from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.log import redacted_text
 from apd_viewer.presentation.legend_svg import legend_svg
@@ -90,6 +91,8 @@ class ReportController:
         Conversion of the loads of a state into newtons, or None.
     charts : callable
         Charts of the timeline with their captions.
+    pressed : callable
+        Blocks on the results of presses of a mesh.
     """
 
     def __init__(
@@ -103,10 +106,12 @@ class ReportController:
         session: Session,
         newtons: FindConversion,
         charts: Callable[[], Sequence[tuple[Chart, str]]],
+        pressed: Callable[[Mesh], tuple[html_page.PageBlock, ...]],
     ) -> None:
         self._window, self._canvas, self._looks = window, canvas, display_options
         self._view, self._memory, self._notice = view, preferences, notice
         self._session, self._newtons, self._charts = session, newtons, charts
+        self._pressed = pressed
         self.pictures = PictureRenderer(canvas, display_options, notice, session.jobs)
         self._wish: PictureSettings | None = None
         self._titles: dict[str, str] = {}  # of the reports on a mesh, by its name
@@ -197,12 +202,24 @@ class ReportController:
         )
         chosen, up_axis = self._looks.overlay.scales.get(Measure.AREA), self._up_axis
         newtons, steps = self._newtons(state), self._steps_to(state)
+        pressed = self._pressed(state.document.mesh)
 
         def work() -> _ReportMeasurements:
             found, at_rest = _completed_checks(state, *checks)
             all_made = complete_readings(made, state)
             subject = ReportSubject(
-                state, unit, view.wall, found, at_rest, moment, all_made, up_axis, newtons, steps, heading
+                state,
+                unit,
+                view.wall,
+                found,
+                at_rest,
+                moment,
+                all_made,
+                up_axis,
+                newtons,
+                steps,
+                heading,
+                pressed,
             )
             return _measure(subject, view, chosen)
 

@@ -8,6 +8,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.html_page import PageBlock, PageNote, PagePicture, PagePictureRow
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
@@ -33,7 +34,8 @@ from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 
-_AXES, _AIR = "xyz", "1atm"
+_AXES, _AIR, _MODES = "xyz", "1atm", 4
+_OF_A_PRESS = {"--runs", "--dents", "--gas", "--area", "--volume"}
 
 
 class PressDialog(RunDialog):
@@ -60,6 +62,10 @@ class PressDialog(RunDialog):
         title = tr("Press between plates – {name}").format(name=window_title_text(mesh.name))
         super().__init__(window, title, run, "press.png", tr("Curves of load and volume"))
         run.start_requested.connect(self.begin)
+        tip = tr("Shows how a perfect wall would fold first, and at which load, without pressing it")
+        self.modes = QPushButton(tr("Buckling modes"), toolTip=tip)
+        self.modes.clicked.connect(lambda: self.begin(modes=_MODES))
+        run.add_button(self.modes)
         self._state, self._view, self._document, self._unit = state, view, document, unit
         self._points = mesh.V[np.unique(mesh.F)]
         self._extents = np.ptp(self._points, axis=0)
@@ -197,6 +203,7 @@ class PressDialog(RunDialog):
         has_wall = METHODS[self.method.currentData()].is_wall
         known = has_wall and self._wall.usable_thickness(self._unit) is not None
         self.runs.setEnabled(known)
+        self.modes.setEnabled(known)
         self.dents.setEnabled(known and self.runs.value() > 1)
         words = tr("of the wall thickness, as a band of loads")
         self.band_hint.setText(words if known else tr("by the method Wall, thickness known"))
@@ -213,8 +220,8 @@ class PressDialog(RunDialog):
         words = tr("of the extent, with the plates {distance} apart")
         self.distance.setText(words.format(distance=self._length_text(self._distance)))
 
-    def begin(self) -> None:
-        """Start the press with the options chosen."""
+    def begin(self, modes: int = 0) -> None:
+        """Start the press with the options chosen, or find buckling modes instead."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
             options = self._options | self._targets | self._wall_options | self._run_options
@@ -225,10 +232,15 @@ class PressDialog(RunDialog):
         except InputError as error:
             self.run.show_failure(str(error))
             return
-        opens = self.release.isChecked()
+        if modes:
+            options = {name: word for name, word in options.items() if name not in _OF_A_PRESS}
+            options["--modes"] = str(modes)
+        opens = self.release.isChecked() and not modes
         flags = ["--release"] if opens else []
-        self.run.mesh = self._crushed if opens else self._pressed
-        from_current = self.from_current.isChecked()
+        mode = f"mode{suffix_for(self._document.mesh)}"
+        self.run.mesh = f"mode-1{Path(mode).suffix}" if modes else self._crushed if opens else self._pressed
+        self.figure_caption = tr("Buckling modes") if modes else tr("Curves of load and volume")
+        from_current = self.from_current.isChecked() and not modes
         mesh, thickness, unit = self._document.mesh, self._wall.thickness, self._unit
 
         def prepared(scratch: Path, results: Path) -> list[str]:
@@ -243,17 +255,24 @@ class PressDialog(RunDialog):
                 write_distribution(table, thickness.in_unit(unit))
                 options["--thickness"] = str(table)
             files = {
-                "-o": self._pressed,
-                "--curve": "curve.csv",
+                "-o": mode if modes else self._pressed,
                 "--figure": "press.png",
                 "--report": "report.json",
             }
+            if not modes:
+                files["--curve"] = "curve.csv"
             if opens:
                 files["--crushed"] = self._crushed
             asked = options | {option: str(results / name) for option, name in files.items()}
             return ["press", str(source), *flags, *(word for pair in asked.items() for word in pair)]
 
         self.run.begin(prepared)
+
+    def result_blocks(self, folder: Path) -> tuple[PageBlock, ...]:
+        """Blocks of a report on the results in a folder, and what the command said."""
+        picture = PagePicture((folder / "press.png").read_bytes(), self.figure_caption)
+        notes = (PageNote(line.strip()) for line in self.summary.text().splitlines())
+        return PagePictureRow((picture,)), *notes
 
     @property
     def _targets(self) -> dict[str, str]:

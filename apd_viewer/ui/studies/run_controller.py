@@ -1,6 +1,7 @@
 """Controller of the dialogs for sweeps, animations, presses, tables and cases."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -8,6 +9,8 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QDialog, QWidget
 
 from apd_viewer.cases.case import Case
+from apd_viewer.files.html_page import PageBlock
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, rest_frame
@@ -63,6 +66,8 @@ class RunController(QObject):
         self._session, self._filing = session, files
         self._opened, self._failed = open_document, show_failure
         self.dialogs: dict[str, QDialog] = {}
+        self._pressed: dict[str, tuple[PageBlock, ...]] = {}  # last results, by the kind of run
+        self._pressed_mesh: Mesh | None = None
 
     def open_sweep(self) -> None:
         """Open the dialog to sweep the current motion of the handles."""
@@ -128,7 +133,19 @@ class RunController(QObject):
         leave_for, show = self._filing.run_after_save_prompt, self._show_pressed
         dialog.run.mesh_requested.connect(lambda path: leave_for(partial(show, path, unit)))
         dialog.wall_requested.connect(self.wall_requested)
+        dialog.run.ended.connect(lambda folder, _: self._keep_pressed(dialog, state.document.mesh, folder))
         return dialog
+
+    def _keep_pressed(self, dialog: PressDialog, mesh: Mesh, folder: Path) -> None:
+        if mesh is not self._pressed_mesh:
+            self._pressed, self._pressed_mesh = {}, mesh
+        with suppress(OSError):
+            self._pressed[dialog.figure_caption] = dialog.result_blocks(folder)
+
+    def pressed_blocks(self, mesh: Mesh) -> tuple[PageBlock, ...]:
+        """Blocks of a report on what the press dialog last found of a mesh."""
+        found = self._pressed.values() if mesh is self._pressed_mesh else ()
+        return tuple(block for blocks in found for block in blocks)
 
     def show_wall(self, wall: WallText) -> None:
         """Show another wall in an open dialog that presses."""

@@ -38,13 +38,18 @@ class RunDialog(QDialog):
         File name of the figure among the results.
     caption : str
         Description of the figure for screen readers.
+
+    Attributes
+    ----------
+    figure_caption : str
+        That of the figure of the last run.
     """
 
     def __init__(self, window: QWidget, title: str, run: RunBar, figure: str = "", caption: str = "") -> None:
         super().__init__(window, objectName="study")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
-        self.run, self._named, self._caption = run, figure, caption
+        self.run, self._named, self.figure_caption = run, figure, caption
         self.run.busy_changed.connect(self._show_busy)
         self.run.ended.connect(self._show)
         self.figure: FigureView | None = None
@@ -83,7 +88,7 @@ class RunDialog(QDialog):
         if self.figure is not None:
             self._column.removeWidget(self.figure)
             self.figure.deleteLater()
-        self.figure = FigureView(folder / self._named, self._caption)
+        self.figure = FigureView(folder / self._named, self.figure_caption)
         self._column.insertWidget(self._column.indexOf(self.summary), self.figure)
         self.figure.show()  # hidden widgets take no room
         self.options.show()

@@ -469,6 +469,40 @@ def test_press_dialog_presses_several_dented_walls_where_their_thickness_is_know
     assert (options(dialog).runs, options(dialog).dents) == (1, None)
 
 
+def test_press_dialog_finds_buckling_modes_of_the_wall_without_a_press(asked, tmp_path, monkeypatch):
+    ask, _ = asked
+    dialog = ask(*box(1, 2, 4), unit="cm")
+    assert not dialog.modes.isEnabled()
+    dialog.show_wall(PET)
+    dialog.runs.setValue(10)
+    dialog.release.click()
+    begun = []
+    monkeypatch.setattr(dialog.run, "begin", lambda words: begun.append(words(tmp_path, tmp_path / "out")))
+    click(dialog.modes)
+    said = press_parser().parse_args(begun[0][1:])
+    assert (said.modes, said.runs, said.release, said.curve, said.crushed) == (4, 1, False, None, None)
+    assert said.output == tmp_path / "out" / "mode.obj"
+    assert dialog.run.mesh == "mode-1.obj"
+    click(dialog.run.start)
+    again = press_parser().parse_args(begun[1][1:])
+    assert (again.modes, again.runs, again.release) == (None, 10, True)
+
+
+def test_run_controller_gives_reports_the_last_press_of_the_mesh(qtbot, window, ball, written, tmp_path):
+    mesh = document(window).mesh
+    assert window.runs.pressed_blocks(mesh) == ()
+    end_run(ball, written, tmp_path / "scratch")
+    picture, *notes = window.runs.pressed_blocks(mesh)
+    assert picture.pictures[0].png == (written[0] / "press.png").read_bytes()
+    assert "\n".join(note.text for note in notes) == ball.summary.text()
+    assert window.runs.pressed_blocks(Mesh(*sphere(1))) == ()
+    window.reports.write_report(tmp_path / "report.html")
+    idle(qtbot, window)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<h2>Press between plates</h2>" in page
+    assert notes[0].text in page
+
+
 def test_press_dialog_leads_to_the_fields_of_the_wall_and_takes_what_is_chosen_there(qtbot, window, ball):
     fields = window.panel.measures.wall_fields
     window.panel.measures.is_folded = True
