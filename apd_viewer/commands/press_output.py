@@ -70,7 +70,7 @@ def press_report(
         "mesh": mesh.name,
         "vertices": len(mesh.V),
         "faces": len(mesh.F),
-        **{name: settings[name] for name in ("method", "stiffness", "yield_radius", "gas")},
+        **{name: settings[name] for name in ("method", "stiffness", "yield_radius", "gas", "pressure")},
         "area_rest": rest.area,
         "volume_rest": rest.volume,
         "volume_capped_rest": rest.volume_capped,

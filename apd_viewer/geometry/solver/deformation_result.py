@@ -168,6 +168,7 @@ def deform(
     shifts: np.ndarray | None = None,
     yield_radius: float | None = None,
     gas: float | None = None,
+    pressure: float | None = None,
     convergence: Convergence = DEFAULT_CONVERGENCE,
     weld: bool = False,
     progress: Callable[[Frame], None] | bool | None = None,
@@ -179,8 +180,8 @@ def deform(
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness,
     wall_thickness, poisson, tension_field
         See :class:`Deformation`.
-    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, convergence,
-    weld
+    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, gas, pressure,
+    convergence, weld
         Also there.
     contact : bool, optional
         Whether to prevent self-intersections beyond those at rest; held vertices may be stopped by contact.
@@ -246,6 +247,7 @@ def deform(
         obstacles=obstacles,
         yield_radius=yield_radius,
         gas=gas,
+        pressure=pressure,
         convergence=convergence,
         plain=iterations is not None,
         rest=rest,

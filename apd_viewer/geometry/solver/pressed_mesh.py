@@ -100,6 +100,7 @@ def press(
     yield_radius: float | None = None,
     start: np.ndarray | None = None,
     gas: float | None = None,
+    pressure: float | None = None,
     release: bool = False,
     iterations: int = DEFAULT_ITERATIONS,
     convergence: Convergence = DEFAULT_CONVERGENCE,
@@ -108,7 +109,7 @@ def press(
 ) -> Pressed:
     """Press a mesh between two plates closing along ``axis``.
 
-    A mesh that is to hold ``filled_volume`` is filled before the plates touch it.
+    A mesh with a ``filled_volume`` or a ``pressure`` is filled before the plates touch it.
 
     Parameters
     ----------
@@ -121,7 +122,7 @@ def press(
     fixed : (k,) ints
         Vertices held at their positions; may be empty.
     method, stiffness, area_stiffness, shear_stiffness, wall_thickness, poisson, tension_field, area, volume,
-    filled_volume, thickness, convergence, weld
+    filled_volume, thickness, pressure, convergence, weld
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
     yield_radius : float, optional
         Walls bent from flat to a smaller radius, mesh units, keep a crease; by default they are elastic.
@@ -177,6 +178,7 @@ def press(
         thickness=thickness,
         yield_radius=yield_radius,
         gas=gas,
+        pressure=pressure,
         convergence=convergence,
     )
     return press_between(plates, release, progress)

@@ -72,6 +72,7 @@ OF_SETTINGS = {
     "contact": lambda said: said.with_settings(contact=True),
     "thickness": lambda said: said.with_settings(contact=True, thickness=0.125),
     "yield_radius": lambda said: said.with_settings(contact=True, stiffness=0.5, yield_radius=2.0),
+    "pressure": lambda said: said.with_settings(method="wall", pressure=0.5),
     "gas": lambda said: said.with_settings(contact=True, gas=0.5),
     "convergence": lambda said: said.with_settings(convergence=Convergence(100)),
 }

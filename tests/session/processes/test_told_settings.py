@@ -37,6 +37,7 @@ CHANGES = {
     "thickness": ({"contact": True}, 0.3),
     "yield_radius": ({"contact": True, "stiffness": 0.01}, 5.0),
     "gas": ({"contact": True}, 0.5),
+    "pressure": (FREE | WALL, 0.5),
     "convergence": (FREE, Convergence(3)),
 }
 
