@@ -259,7 +259,7 @@ KEYS = {
             newton_factor
     """,
     press_report: """
-        mesh vertices faces method stiffness yield_radius hardening gas area_rest volume_rest
+        mesh vertices faces method stiffness yield_radius hardening gas pressure area_rest volume_rest
             volume_capped_rest distance load_low load_high load_excess_percent stretching_percent energy
             volume volume_capped area_error crossings iterations settled stable opening
             load_low_newton load_high_newton newton_factor
@@ -318,7 +318,7 @@ KEYS = {
         target: name vertices faces digest path sample relative embedded
         document: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
             poisson tension_field area volume filled_volume tolerance hold_area calm contact thickness
-            yield_radius hardening gas convergence
+            yield_radius hardening gas pressure convergence
             obstacles staying measurements base poses mirror
         document.handles: name pose pivot locked hidden waypoints earlier line falloff
         document.regions: name area locked hidden
@@ -340,7 +340,7 @@ KEYS = {
         timeline: dropped shown documents wall_documents steps
         timeline.documents: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
             poisson tension_field area volume filled_volume tolerance hold_area calm contact thickness
-            yield_radius hardening gas convergence
+            yield_radius hardening gas pressure convergence
             obstacles staying base mirror labels grip
         timeline.documents.handles: name pose pivot locked hidden waypoints earlier line falloff
         timeline.documents.convergence: most_iterations energy_tolerance step_tolerance imperfection seed

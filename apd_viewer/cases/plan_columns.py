@@ -126,7 +126,7 @@ def _parser(setting: Setting) -> Callable[[str], CaseSetting]:
             return _percent
         case SettingKind.SWITCH:
             return _switch
-        case SettingKind.LENGTH | SettingKind.VOLUME | SettingKind.CONVERGENCE:
+        case _:  # lengths in a unit, and what is no column
             return str
 
 
@@ -155,7 +155,7 @@ SETTING_COLUMNS = {
     **{
         name: PlanColumn(_parser(setting), _with_default(name, setting))
         for name, setting in SETTINGS.items()
-        if setting.kind not in (SettingKind.CONVERGENCE, SettingKind.VOLUME)
+        if setting.kind not in (SettingKind.CONVERGENCE, SettingKind.VOLUME, SettingKind.PRESSURE)
     },
     "volume": PlanColumn(_volume, SETTINGS["volume"].help),
     "contact": PlanColumn(

@@ -62,6 +62,7 @@ def deform_parser() -> Parser:
     add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
     setting_options.add_setting_options(parser, _SETTINGS)
     setting_options.add_contact_option(parser)
+    add_option(parser, "--young E", tr("Young's modulus of the wall, such as 2.8GPa, for a pressure"))
     add_option(parser, "--iterations N", tr("run exactly N iterations; default: until converged"), type=int)
     about = tr(
         "connected parts without base or handle go along with the nearest surface, or stay; "
@@ -114,7 +115,7 @@ def _deform(options: argparse.Namespace) -> CommandOutput:
     check_shapes(mesh, output, selection.labels != BASE)
     regions = [_region(words, len(mesh.V)) for words in options.region]
     ways = [
-        constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles) or options.volume is not None)
+        constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles) or _is_filled(options))
         for poses in _handle_poses(options, mesh, selection)
     ]
     held = ways[-1]
@@ -164,9 +165,13 @@ def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection)
     return ways
 
 
+def _is_filled(options: argparse.Namespace) -> bool:
+    return options.volume is not None or options.pressure is not None
+
+
 def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
     """Painted selection from the options; optional only if obstacles push the mesh."""
-    moves = options.transform or options.motion or options.obstacles or options.volume is not None
+    moves = options.transform or options.motion or options.obstacles or _is_filled(options)
     if options.selection and moves:
         return read_selection_file(options.selection, mesh)
     if not options.obstacles:

@@ -69,7 +69,12 @@ from apd_viewer.session.quantities.newton_conversion import NewtonConversion, ne
 from apd_viewer.session.quantities.units import SYMBOLS, Unit
 from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall, press_method
 from apd_viewer.session.quantities.wall_distribution import thickness_text
-from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, parse_pressure, wall_material
+from apd_viewer.session.quantities.wall_material import (
+    WALL_MATERIALS,
+    parse_pressure,
+    parse_pressure_difference,
+    wall_material,
+)
 from apd_viewer.session.storage.session_file import open_session
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -77,7 +82,8 @@ _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
 _DRAWN = 0.03  # displacement of drawn buckling modes, in diagonals
 _PICTURED = 4  # most buckling modes in a figure
 _DENT_LENGTH = 0.5  # length over which dents are smooth, in roots of diagonal times thickness
-_SETTINGS = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "hardening", "area", "volume"
+_MODULI = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "hardening"
+_SETTINGS = *_MODULI, "area", "volume", "pressure"
 
 
 def press_parser() -> Parser:
@@ -192,7 +198,6 @@ def _press(options: argparse.Namespace) -> CommandOutput:
     if METHODS[method].is_wall:
         material = thin_wall_material(rest.diagonal, wall.thickness, wall.nu)
     newtons = newton_conversion(wall, material, rest)
-    gas = _parsed_gas_amount(options.gas, newtons, rest)
     keeps_apart = bool(options.thickness) and not METHODS[method].is_wall
     settings = {name: getattr(options, name) for name in _SETTINGS} | {
         **volume_arguments(options.volume, wall.unit.symbol),
@@ -202,7 +207,8 @@ def _press(options: argparse.Namespace) -> CommandOutput:
         # None for the method 'wall': contact would add its thickness to the gap between the plates.
         "thickness": float(wall.thickness) if wall.thickness and keeps_apart else None,
         "yield_radius": wall.yield_radius,
-        "gas": gas,
+        "gas": _gas_amount(options.gas, newtons, rest),
+        "pressure": _pressure(options.pressure, newtons),
         "convergence": Convergence(**given_criteria(options)),
     }
     to = parse_distance(options.to)
@@ -362,18 +368,29 @@ def _method(options: argparse.Namespace, wall: Wall) -> str:
     return press_method(wall, options.stiffness, DEFAULT_METHOD)
 
 
-def _parsed_gas_amount(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> float | None:
+def _gas_amount(text: str | None, newtons: NewtonConversion | None, rest: RestMesh) -> float | None:
     """Gas amount (pressure times volume) from its text; raises InputError."""
     if text is None:
         return None
     pascals = parse_pressure(text)
     if pascals is None:
         return parse_number(text, {})
+    return _known(newtons).gas_amount(pascals, rest)
+
+
+def _pressure(text: str | None, newtons: NewtonConversion | None) -> float | None:
+    """Pressure of the model from its text; raises InputError."""
+    if text is None:
+        return None
+    return parse_pressure_difference(text) / _known(newtons).pascals_per_pressure
+
+
+def _known(newtons: NewtonConversion | None) -> NewtonConversion:
     if newtons is None:
         raise InputError(
             tr("A pressure with a unit needs newtons; add --material, or --thickness and --young.")
         )
-    return newtons.gas_amount(pascals, rest)
+    return newtons
 
 
 def _press_input(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:

@@ -162,7 +162,7 @@ def _setting_rows(
             yield setting.title, tr("free") if value is None else f"{format_exact(value)} %", ""
         case SettingKind.SWITCH:
             yield setting.title, tr("yes") if value else tr("no"), ""
-        case SettingKind.AMOUNT:
+        case SettingKind.AMOUNT | SettingKind.PRESSURE:
             if value is not None:
                 yield setting.title, format_exact(value), ""
         case SettingKind.VOLUME:

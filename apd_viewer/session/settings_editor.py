@@ -12,6 +12,8 @@ from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document_parts import have_same_paint
 from apd_viewer.session.posing.obstacle_placement import obstacles_outside_shape
 
+_OF_VOLUME = "volume", "filled_volume", "pressure"
+
 
 class SettingsEditor(DocumentEditor):
     """Editor of the settings of the document."""
@@ -19,11 +21,15 @@ class SettingsEditor(DocumentEditor):
     def change(self, **settings: Any) -> None:
         """Change settings by name as one gesture; refuse a target for a missing volume."""
         why = self._store.required_state().inspection.missing_volume_phrase
-        wanted = [name for name in ("volume", "filled_volume") if settings.get(name) is not None]
-        if wanted:  # a volume is given in percent or in cubic mesh units
-            settings = {"volume": None, "filled_volume": None} | settings
+        wanted = [name for name in _OF_VOLUME if settings.get(name) is not None]
+        if settings.get("gas") is not None:  # it has a pressure of its own
+            settings["pressure"] = None
+        if settings.get("pressure") is not None:
+            settings["gas"] = None
+        if wanted:  # a volume is given in percent, in cubic mesh units or by a pressure
+            settings = dict.fromkeys(_OF_VOLUME) | settings
             settings = {wanted[0]: settings.pop(wanted[0]), **settings}
-        if wanted and why:
+        if {*wanted} & {"volume", "filled_volume"} and why:
             self._listener.failed(
                 tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
             )

@@ -61,6 +61,7 @@ SOUND = {
     **dict.fromkeys(("tolerance", "radius", "size"), LENGTHS - {"None"}),
     **dict.fromkeys(("thickness", "gas", "filled_volume"), LENGTHS),
     "yield_radius": NONE,  # needs a stiffness
+    "pressure": NONE,  # needs the method Wall
     "volume_readings up": NONE,
     "vessel volume level": NUMBERS | {"-1", "1e308", "-1e308", "inf", "huge"},
     "vessel level volume": {"0", "3", "np.int8", "np.float32"},

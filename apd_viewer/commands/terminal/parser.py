@@ -1,6 +1,7 @@
 """Command-line parser in the user's language."""
 
 import argparse
+import re
 import sys
 from collections.abc import Iterable
 from typing import Any
@@ -54,6 +55,7 @@ class _Formatter(argparse.HelpFormatter):
 
 
 _JSON, _JSON_FILE = "--json", ".json"
+_NEGATIVE = re.compile(r"-[\d.]+[a-zA-Z%]+")  # -50mbar, which argparse takes for an option
 
 
 class Parser(argparse.ArgumentParser):
@@ -82,9 +84,9 @@ class Parser(argparse.ArgumentParser):
             self.add_argument(_JSON, metavar="FILE.json", nargs="?", help=about)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse words; the one after ``--json`` is its file only if it ends like one."""
+        """Parse words; that after ``--json`` is its file only if it ends like one."""
         words = sys.argv[1:] if args is None else args
-        return super().parse_known_args(_with_json_joined(words), namespace)
+        return super().parse_known_args(_with_values_joined(words), namespace)
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Print the error in one line, without argparse's usage."""
@@ -92,12 +94,14 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{said}\n")
 
 
-def _with_json_joined(words: Iterable[str]) -> list[str]:
-    """Words with the file, or the standard output, as part of the option ``--json``."""
+def _with_values_joined(words: Iterable[str]) -> list[str]:
+    """Words with the value of ``--json``, and negative quantities, as part of their option."""
     joined = list[str]()
     for word in words:
         if joined and joined[-1] == _JSON and word.lower().endswith(_JSON_FILE):
             joined[-1] = f"{_JSON}={word}"
+        elif joined and re.fullmatch(r"--[a-z-]+", joined[-1]) and _NEGATIVE.fullmatch(word):
+            joined[-1] = f"{joined[-1]}={word}"
         else:
             joined.append(word)
     return [f"{_JSON}={STANDARD_OUTPUT}" if word == _JSON else word for word in joined]

@@ -7,14 +7,22 @@ from typing import Any
 
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import CRITERIA, DEFAULT_CONVERGENCE, Convergence
-from apd_viewer.geometry.solver.methods import METHODS, MOST_VERTICES_IN_CONTACT, contact_by_default
+from apd_viewer.geometry.solver.methods import (
+    METHODS,
+    MOST_VERTICES_IN_CONTACT,
+    contact_by_default,
+    wall_material,
+)
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.volume_target import parse_volume_target
 from apd_viewer.session.quantities.wall_distribution import DISTRIBUTION_SUFFIXES, read_distribution
+from apd_viewer.session.quantities.wall_material import parse_pressure_difference, parse_young_modulus
 
 
 def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[str] = METHODS) -> None:
@@ -36,6 +44,8 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
                 more |= {"metavar": "LENGTH", "type": number, "help": words}
             case SettingKind.AMOUNT:
                 more |= {"metavar": "A", "type": float, "help": words}
+            case SettingKind.PRESSURE:
+                more |= {"metavar": "PRESSURE", "help": words}
             case SettingKind.SWITCH:
                 more |= {"action": argparse.BooleanOptionalAction, "help": words}
             case SettingKind.CONVERGENCE:
@@ -107,7 +117,13 @@ def setting_arguments(options: argparse.Namespace, mesh: Mesh) -> dict[str, Any]
     """Arguments of :func:`deform` from the options, for a mesh."""
     given = {name: getattr(options, name) for name in SETTINGS if hasattr(options, name)}
     given |= volume_arguments(options.volume, mesh.unit)
+    unit = Unit(mesh.unit)
     if isinstance(given.get("wall_thickness"), str):
-        unit = Unit(mesh.unit)
         given["wall_thickness"] = read_distribution(Path(given["wall_thickness"]), mesh, unit).in_unit(unit)
+    if options.pressure is not None:
+        if options.young is None:
+            raise InputError(tr("A pressure needs Young's modulus of the wall; add --young, such as 2.8GPa."))
+        wall = wall_material(diagonal(mesh.V), given["wall_thickness"], options.poisson)
+        pascals, young = parse_pressure_difference(options.pressure), parse_young_modulus(options.young)
+        given["pressure"] = wall.tensile_stiffness * pascals / (young * wall.thickness)
     return {**given, "convergence": Convergence(**given_criteria(options))}

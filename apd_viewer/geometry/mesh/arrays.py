@@ -250,6 +250,7 @@ _KINDS = {
             tr("{name} must be a number greater than 0 and at most 1e38."),
         ),
     ),
+    "pressure": _number_kind(-_LARGEST, _LARGEST),
     "container": _number_kind(0.0, _LARGEST),
     "factored": _CALL,
     "progress": _CALL,

@@ -19,7 +19,7 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.mesh_contact import mesh_contact
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
-from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.enclosed_gas import EnclosedVolume
 from apd_viewer.geometry.energy.held_surface import HeldSurface
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.wall_surface import WallSurface
@@ -45,6 +45,8 @@ _PART, _STEPS = 0.05, 10
 # Stiffness of the gaps of a thin wall, by its thickness in mesh sizes: stiffer gaps would hardly close under
 # small bending forces, softer ones would vanish under denting forces.
 _SOFTNESS = 10.0
+# Area relative to that at rest, above which a pressure is too high: materials yield or tear before.
+_MOST_AREA = 2.0
 # Number of blocked substeps taken as a sign of contact: the first shapes after a motion may be rough.
 _PATIENCE = 60
 
@@ -71,16 +73,42 @@ def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
         raise InputError(tr("Obstacles need contact; switch it on, or remove the obstacles."))
 
 
-def needs_contact(contact: bool, gas: float | None, yield_radius: float | None) -> bool:
-    """True if gas or creases need contact; raises InputError if it is off then."""
+def needs_contact(
+    method: Method,
+    contact: bool,
+    yield_radius: float | None,
+    gas: float | None,
+    pressure: float | None,
+    *volumes: float | str | None,
+) -> bool:
+    """True if gas or creases need contact.
+
+    Raises
+    ------
+    InputError
+        If contact is off then, or a pressure meets another method, gas or a target among the ``volumes``. A
+        vacuum needs contact, too: a surface that passes through itself would turn inside out.
+    """
     needed = gas is not None or yield_radius is not None
     if needed and not contact:
         raise InputError(tr("Creases and gas need contact; switch it on, or omit them."))
+    if pressure is None:
+        return needed
+    if not method.is_wall:
+        raise InputError(tr("Only the method Wall has a pressure; choose it, or omit the pressure."))
+    if any(other is not None for other in (gas, *volumes)):
+        raise InputError(
+            tr("A pressure, enclosed gas and a kept volume exclude each other; give one of them.")
+        )
+    if pressure < 0.0 and not contact:
+        raise InputError(tr("Reduced pressure needs contact; switch it on, or omit the pressure."))
     return needed
 
 
 def stop_sentence(fraction: float, contact: ContactDescent | None = None) -> str:
-    """Sentence about the handle or obstacle that contact stops on its path."""
+    """Sentence about what is stopped: the wall by itself, or a handle or obstacle."""
+    if contact is not None and contact.is_overstretched:
+        return tr("The pressure stretches the wall to twice its area and more; enter less.")
     moves = (contact.path.moves_held, contact.path.moves_obstacles) if contact else (True, False)
     said = {
         (True, True): tr("Contact stops handle and obstacle at {percent:.0f} % of the path."),
@@ -105,7 +133,7 @@ def contact_descent(
     thickness: float | None = None,
     loose: LooseComponents | None = None,
     obstacles: Sequence[Obstacle] = (),
-    gas: EnclosedGas | None = None,
+    gas: EnclosedVolume | None = None,
     touches: bool = True,
 ) -> ContactDescent:
     """Solver keeping all shapes free of collisions with themselves and obstacles.
@@ -126,7 +154,7 @@ def contact_descent(
         Loose parts carried along by the surface; without, they are left out.
     obstacles : sequence of Obstacle
         The surface enters among them with its first step.
-    gas : EnclosedGas, optional
+    gas : EnclosedVolume, optional
     touches : bool
         Without, the surface passes through itself; only a wall can.
     """
@@ -159,7 +187,7 @@ class ContactDescent:
     handle_of : (k + s,) int array
         Held and soft vertices of one number move as one.
     obstacles : sequence of Obstacle
-    gas : EnclosedGas, optional
+    gas : EnclosedVolume, optional
 
     Attributes
     ----------
@@ -186,7 +214,7 @@ class ContactDescent:
         contact: Contact,
         handle_of: np.ndarray,
         obstacles: Sequence[Obstacle] = (),
-        gas: EnclosedGas | None = None,
+        gas: EnclosedVolume | None = None,
     ) -> None:
         self._inner = None if isinstance(inner, WallSurface) else inner
         self.surface: HeldSurface = inner if isinstance(inner, WallSurface) else inner.surface
@@ -212,6 +240,8 @@ class ContactDescent:
         assert running is not None
         progress = running.progress
         progress = progress._replace(U=self._U, held_positions=self.held_positions)
+        if self.is_overstretched:
+            return progress._replace(stuck=True)
         if self.is_on_its_way:
             return progress._replace(
                 is_iterate_hidden=True, converged=False, convergence_ratio=None, seconds_left=None
@@ -254,13 +284,21 @@ class ContactDescent:
 
     @property
     def is_stopped(self) -> bool:
-        """True if contact keeps the held vertices from moving any further."""
-        return self._touching is not None and self._touching.is_stopped
+        """True if contact keeps the held vertices from moving, or a pressure is too high."""
+        return self.is_overstretched or (self._touching is not None and self._touching.is_stopped)
 
     @property
     def is_on_its_way(self) -> bool:
         """True if held vertices or obstacles are still moving along their path."""
         return self.path_fraction < 1.0 and not self.is_stopped
+
+    @property
+    def is_overstretched(self) -> bool:
+        """True if a pressure stretches the surface more than any wall."""
+        if self.gas is None or not self.gas.metric_pressure:
+            return False
+        patch = self.surface.rest.all_triangles
+        return patch.area(self._U) > _MOST_AREA * patch.area(self.surface.rest.V)
 
     @property
     def equilibrium(self) -> Equilibrium | None:

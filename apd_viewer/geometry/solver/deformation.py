@@ -11,7 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle, shifted_obstacles
 from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
-from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.enclosed_gas import enclosed_volume
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.wall_map import wall_map_of
 from apd_viewer.geometry.energy.wall_surface import WallSurface, joints_sentence
@@ -94,8 +94,7 @@ class Deformation:
         Whether the wall wrinkles finer than its mesh, resisting no compression, as film and cloth do.
     area, volume : float or str, optional
         Targets of the total area and the enclosed volume, in percent of the rest values; below 10 as a string
-        with a percent sign, such as ``"5%"``, since 1.1 could be meant as 110 percent. By default "exact" and
-        "paper" preserve the area; all else is free. "paper" cannot preserve a volume.
+        such as ``"5%"``. By default "exact" and "paper" keep the area; all else is free.
     filled_volume : float, optional
         Target of the volume in cubic mesh units instead, also of a closed surface that is flat at rest.
     regions : sequence of Region, optional
@@ -116,8 +115,7 @@ class Deformation:
     calm : bool
         Whether "exact" also preserves the area of calm parts, hardly reached by the gesture.
     contact : bool
-        Whether to prevent self-intersections beyond those at rest; held vertices move to their targets over
-        several iterations, and may be stopped by contact.
+        Whether to prevent self-intersections beyond those at rest; they may stop held vertices on their way.
     thickness : float, optional
         Distance kept by walls in contact, mesh units; 1/1000 of the bounding box's diagonal by default.
     obstacles : sequence of Obstacle
@@ -126,9 +124,10 @@ class Deformation:
     yield_radius : float, optional
         Walls bent from flat to a smaller radius, mesh units, keep a crease; by default they are elastic.
         Needs contact, and stiffness or the method "wall". Creases become permanent once a shape has settled.
-    gas : float, optional
-        Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at constant
-        temperature, at the outside pressure at rest. Openings are capped. By default none. Needs contact.
+    gas, pressure : float, optional
+        Pressure of gas times volume at rest, in areas of the surface: ideal, at one temperature, as outside
+        at rest; needs contact. Or, for "wall", a constant difference of pressure, inside less outside, 1 /
+        mesh unit, where Young's modulus times thickness is 4. Openings are capped.
     weld : bool
         Whether to weld seams with nearly touching sides; see :meth:`apd_viewer.Mesh.welded`.
 
@@ -184,6 +183,7 @@ class Deformation:
         yield_radius: float | None = None,
         hardening: float = 0.0,
         gas: float | None = None,
+        pressure: float | None = None,
         weld: bool = False,
     ) -> None:
         self.rest = rest = checked_rest_mesh(rest, V, F, weld)
@@ -191,8 +191,8 @@ class Deformation:
         self._held = HeldVertices(fixed, handle, rest)
         held, handle_of = self._held.ids, self._held.handle_of
         check_obstacles(obstacles, contact)
-        in_contact = needs_contact(contact, gas, yield_radius)
         self._traits = checked_method(method, handle_of, len(obstacles) > 0)
+        in_contact = needs_contact(self._traits, contact, yield_radius, gas, pressure, volume, filled_volume)
         self.loose = LooseComponents(rest, held, handle_of, loose, contact)
         self._soft, self._drawn = soft_solve_constraints(soft, rest, held)
         material = method_material(self._traits, stiffness, area_stiffness, shear_stiffness, yield_radius)
@@ -206,7 +206,7 @@ class Deformation:
             started = time.perf_counter()
             of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
             touching = rest, of, thickness, self.loose, shifted_obstacles(obstacles, -rest.centre)
-            enclosed = None if gas is None else EnclosedGas(rest, gas)
+            inside = enclosed_volume(rest, gas, pressure)
             inner: IterativeSolver | WallSurface
             if self._traits.is_wall:
                 check_wall_size(len(rest.solve_mesh.V))
@@ -217,7 +217,7 @@ class Deformation:
             self.contact: ContactDescent | None = None
             if contact or self._traits.is_wall:
                 check_contact(self._traits, plain)
-                self.contact = contact_descent(inner, goals, *touching, enclosed, contact)
+                self.contact = contact_descent(inner, goals, *touching, inside, contact)
             self.solver = cast(IterativeSolver, self.contact or inner)
         self._stability, self._convergence = Stability(self.solver, rest.diagonal), DEFAULT_CONVERGENCE
         self.convergence = convergence
@@ -419,7 +419,7 @@ class Deformation:
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
             handle_drift=self._held.drift(progress.held_positions),
-            converged=settled and progress.has_met_goals and self.share_reached == 1.0,
+            converged=settled and progress.has_met_goals and not progress.stuck and self.share_reached == 1.0,
             settled=settled,
             regions=regions,
             unreached=self._unreached_sentence(progress),

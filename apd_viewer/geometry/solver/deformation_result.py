@@ -169,6 +169,7 @@ def deform(
     yield_radius: float | None = None,
     hardening: float = 0.0,
     gas: float | None = None,
+    pressure: float | None = None,
     convergence: Convergence = DEFAULT_CONVERGENCE,
     weld: bool = False,
     progress: Callable[[Frame], None] | bool | None = None,
@@ -180,7 +181,7 @@ def deform(
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness,
     wall_thickness, poisson, tension_field
         See :class:`Deformation`.
-    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, hardening, gas,
+    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, hardening, gas, pressure,
     convergence, weld
         Also there.
     contact : bool, optional
@@ -248,6 +249,7 @@ def deform(
         yield_radius=yield_radius,
         hardening=hardening,
         gas=gas,
+        pressure=pressure,
         convergence=convergence,
         plain=iterations is not None,
         rest=rest,

@@ -372,7 +372,9 @@ def _fraction(text: str) -> float:
 
 
 def _is_to_be_filled(rest: RestMesh, settings: Mapping[str, Any]) -> bool:
-    """True if a larger volume in cubic mesh units is asked for than at rest."""
+    """True if a pressure is asked for, or a larger volume in cubic mesh units than at rest."""
+    if settings.get("pressure") is not None:
+        return True
     asked = settings.get("filled_volume")
     return asked is not None and as_float(asked) > (1.0 + GOAL_TOLERANCE) * (rest.volume_capped or 0.0)
 

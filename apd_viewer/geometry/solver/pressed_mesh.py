@@ -128,6 +128,7 @@ def press(
     hardening: float = 0.0,
     start: np.ndarray | None = None,
     gas: float | None = None,
+    pressure: float | None = None,
     release: bool = False,
     iterations: int = DEFAULT_ITERATIONS,
     convergence: Convergence = DEFAULT_CONVERGENCE,
@@ -136,7 +137,7 @@ def press(
 ) -> Pressed:
     """Press a mesh between two plates closing along ``axis``.
 
-    A mesh that is to hold ``filled_volume`` is filled before the plates touch it.
+    A mesh with a ``filled_volume`` or a ``pressure`` is filled before the plates touch it.
 
     Parameters
     ----------
@@ -149,7 +150,7 @@ def press(
     fixed : (k,) ints
         Vertices held at their positions; may be empty.
     method, stiffness, area_stiffness, shear_stiffness, wall_thickness, poisson, tension_field, area, volume,
-    filled_volume, thickness, hardening, convergence, weld
+    filled_volume, thickness, hardening, pressure, convergence, weld
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
     yield_radius : float, optional
         Walls bent from flat to a smaller radius, mesh units, keep a crease; by default they are elastic.
@@ -206,6 +207,7 @@ def press(
         yield_radius=yield_radius,
         hardening=hardening,
         gas=gas,
+        pressure=pressure,
         convergence=convergence,
     )
     return press_between(plates, release, progress)

@@ -31,6 +31,7 @@ from apd_viewer.language import alternatives, tr
 
 _LARGEST_STIFFNESS = 1e6
 _LARGEST_VOLUME = 1e12  # cubic mesh units
+_LARGEST_PRESSURE = 1e12  # 1 / mesh unit, where Young's modulus times thickness is 4
 
 
 class SettingKind(Enum):
@@ -44,6 +45,7 @@ class SettingKind(Enum):
     LENGTH = auto()
     VOLUME = auto()
     AMOUNT = auto()
+    PRESSURE = auto()
     CONVERGENCE = auto()
 
 
@@ -126,6 +128,9 @@ class Settings:
         Of creases of a thin wall: its stiffness where it yields over the elastic one.
     gas : float or None
         Pressure times volume of the gas enclosed in contact, in areas of the surface; None for none.
+    pressure : float or None
+        Constant pressure inside less outside for a thin elastic wall, 1 / mesh unit, where Young's modulus
+        times thickness is 4; None for none.
     convergence : Convergence
         Criteria that end the iterations.
     """
@@ -278,6 +283,19 @@ class Settings:
         tr("Change enclosed gas"),
         applies=attrgetter("uses_contact"),
     )
+    pressure: float | None = _setting(
+        None,
+        SettingKind.PRESSURE,
+        tr("Pressure"),
+        tr(
+            "constant pressure inside less outside for 'wall', such as 30mbar, or -50mbar with contact; "
+            "default: none"
+        ),
+        tr("Change pressure"),
+        applies=attrgetter("traits.is_wall"),
+        least=-_LARGEST_PRESSURE,
+        most=_LARGEST_PRESSURE,
+    )
     convergence: Convergence = _setting(  # noqa: RUF009 (a field)
         DEFAULT_CONVERGENCE,
         SettingKind.CONVERGENCE,
@@ -306,6 +324,11 @@ class Settings:
     def uses_contact(self) -> bool:
         """True if contact is on and the method supports it."""
         return self.contact and self.traits.may_use_contact
+
+    @property
+    def is_filled(self) -> bool:
+        """True if the volume is one in cubic mesh units, or that of a pressure."""
+        return self.filled_volume is not None or self.pressure is not None
 
     @property
     def effective_settings(self) -> Settings:

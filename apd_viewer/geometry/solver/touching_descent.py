@@ -160,7 +160,7 @@ class TouchingDescent:
     def convergence_ratio(self) -> float | None:
         """Energy gain of the last steps in multiples of the tolerance; None at first."""
         E = self._energies
-        return float(E[0] - E[-1]) / (self.tolerance * float(E[-1])) if len(E) > _WINDOW else None
+        return float(E[0] - E[-1]) / (self.tolerance * abs(float(E[-1]))) if len(E) > _WINDOW else None
 
     def follow_path(self, path: HeldPath, fraction: float) -> None:
         """Follow ``path`` from ``fraction``, the part that held vertices have completed."""
@@ -220,7 +220,7 @@ class TouchingDescent:
     def _has_followed(self) -> bool:
         """True if the shape has roughly adapted to the held vertices."""
         E, (least, most, follows) = self._energies, self._following
-        slow = len(E) > 1 and E[-2] - E[-1] <= follows * E[-1]
+        slow = len(E) > 1 and E[-2] - E[-1] <= follows * abs(E[-1])
         return self._steps >= most or (self._steps >= least and slow)
 
     def _approach_goals(self) -> bool:

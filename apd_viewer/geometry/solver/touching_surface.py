@@ -16,7 +16,7 @@ import scipy.sparse as sp
 
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
-from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.enclosed_gas import EnclosedVolume
 from apd_viewer.geometry.energy.held_surface import HeldSurface
 from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjection
 from apd_viewer.geometry.goals.goals import Goal
@@ -37,7 +37,7 @@ class TouchingSurface(ABC):
     ----------
     elastic_surface : HeldSurface
     contact : Contact
-    gas : EnclosedGas, optional
+    gas : EnclosedVolume, optional
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class TouchingSurface(ABC):
     most_imbalance = 2e-3
 
     def __init__(
-        self, elastic_surface: HeldSurface, contact: Contact, gas: EnclosedGas | None = None
+        self, elastic_surface: HeldSurface, contact: Contact, gas: EnclosedVolume | None = None
     ) -> None:
         self.elastic_surface, self.contact, self.gas = elastic_surface, contact, gas
         self.rest, self.free = elastic_surface.rest, elastic_surface.free
@@ -178,13 +178,13 @@ class TouchingElasticSurface(TouchingSurface):
     ----------
     elastic_surface : ElasticSurface
     contact : Contact
-    gas : EnclosedGas, optional
+    gas : EnclosedVolume, optional
     """
 
     elastic_surface: ElasticSurface
 
     def __init__(
-        self, elastic_surface: ElasticSurface, contact: Contact, gas: EnclosedGas | None = None
+        self, elastic_surface: ElasticSurface, contact: Contact, gas: EnclosedVolume | None = None
     ) -> None:
         super().__init__(elastic_surface, contact, gas)
         self._metric: Factor = elastic_surface.factor

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.contact.contact import Contact, DirectedSprings
-from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.enclosed_gas import EnclosedVolume
 from apd_viewer.geometry.energy.wall_surface import WallSurface
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg.block_cholesky import BlockFactor, BlockPattern
@@ -43,7 +43,7 @@ class TouchingWall(TouchingSurface):
     ----------
     elastic_surface : WallSurface
     contact : Contact
-    gas : EnclosedGas, optional
+    gas : EnclosedVolume, optional
     """
 
     elastic_surface: WallSurface
@@ -53,7 +53,7 @@ class TouchingWall(TouchingSurface):
     most_imbalance = 1e-4
 
     def __init__(
-        self, elastic_surface: WallSurface, contact: Contact, gas: EnclosedGas | None = None
+        self, elastic_surface: WallSurface, contact: Contact, gas: EnclosedVolume | None = None
     ) -> None:
         super().__init__(elastic_surface, contact, gas)
         self._pattern: BlockPattern | None = None
@@ -102,12 +102,12 @@ class TouchingWall(TouchingSurface):
 
     def has_wide_gaps(self, W: np.ndarray) -> bool:
         """True if the gaps at ``W`` (n, 3) are wide enough to continue from there."""
-        allowed = max(_MOST_RISE * self.energy, _LEAST_RISE * self.elastic_surface.plate_rigidity)
+        allowed = max(_MOST_RISE * abs(self.energy), _LEAST_RISE * self.elastic_surface.plate_rigidity)
         return self.contact.energy_at(W) <= allowed
 
     def request_new_metric(self) -> bool:
         """Request a new Hessian for the next step; False if none could reduce the energy."""
-        was_new = self._age == 0 or self.energy <= _NO_ENERGY * self._size**2
+        was_new = self._age == 0 or abs(self.energy) <= _NO_ENERGY * self._size**2
         if was_new:
             return False
         self._age = _RENEWED
@@ -118,7 +118,8 @@ class TouchingWall(TouchingSurface):
         self._age += 1
         if self._age <= _RENEWED:
             return False
-        self._tensions, self._pressure = np.zeros(len(self.elastic_surface.rest.F)), 0.0
+        self._tensions = np.zeros(len(self.elastic_surface.rest.F))
+        self._pressure = self.gas.metric_pressure if self.gas else 0.0
         for goal, multiplier in zip(goals, -4.0 * multipliers, strict=True):
             if goal.is_volume:
                 self._pressure += multiplier

@@ -187,7 +187,7 @@ class Document:
         """Document with all handles reset and all target percentages at 100."""
         regions = tuple(part if part.area is None else replace(part, area=100.0) for part in self.regions)
         volume = None if self.settings.volume is None else 100.0
-        settings = replace(self.settings, area=100.0, volume=volume, filled_volume=None)
+        settings = replace(self.settings, area=100.0, volume=volume, filled_volume=None, pressure=None)
         handles = tuple(
             replace(handle.relative_to_rest.with_pose(IDENTITY), former_twist_axis=None)
             for handle in self.handles

@@ -51,7 +51,7 @@ class ObstaclePair(NamedTuple):
 
         A bag that is filled may be flat at rest: of it, the initial distance of the plates.
         """
-        if document.settings.filled_volume is not None:
+        if document.settings.is_filled:
             return self.first_distance(document)
         return _extent(document.mesh.V, document.mesh.F, *self.axis.tolist())
 

@@ -57,7 +57,7 @@ class State:
     def is_at_rest(self) -> bool:
         """True for the rest shape, with nothing moved and all percentages 100 or unset."""
         document = self.document
-        asks = document.settings.filled_volume is not None
+        asks = document.settings.is_filled
         asks |= any(percent not in (None, 100.0) for percent in document.target_percentages)
         moved = document.is_posed or any(each.shift.any() for each in document.obstacles)
         return self.frame.U is document.mesh.V and not moved and not asks

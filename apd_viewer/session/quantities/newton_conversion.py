@@ -85,7 +85,12 @@ class NewtonConversion:
     def gas_amount(self, pascals: float, rest: RestMesh) -> float:
         """Pressure times volume of a gas at rest over the surface area, model units."""
         volume = (rest.volume if rest.caps is None else rest.volume_capped) or 0.0
-        return pascals * self.metres_per_unit**2 / self.newtons_per_load * abs(volume) / rest.area
+        return pascals / self.pascals_per_pressure * abs(volume) / rest.area
+
+    @property
+    def pascals_per_pressure(self) -> float:
+        """Pascals of a pressure of 1 in the model."""
+        return self.newtons_per_load / self.metres_per_unit**2
 
 
 def newton_conversion(wall: Wall, material: Material, rest: RestMesh) -> NewtonConversion | None:

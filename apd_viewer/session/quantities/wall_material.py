@@ -143,13 +143,32 @@ def parse_poisson_ratio(text: str) -> float:
 
 
 def parse_pressure(text: str) -> float | None:
-    """Pressure in Pa from a text, None for a bare number; raises InputError."""
-    unknown = tr("“{unit}” is not a unit of pressure; use kPa, bar, atm or psi.")
-    amount, factor = _amount_and_factor(text, _AMOUNT_AND_WORD, _PRESSURES, unknown)
-    value = parse_number(amount, {})
+    """Pressure of gas in Pa from a text, None for a bare number; raises InputError."""
+    value, factor = _pressure_and_factor(text)
     if not value > 0.0:
         raise InputError(tr("The pressure of the gas must be greater than 0."))
     return None if factor is None else factor * value
+
+
+def parse_pressure_difference(text: str) -> float:
+    """Pressure in Pa from a text such as ``-50mbar``; raises InputError."""
+    value, factor = _pressure_and_factor(text)
+    if factor is None:
+        raise InputError(tr("A pressure needs a unit; enter one such as 30mbar or -0.2bar."))
+    return factor * value
+
+
+def has_pressure_unit(text: str) -> bool:
+    """True if a text ends with a unit of pressure."""
+    parted = _AMOUNT_AND_WORD.fullmatch(text.strip())
+    return parted is not None and parted[2].lower() in _PRESSURES
+
+
+def _pressure_and_factor(text: str) -> tuple[float, float | None]:
+    """Number, and the factor of its unit; None for a bare number."""
+    unknown = tr("“{unit}” is not a unit of pressure; use kPa, bar, atm or psi.")
+    amount, factor = _amount_and_factor(text, _AMOUNT_AND_WORD, _PRESSURES, unknown)
+    return parse_number(amount, {}), factor
 
 
 def _amount_and_factor(

@@ -298,9 +298,7 @@ def _to_json(kind: SettingKind, value: Any) -> Any:
             return bool(value)
         case SettingKind.CONVERGENCE:
             return value._asdict()
-        case SettingKind.NUMBER | SettingKind.TOLERANCE:
-            return part_json.number_to_json(value)
-        case SettingKind.PERCENTAGE | SettingKind.LENGTH | SettingKind.AMOUNT | SettingKind.VOLUME:
+        case _:
             return part_json.number_to_json(value)
 
 
@@ -314,6 +312,8 @@ def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
             return _convergence_from_json(fields.nested_fields(name))
         case SettingKind.NUMBER:
             return fields.number(name, 0.0, part_json.LARGEST_NUMBER)
+        case SettingKind.PRESSURE:
+            return fields.number(name, -part_json.LARGEST_NUMBER, part_json.LARGEST_NUMBER)
         case _:
             return fields.number(name, part_json.LEAST_POSITIVE, part_json.LARGEST_NUMBER)
 

@@ -6,7 +6,7 @@ from meshes import box, sphere, tube
 
 from apd_viewer import press
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
+from apd_viewer.geometry.energy.enclosed_gas import ConstantPressure, EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver.plate_press import PlatePress
 
@@ -91,3 +91,22 @@ def test_enclosed_gas_refuses_what_encloses_nothing():
     V, F = box(1, 1, 1)
     with pytest.raises(InputError, match="encloses no gas"):
         EnclosedGas(RestMesh(V, F[:2]), 1.0)
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_constant_pressure_has_the_work_of_the_volume_as_its_energy(mesh):
+    """Outwards, whichever way the triangles face."""
+    V, F = MESHES[mesh]
+    rest, rng = RestMesh(V, F), np.random.default_rng(0)
+    inside, volume = ConstantPressure(rest, 0.7), abs(rest.volume or rest.volume_capped)
+    U, way = V + 0.05 * rng.normal(size=V.shape) + 10.0, rng.normal(size=V.shape)
+    h = 1e-6
+    slope = (inside.energy(U + h * way) - inside.energy(U - h * way)) / (2.0 * h)
+    assert (inside.gradient(U) * way).sum() == pytest.approx(slope, rel=1e-6)
+    assert inside.energy(1.1 * V) == pytest.approx(-0.7 * (1.1**3 - 1.0) * volume)
+
+
+def test_constant_pressure_refuses_what_encloses_nothing():
+    V, F = box(1, 1, 1)
+    with pytest.raises(InputError, match="encloses nothing"):
+        ConstantPressure(RestMesh(V, F[:2]), 1.0)

@@ -75,6 +75,7 @@ OF_SETTINGS = {
     "hardening": lambda said: said.with_settings(
         method="wall", contact=True, yield_radius=2.0, hardening=0.1
     ),
+    "pressure": lambda said: said.with_settings(method="wall", pressure=0.5),
     "gas": lambda said: said.with_settings(contact=True, gas=0.5),
     "convergence": lambda said: said.with_settings(convergence=Convergence(100)),
 }

@@ -38,6 +38,7 @@ CHANGES = {
     "yield_radius": ({"contact": True, "stiffness": 0.01}, 5.0),
     "hardening": (WALL | {"contact": True, "wall_thickness": 0.2, "yield_radius": 30.0}, 0.5),
     "gas": ({"contact": True}, 0.5),
+    "pressure": (FREE | WALL, 0.5),
     "convergence": (FREE, Convergence(3)),
 }
 

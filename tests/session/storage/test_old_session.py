@@ -109,6 +109,7 @@ def test_save_session_saves_an_old_session_with_the_same_content(tmp_path):
         "thickness",
         "yield_radius",
         "gas",
+        "pressure",
         "tension_field",
         "filled_volume",
         "hardening",
