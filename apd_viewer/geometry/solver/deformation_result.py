@@ -181,8 +181,8 @@ def deform(
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness,
     wall_thickness, poisson, tension_field
         See :class:`Deformation`.
-    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, hardening, gas, pressure,
-    convergence, weld
+    area, volume, filled_volume, regions, loose, calm, thickness, obstacles, yield_radius, hardening, gas,
+    pressure, convergence, weld
         Also there.
     contact : bool, optional
         Whether to prevent self-intersections beyond those at rest; held vertices may be stopped by contact.
