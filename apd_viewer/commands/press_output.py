@@ -122,7 +122,7 @@ def _newton_fields(found: Pressed, newtons: NewtonConversion) -> dict[str, objec
     return {"newtons_per_load": newtons.newtons_per_load, "stiffness_of_wall": newtons.stiffness, **scaled}
 
 
-class StillWeight(NamedTuple):
+class PressWeight(NamedTuple):
     """Weight on the upper plate.
 
     Attributes
@@ -143,7 +143,7 @@ class StillWeight(NamedTuple):
 
 def still_weight(
     text: str | None, drop: str | None, newtons: NewtonConversion | None, unit: Unit
-) -> StillWeight | None:
+) -> PressWeight | None:
     """Weight from its texts such as ``2kg`` and ``1.2m``; raises InputError."""
     if text is None:
         if drop is not None:
@@ -157,10 +157,10 @@ def still_weight(
     height = None if drop is None else parse_length(drop, unit, {})
     if not force > 0.0 or (height is not None and height < 0.0):
         raise InputError(tr("Enter a weight such as 2kg, 500g or 20N, and a height of at least 0."))
-    return StillWeight(force, force / newtons.newtons_per_load, height, unit)
+    return PressWeight(force, force / newtons.newtons_per_load, height, unit)
 
 
-def weight_fields(weight: StillWeight | None, pressed: Pressed) -> dict[str, object]:
+def weight_fields(weight: PressWeight | None, pressed: Pressed) -> dict[str, object]:
     """Report fields of a weight."""
     if weight is None:
         return {}
@@ -173,7 +173,7 @@ def weight_fields(weight: StillWeight | None, pressed: Pressed) -> dict[str, obj
     }
 
 
-def weight_lines(weight: StillWeight | None, pressed: Pressed) -> list[str]:
+def weight_lines(weight: PressWeight | None, pressed: Pressed) -> list[str]:
     """Terminal lines about the deflection under a weight, at rest and dropped."""
     if weight is None:
         return []
