@@ -242,7 +242,7 @@ def _press(options: argparse.Namespace) -> None:
             save_mesh(mesh, found.U, options.output, wall.unit.symbol)
     first = next(path for path in written if path)
     extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
-    lines = [press_summary(found, rest, first, wall, newtons, extent)]
+    lines = [press_summary(found, rest, first, wall, newtons, extent, is_alone=band is None)]
     lines += weight_lines(weight, found)
     lines += band_lines(band, options.dents, heights, newtons, cylinder) if band else []
     print("\n".join([*lines, *mesh_remarks(mesh)]))

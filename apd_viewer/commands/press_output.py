@@ -200,8 +200,12 @@ def press_summary(
     wall: Wall,
     newtons: NewtonConversion | None,
     extent: float,
+    is_alone: bool = True,
 ) -> str:
-    """Terminal lines about pressing a mesh of an ``extent`` at the first touch."""
+    """Terminal lines about a press, ``is_alone`` or the first of several.
+
+    ``extent`` is that of the mesh at the first touch.
+    """
     last, first = pressed.steps[-1], pressed.steps[0]
     lines = [
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(
@@ -213,7 +217,7 @@ def press_summary(
     if pressed.released:
         lines += _volume_line(first.volume is None, pressed.last, rest, tr("opened"), tr(" remain"))
     lines.append(tr("area    {change} %").format(change=format_signed(100 * last.area_error, 3)))
-    lines += _curve_lines(pressed, newtons)
+    lines += _curve_lines(pressed, newtons, is_alone)
     lines += _wall_lines(wall, rest.area, pressed, newtons)
     if last.crossings:
         lines.append(tr("{n:,} intersecting triangles").format(n=last.crossings))
@@ -261,7 +265,7 @@ _GAVE_WAY = tr(
 )
 
 
-def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
+def _curve_lines(found: Pressed, newtons: NewtonConversion | None, is_alone: bool) -> list[str]:
     curve, lines = found.curve, []
     if curve.yield_load is not None:
         force = "" if newtons is None else _in_parentheses(newtons.newtons_per_load * curve.yield_load, "N")
@@ -270,7 +274,7 @@ def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
                 load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
             )
         )
-        if newtons is not None and newtons.matches_wall:
+        if is_alone and newtons is not None and newtons.matches_wall:
             lines.append(_GAVE_WAY)
     if curve.apparent_stiffness is not None:
         slope = (

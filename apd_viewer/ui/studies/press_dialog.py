@@ -163,7 +163,7 @@ class PressDialog(RunDialog):
         self.runs.setEnabled(known)
         self.modes.setEnabled(known)
         self.dents.setEnabled(known and self.runs.value() > 1)
-        words = tr("of the wall thickness, as a band of loads")
+        words = tr("of the wall thickness")
         self.band_hint.setText(words if known else tr("by the method Wall, thickness known"))
 
     def _material(self, yield_radius: float | None = None) -> Material:
