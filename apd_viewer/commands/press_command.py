@@ -248,7 +248,7 @@ def _press(options: argparse.Namespace) -> CommandOutput:
             save_mesh(mesh, found.U, options.output, wall.unit.symbol)
     first = next(filter(None, written), Path(mesh.name))
     extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
-    lines = [press_summary(found, rest, first, wall, newtons, extent)]
+    lines = [press_summary(found, rest, first, wall, newtons, extent, is_alone=band is None)]
     lines += weight_lines(weight, found)
     lines += band_lines(band, options.dents, heights, newtons, cylinder) if band else []
     return CommandOutput([*lines, *mesh_remarks(mesh)], lambda: fields)

@@ -128,7 +128,7 @@ def _newton_fields(found: Pressed, newtons: NewtonConversion) -> dict[str, objec
     return {"newtons_per_load": newtons.newtons_per_load, "stiffness_of_wall": newtons.stiffness, **scaled}
 
 
-class StillWeight(NamedTuple):
+class PressWeight(NamedTuple):
     """Weight on the upper plate.
 
     Attributes
@@ -149,7 +149,7 @@ class StillWeight(NamedTuple):
 
 def still_weight(
     text: str | None, drop: str | None, newtons: NewtonConversion | None, unit: Unit
-) -> StillWeight | None:
+) -> PressWeight | None:
     """Weight from its texts such as ``2kg`` and ``1.2m``; raises InputError."""
     if text is None:
         if drop is not None:
@@ -163,10 +163,10 @@ def still_weight(
     height = None if drop is None else parse_length(drop, unit, {})
     if not force > 0.0 or (height is not None and height < 0.0):
         raise InputError(tr("Enter a weight such as 2kg, 500g or 20N, and a height of at least 0."))
-    return StillWeight(force, force / newtons.newtons_per_load, height, unit)
+    return PressWeight(force, force / newtons.newtons_per_load, height, unit)
 
 
-def weight_fields(weight: StillWeight | None, pressed: Pressed) -> dict[str, object]:
+def weight_fields(weight: PressWeight | None, pressed: Pressed) -> dict[str, object]:
     """Report fields of a weight."""
     if weight is None:
         return {}
@@ -179,7 +179,7 @@ def weight_fields(weight: StillWeight | None, pressed: Pressed) -> dict[str, obj
     }
 
 
-def weight_lines(weight: StillWeight | None, pressed: Pressed) -> list[str]:
+def weight_lines(weight: PressWeight | None, pressed: Pressed) -> list[str]:
     """Terminal lines about the deflection under a weight, at rest and dropped."""
     if weight is None:
         return []
@@ -206,8 +206,12 @@ def press_summary(
     wall: Wall,
     newtons: NewtonConversion | None,
     extent: float,
+    is_alone: bool = True,
 ) -> str:
-    """Terminal lines about pressing a mesh of an ``extent`` at the first touch."""
+    """Terminal lines about a press, ``is_alone`` or the first of several.
+
+    ``extent`` is that of the mesh at the first touch.
+    """
     last, first = pressed.steps[-1], pressed.steps[0]
     lines = [
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the extent").format(
@@ -219,7 +223,7 @@ def press_summary(
     if pressed.released:
         lines += _volume_line(first.volume is None, pressed.last, rest, tr("opened"), tr(" remain"))
     lines.append(tr("area    {change} %").format(change=format_signed(100 * last.area_error, 3)))
-    lines += _curve_lines(pressed, newtons)
+    lines += _curve_lines(pressed, newtons, is_alone)
     lines += _wall_lines(wall, rest.area, pressed, newtons)
     if last.crossings:
         lines.append(tr("{n:,} intersecting triangles").format(n=last.crossings))
@@ -267,7 +271,7 @@ _GAVE_WAY = tr(
 )
 
 
-def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
+def _curve_lines(found: Pressed, newtons: NewtonConversion | None, is_alone: bool) -> list[str]:
     curve, lines = found.curve, []
     if curve.yield_load is not None:
         force = "" if newtons is None else _in_parentheses(newtons.newtons_per_load * curve.yield_load, "N")
@@ -276,7 +280,7 @@ def _curve_lines(found: Pressed, newtons: NewtonConversion | None) -> list[str]:
                 load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
             )
         )
-        if newtons is not None and newtons.matches_wall:
+        if is_alone and newtons is not None and newtons.matches_wall:
             lines.append(_GAVE_WAY)
     if curve.apparent_stiffness is not None:
         slope = (

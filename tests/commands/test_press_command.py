@@ -306,6 +306,8 @@ def test_press_command_tells_the_band_of_several_runs(press, tmp_path):
     first, (_, alone, _, own) = out.read_bytes(), press(*words, out=tmp_path / "alone.off")
     assert "2 runs, each with other dents of 30 % of the wall thickness" in said
     assert "each with other dents" not in alone
+    assert "add --runs 10" in alone
+    assert "add --runs 10" not in said
     assert first == own.read_bytes()
     found, band = rows(table), json.loads(report.read_text(encoding="utf-8"))["band"]
     assert [row["run"] for row in found] == 6 * [1] + 6 * [2]

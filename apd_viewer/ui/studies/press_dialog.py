@@ -8,7 +8,6 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.html_page import PageBlock, PageNote, PagePicture, PagePictureRow
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
@@ -74,6 +73,7 @@ class PressDialog(RunDialog):
             "load and volume."
         )
         self._cells = memo.cell_stiffness(mesh.V, mesh.joined_F)
+        self.release = CheckBox(tr("open the plates again, to see what remains"))
         rows = (
             (tr("Direction"), self._make_direction()),
             (tr("End at"), self._make_end()),
@@ -82,7 +82,7 @@ class PressDialog(RunDialog):
             (tr("Wall"), self._make_wall()),
             (tr("Stiffness"), self._make_stiffness()),
             (tr("Begin with"), self._make_start()),
-            (tr("At the end"), self._make_release()),
+            (tr("At the end"), row_layout(self.release, STRETCH, spacing=16)),
             (tr("Inside"), self._make_air()),
             (tr("Runs"), self._make_runs()),
         )
@@ -147,7 +147,7 @@ class PressDialog(RunDialog):
         self._show_stiffness()
 
     def _show_stiffness(self) -> None:
-        """Show the expected load excess and the stiffness of the wall."""
+        """Show the load excess and the wall's stiffness; enable runs of a known wall."""
         material = self._material()
         self.stiffness.setEnabled(not material.thickness)
         said = [obstacle_readings.excess_phrase(load_excess(material, self._cells))]
@@ -159,7 +159,12 @@ class PressDialog(RunDialog):
         if own is not None and material.bending > 0.0:
             said.append(tr("this wall has {own:.1g}").format(own=own))
         self.hint.setText("; ".join(said))
-        self._show_runs()
+        known = bool(material.thickness) and self._wall.usable_thickness(self._unit) is not None
+        self.runs.setEnabled(known)
+        self.modes.setEnabled(known)
+        self.dents.setEnabled(known and self.runs.value() > 1)
+        words = tr("of the wall thickness")
+        self.band_hint.setText(words if known else tr("by the method Wall, thickness known"))
 
     def _material(self, yield_radius: float | None = None) -> Material:
         """Material as entered; raises InputError on creases without stiffness."""
@@ -180,10 +185,6 @@ class PressDialog(RunDialog):
         self.from_current.setEnabled(not self._state.is_at_rest)
         return row_layout(self.from_current, STRETCH, spacing=16)
 
-    def _make_release(self) -> QHBoxLayout:
-        self.release = CheckBox(tr("open the plates again, to see what remains"))
-        return row_layout(self.release, STRETCH, spacing=16)
-
     def _make_air(self) -> QHBoxLayout:
         self.air = CheckBox(tr("air that cannot leave, at one atmosphere"))
         self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
@@ -193,20 +194,10 @@ class PressDialog(RunDialog):
         self.runs = count_field(tr("Number of runs"), 1, MOST_RUNS, 1)
         self.dents = count_field(tr("Depth of the dents"), 1, DEEPEST_DENTS, DEFAULT_DENTS, " %")
         self.runs.setToolTip(tr("10 show how much a top load depends on dents that nobody sees"))
-        self.runs.valueChanged.connect(self._show_runs)
-        words = tr("each with other dents of"), tr("of the wall thickness, as a band of loads")
-        first, self.band_hint = map(QLabel, words)
-        return row_layout(self.runs, first, self.dents, self.band_hint, STRETCH)
-
-    def _show_runs(self) -> None:
-        """Enable several runs for a thin wall of known thickness."""
-        has_wall = METHODS[self.method.currentData()].is_wall
-        known = has_wall and self._wall.usable_thickness(self._unit) is not None
-        self.runs.setEnabled(known)
-        self.modes.setEnabled(known)
-        self.dents.setEnabled(known and self.runs.value() > 1)
-        words = tr("of the wall thickness, as a band of loads")
-        self.band_hint.setText(words if known else tr("by the method Wall, thickness known"))
+        self.runs.valueChanged.connect(self._show_stiffness)
+        self.band_hint = QLabel()
+        words = QLabel(tr("each with other dents of"))
+        return row_layout(self.runs, words, self.dents, self.band_hint, STRETCH)
 
     @property
     def _distance(self) -> float:
@@ -224,7 +215,7 @@ class PressDialog(RunDialog):
         """Start the press with the options chosen, or find buckling modes instead."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
-            options = self._options | self._targets | self._wall_options | self._run_options
+            options = self._options | self._targets | self._wall_options
             lengths = "--yield-radius", "--thickness"
             radius, apart = (float(options[name]) if name in options else None for name in lengths)
             self._material(radius)
@@ -268,12 +259,6 @@ class PressDialog(RunDialog):
 
         self.run.begin(prepared)
 
-    def result_blocks(self, folder: Path) -> tuple[PageBlock, ...]:
-        """Blocks of a report on the results in a folder, and what the command said."""
-        picture = PagePicture((folder / "press.png").read_bytes(), self.figure_caption)
-        notes = (PageNote(line.strip()) for line in self.summary.text().splitlines())
-        return PagePictureRow((picture,)), *notes
-
     @property
     def _targets(self) -> dict[str, str]:
         """Command options for the targets kept by the method."""
@@ -282,15 +267,9 @@ class PressDialog(RunDialog):
         return {option: f"{value!r}%" for option, value in said.items() if value is not None}
 
     @property
-    def _run_options(self) -> dict[str, str]:
-        """Command options for several runs."""
-        if not self.dents.isEnabled():
-            return {}
-        return {"--runs": f"{self.runs.value():.0f}", "--dents": f"{self.dents.value():.0f}"}
-
-    @property
     def _options(self) -> dict[str, str]:
-        """Command options for plates, steps, method and stiffness."""
+        """Command options for plates, steps, method, stiffness and runs."""
+        runs = {"--runs": self.runs, "--dents": self.dents} if self.dents.isEnabled() else {}
         return {
             "--axis": self.direction.currentData(),
             "--to": f"{self.to.value():.0f}%",
@@ -300,6 +279,7 @@ class PressDialog(RunDialog):
             "--stiffness": repr(self.stiffness.value()),
             "--area-stiffness": repr(self._document.settings.area_stiffness),
             "--shear-stiffness": repr(self._document.settings.shear_stiffness),
+            **{option: f"{field.value():.0f}" for option, field in runs.items()},
         }
 
     @property

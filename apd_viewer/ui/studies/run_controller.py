@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QDialog, QWidget
 
 from apd_viewer.cases.case import Case
-from apd_viewer.files.html_page import PageBlock
+from apd_viewer.files.html_page import PageBlock, PageNote, PagePicture, PagePictureRow
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
@@ -140,7 +140,9 @@ class RunController(QObject):
         if mesh is not self._pressed_mesh:
             self._pressed, self._pressed_mesh = {}, mesh
         with suppress(OSError):
-            self._pressed[dialog.figure_caption] = dialog.result_blocks(folder)
+            picture = PagePicture((folder / "press.png").read_bytes(), dialog.figure_caption)
+            notes = (PageNote(line.strip()) for line in dialog.summary.text().splitlines())
+            self._pressed[dialog.figure_caption] = (PagePictureRow((picture,)), *notes)
 
     def pressed_blocks(self, mesh: Mesh) -> tuple[PageBlock, ...]:
         """Blocks of a report on what the press dialog last found of a mesh."""
