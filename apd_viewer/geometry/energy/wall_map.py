@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from typing import Self
 
 import numpy as np
@@ -53,6 +54,14 @@ class WallMap(float):
     def factors(self) -> np.ndarray:
         """Thickness of every triangle over the mean, (m,)."""
         return self.triangles / float(self)
+
+    @property
+    def digest(self) -> str:
+        """Name of the map by its content, hexadecimal."""
+        found = hashlib.sha256(np.float64(self).tobytes() + self.triangles.tobytes())
+        for each in (self.young, self.yield_radius):
+            found.update(each.digest.encode() if each is not None else b"none")
+        return found.hexdigest()
 
     def scaled(self, factor: float) -> WallMap:
         """Thickness in another unit."""
