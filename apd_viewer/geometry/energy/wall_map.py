@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import numpy as np
 
 from apd_viewer.errors import InputError
@@ -51,6 +53,14 @@ class WallMap(float):
     def factors(self) -> np.ndarray:
         """Thickness of every triangle over the mean, (m,)."""
         return self.triangles / float(self)
+
+    @property
+    def digest(self) -> str:
+        """Name of the map by its content, hexadecimal."""
+        found = hashlib.sha256(np.float64(self).tobytes() + self.triangles.tobytes())
+        for each in (self.young, self.yield_radius):
+            found.update(each.digest.encode() if each is not None else b"none")
+        return found.hexdigest()
 
     def scaled(self, factor: float) -> WallMap:
         """Thickness in another unit."""

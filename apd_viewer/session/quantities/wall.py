@@ -262,7 +262,8 @@ def with_part_thickness(
     before = usual if isinstance(usual, WallMap) else triangle_wall(np.full(len(F), usual), V, F)
     after = before.on(V, F, np.where(inside[F].sum(axis=1) >= 2, thickness, before.triangles))
     title = wall.thickness.strip() or unit.format_length(editable_number(f"{usual:.4g}"))
-    name = comma_separated((title, f"{part} {own.strip()}"))[:MOST_CHARACTERS]
+    others = [word for word in title.split(", ") if not word.startswith(f"{part} ")]
+    name = ", ".join([*others, f"{part} {own.strip()}"])[:MOST_CHARACTERS]
     return wall._replace(thickness=WallDistribution(name, after, unit.symbol))
 
 

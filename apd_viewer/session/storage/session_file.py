@@ -107,7 +107,7 @@ def save_session(
     if view.image is not None:
         arrays[_IMAGED] = view.image.inside.astype(np.uint8)
     maps = _used_maps(state, view, timeline)
-    means_beside, arrays_of_maps = _stored_maps(maps.values())
+    means_beside, arrays_of_maps = _stored_maps(maps)
     arrays |= arrays_of_maps
     steps, arrays_of_steps = timeline_to_json(timeline, state) if timeline.steps else (None, {})
     said = {
@@ -117,7 +117,7 @@ def save_session(
         "mesh": told,
         **({"target": target} if target else {}),
         "arrays": list(arrays),
-        **({_MEANS: list(maps), **means_beside} if maps else {}),
+        **({_MEANS: list(map(float, maps)), **means_beside} if maps else {}),
         "document": session_json.document_to_json(document),
         "frame": session_json.frame_to_json(state.frame),
         "view": session_json.view_to_json(view),
@@ -188,13 +188,13 @@ def _view(fields: JsonFields, archive: Archive, n: int, maps: session_json.WallM
     return replace(view, image=session_json.image_from_json(fields.nested_fields("image"), content, inside))
 
 
-def _used_maps(state: State, view: View, timeline: Timeline) -> dict[float, WallMap]:
-    """Thickness maps of wall and settings, by their means."""
+def _used_maps(state: State, view: View, timeline: Timeline) -> list[WallMap]:
+    """Wall maps of wall and settings, each once."""
     steps = (each for step in timeline.steps for each in (step.state, step.wall_result))
     used = [each.document.settings.wall_thickness for each in (state, *steps) if each is not None]
     if isinstance(view.wall.thickness, WallDistribution):
         used.append(view.wall.thickness.thickness)
-    return {float(each): each for each in used if isinstance(each, WallMap)}
+    return list({each.digest: each for each in used if isinstance(each, WallMap)}.values())
 
 
 def _stored_maps(maps: Collection[WallMap]) -> tuple[dict[str, list[float]], dict[str, np.ndarray]]:
@@ -208,8 +208,8 @@ def _stored_maps(maps: Collection[WallMap]) -> tuple[dict[str, list[float]], dic
     return means, arrays
 
 
-def _maps(fields: JsonFields, archive: Archive, m: int) -> dict[float, WallMap]:
-    """Wall maps of a session, by their means; raises ValueError if damaged."""
+def _maps(fields: JsonFields, archive: Archive, m: int) -> dict[str, WallMap]:
+    """Wall maps of a session, by their digests; raises ValueError if damaged."""
 
     def read(mean: float, member: str, *beside: WallMap | None) -> WallMap:
         triangles = archive.array(member, "<f8", (m,))
@@ -223,7 +223,8 @@ def _maps(fields: JsonFields, archive: Archive, m: int) -> dict[float, WallMap]:
         told = dict(enumerate(map(float, fields.arrays(key, len(means)))))
         for k, each in enumerate(beside):
             each.append(read(told[k], f"{name}-{k}") if told.get(k) else None)
-    return {mean: read(mean, f"{_MAP}-{k}", *beside[k]) for k, mean in enumerate(means)}
+    found = [read(mean, f"{_MAP}-{k}", *beside[k]) for k, mean in enumerate(means)]
+    return {each.digest: each for each in found}
 
 
 def _content(path: Path) -> bytes:

@@ -35,8 +35,8 @@ from apd_viewer.session.storage import part_json
 
 _POINTS = ("position", "focal", "up")
 _WALL = WallText._fields
-_MEAN, _UNIT = "thickness_mean", "thickness_unit"  # of a wall distribution
-WallMaps: TypeAlias = Mapping[float, WallMap]
+_MAP, _UNIT = "wall_map", "thickness_unit"  # digest of a wall map, and unit of a wall distribution
+WallMaps: TypeAlias = Mapping[str, WallMap]
 NO_MAPS: WallMaps = {}
 _AXES = "xyz"
 _NO_OVERLAY = "none"
@@ -93,7 +93,7 @@ def document_from_json(
         member,
         handles,
         regions,
-        _with_map(settings_from_json(fields), maps),
+        _with_map(settings_from_json(fields), fields, maps),
         obstacles=_obstacles(fields),
         base=part_json.flags_from_json(fields.nested_fields("base"))
         if fields.has_value("base")
@@ -247,7 +247,7 @@ def _wall_to_json(wall: WallText) -> dict[str, Any]:
     told = {name: word or None for name, word in said.items() if word or name in ("thickness", "density")}
     if not isinstance(wall.thickness, WallDistribution):
         return told
-    return {**told, _MEAN: float(wall.thickness.thickness), _UNIT: wall.thickness.unit}
+    return {**told, _MAP: wall.thickness.thickness.digest, _UNIT: wall.thickness.unit or None}
 
 
 def _wall_from_json(fields: JsonFields, maps: WallMaps) -> WallText:
@@ -256,17 +256,17 @@ def _wall_from_json(fields: JsonFields, maps: WallMaps) -> WallText:
     if any(len(word) > MOST_CHARACTERS for word in words):
         raise ValueError(tr("its “wall” is damaged"))
     wall = WallText.from_field_texts(*words)
-    if not fields.has_value(_MEAN):
+    if not fields.has_value(_MAP):
         return wall
-    known, unit = maps.get(fields.number(_MEAN)), fields.text(_UNIT)
+    known, unit = maps.get(fields.text(_MAP)), fields.text(_UNIT) if fields.has_value(_UNIT) else ""
     if known is None or unit not in ("", *SYMBOLS):
         raise ValueError(tr("its “wall” is damaged"))
     return wall._replace(thickness=WallDistribution(wall.thickness, known, unit))
 
 
-def _with_map(settings: Settings, maps: WallMaps) -> Settings:
-    """Settings with the wall map of their mean, if there is one."""
-    known = None if settings.wall_thickness is None else maps.get(settings.wall_thickness)
+def _with_map(settings: Settings, fields: JsonFields, maps: WallMaps) -> Settings:
+    """Settings with their wall map, if there is one."""
+    known = maps.get(fields.text(_MAP)) if fields.has_value(_MAP) else None
     return settings if known is None else replace(settings, wall_thickness=known)
 
 
@@ -276,8 +276,10 @@ def _point(numbers: np.ndarray) -> Point3:
 
 
 def settings_to_json(settings: Settings) -> dict[str, Any]:
-    """JSON of all settings by name; unset ones are null."""
-    return {name: _to_json(setting.kind, getattr(settings, name)) for name, setting in SETTINGS.items()}
+    """JSON of all settings by name, and the digest of a wall map; unset ones are null."""
+    thickness = settings.wall_thickness
+    told = {name: _to_json(setting.kind, getattr(settings, name)) for name, setting in SETTINGS.items()}
+    return told | ({_MAP: thickness.digest} if isinstance(thickness, WallMap) else {})
 
 
 def settings_from_json(fields: JsonFields) -> Settings:

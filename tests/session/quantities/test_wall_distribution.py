@@ -203,6 +203,8 @@ def test_with_part_thickness_makes_a_folding_line():
     plain = WallText("0.01")
     line = with_part_thickness(plain, "0.002", "Line", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
     assert str(line.thickness) == "0.01, Line 0.002"
+    thicker = with_part_thickness(line, "0.003", "Line", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
+    assert str(thicker.thickness) == "0.01, Line 0.003"
     along = np.flatnonzero(X[:, 1] == X[3, 1])
     along = along[np.argsort(x[along])]
     folds = []

@@ -54,6 +54,22 @@ SETTINGS: dict[str, Change] = {
 assert set(METHODS) <= set(SETTINGS)
 
 
+def test_session_file_tells_wall_maps_of_the_same_mean_apart(tmp_path):
+    """The shape was solved by one modulus, and the wall has another by now."""
+    mesh = Mesh(*box(2, 2, 6))
+    walls = []
+    for name, young in (("a.csv", 2), ("b.csv", 3), ("c.csv", 4)):
+        (tmp_path / name).write_text(f"z,thickness,young\n0,0.02,1\n6,0.02,{young}\n")
+        walls.append(thickness_text(str(tmp_path / name), mesh, Unit.NONE))
+    state = initial_state(mesh)
+    state = state.updated(state.document.with_settings(method="wall", wall_thickness=walls[0].thickness))
+    save_session(tmp_path / "a.apd", state, View(wall=WallText(walls[1])), embed=True)
+    found, seen = open_session(tmp_path / "a.apd")
+    assert found.document.settings.wall_thickness == walls[0].thickness
+    assert seen.wall.thickness == walls[1]
+    assert len({each.thickness.digest for each in walls}) == 3
+
+
 def test_session_file_keeps_a_wall_distribution(tmp_path):
     """Bit for bit: that of the wall as typed, and that by which the shape was solved, in its own unit."""
     V, F = box(2, 2, 6)
