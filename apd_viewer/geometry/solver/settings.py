@@ -122,8 +122,7 @@ class Settings:
     thickness : float or None
         Distance that walls in contact keep, mesh units; None is a thousandth of the size of the mesh.
     yield_radius : float or None
-        Walls in contact that are bent to a smaller radius keep a crease, mesh units, if they are stiff; None
-        for none.
+        Stiff walls in contact that are bent to a smaller radius keep a crease, mesh units; None for none.
     hardening : float
         Of creases of a thin wall: its stiffness where it yields over the elastic one.
     gas : float or None
