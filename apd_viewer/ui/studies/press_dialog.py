@@ -230,6 +230,7 @@ class PressDialog(RunDialog):
         flags = ["--release"] if opens else []
         mode = f"mode{suffix_for(self._document.mesh)}"
         self.run.mesh = f"mode-1{Path(mode).suffix}" if modes else self._crushed if opens else self._pressed
+        self.figure_is_drawn = not modes
         self.figure_caption = tr("Buckling modes") if modes else tr("Curves of load and volume")
         from_current = self.from_current.isChecked() and not modes
         mesh, thickness, unit = self._document.mesh, self._wall.thickness, self._unit

@@ -43,6 +43,8 @@ class RunDialog(QDialog):
     ----------
     figure_caption : str
         That of the figure of the last run.
+    figure_is_drawn : bool
+        Whether it consists of lines and text on white.
     """
 
     def __init__(self, window: QWidget, title: str, run: RunBar, figure: str = "", caption: str = "") -> None:
@@ -52,6 +54,7 @@ class RunDialog(QDialog):
         self.run, self._named, self.figure_caption = run, figure, caption
         self.run.busy_changed.connect(self._show_busy)
         self.run.ended.connect(self._show)
+        self.figure_is_drawn = True
         self.figure: FigureView | None = None
         self._column = column_layout(spacing=12, margins=(20, 16, 20, 16), parent=self)
 
@@ -88,7 +91,7 @@ class RunDialog(QDialog):
         if self.figure is not None:
             self._column.removeWidget(self.figure)
             self.figure.deleteLater()
-        self.figure = FigureView(folder / self._named, self.figure_caption)
+        self.figure = FigureView(folder / self._named, self.figure_caption, self.figure_is_drawn)
         self._column.insertWidget(self._column.indexOf(self.summary), self.figure)
         self.figure.show()  # hidden widgets take no room
         self.options.show()
