@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QDialog, QWidget
 
 from apd_viewer.cases.case import Case
 from apd_viewer.files.html_page import PageBlock, PageNote, PagePicture, PagePictureRow
+from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
@@ -140,7 +141,7 @@ class RunController(QObject):
         if mesh is not self._pressed_mesh:
             self._pressed, self._pressed_mesh = {}, mesh
         with suppress(OSError):
-            picture = PagePicture((folder / "press.png").read_bytes(), dialog.figure_caption)
+            picture = PagePicture(read_bytes(folder / "press.png"), dialog.figure_caption)
             notes = (PageNote(line.strip()) for line in dialog.summary.text().splitlines())
             self._pressed[dialog.figure_caption] = (PagePictureRow((picture,)), *notes)
 
