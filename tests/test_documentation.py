@@ -42,8 +42,12 @@ def anchors(text):
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
+# Commands up to a pipe, also of several lines, and in loops.
 COMMANDS = [
-    (page, line) for page, code in blocks("sh") for line in code.splitlines() if line.startswith("apd-viewer")
+    (page, line.partition(" | ")[0].strip())
+    for page, code in blocks("sh")
+    for line in code.replace("\\\n", "").splitlines()
+    if line.strip().startswith("apd-viewer")
 ]
 SNIPPETS = blocks("python")
 
