@@ -84,6 +84,7 @@ def test_volume_target_field_fills_a_flat_bag_and_refuses_more_than_a_ball(qtbot
     assert "enter a volume such as 250ml" in volume.disabled_note.text()
     assert field.isVisibleTo(kept_window.shell)
     assert not volume.target.slider.isVisibleTo(kept_window.shell)
+    kept_window.session.gestures.begin()
     kept_window.session.painting.paint(np.array([0]), BASE)
     kept_window.session.painting.end_stroke("Paint")
     enter(field, "1l")
@@ -93,3 +94,14 @@ def test_volume_target_field_fills_a_flat_bag_and_refuses_more_than_a_ball(qtbot
     assert document(kept_window).settings.filled_volume == pytest.approx(50.0)
     idle(qtbot, kept_window)
     assert kept_window.session.store.state.frame.volume == pytest.approx(50.0, rel=1e-6)
+    choose(kept_window, "wall")
+    kept_window.session.settings.change(tension_field=True)
+    has_wall(kept_window, thickness="0.1mm", young="1GPa")
+    amounts = []
+    for text in ("10mbar", "0.1bar"):
+        enter(field, text)
+        idle(qtbot, kept_window)
+        assert field.text() == text
+        amounts.append(kept_window.session.store.state.frame.volume)
+    # Two discs of radius 5 sewn together hold 1.2185 of its cube, if they are smooth.
+    assert 0.85 * 1.2185 * 125.0 < amounts[0] < amounts[1]
