@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QHideEvent
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.settings import Settings
@@ -48,7 +49,13 @@ class VolumeTargetField(TextField):
         self._shown = self.text()
         self.textEdited.connect(self.error.hide)
         self.editingFinished.connect(self._enter)
+        self.focus_lost.connect(self.error.hide_later)
         self.returnPressed.connect(partial(return_focus, self))
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Hide the error together with the field."""
+        self.error.hide()
+        super().hideEvent(event)
 
     def textFromValue(self, value: float) -> str:
         """Percentage without its sign."""
@@ -103,12 +110,11 @@ class VolumeTargetField(TextField):
         return f"{format_editable(pressure * pascals / _MBAR, _DIGITS)} mbar"
 
     def renewed_pressure(self, settings: Settings, pascals: float | None) -> dict[str, float | None]:
-        """Change of a pressure that was typed, for another wall; empty without one."""
-        text = "" if settings.pressure is None else self._typed.get(("pressure", settings.pressure), "")
-        if not text or pascals is None:
+        """Change that keeps the shown pressure, for another wall; empty without one."""
+        if settings.pressure is None or pascals is None or not has_pressure_unit(self._shown):
             return {}
-        pressure = parse_pressure_difference(text) / pascals
-        self._typed["pressure", pressure] = text
+        pressure = parse_pressure_difference(self._shown) / pascals
+        self._typed["pressure", pressure] = self._shown
         return {} if pressure == settings.pressure else {"pressure": pressure}
 
     def _show(self, text: str) -> None:
@@ -128,6 +134,7 @@ class VolumeTargetField(TextField):
             self._show(self._shown)
             return
         self._shown = text
+        self.error.hide()
         if changes["volume"] is not None:
             self.valueChanged.emit(changes["volume"])
             return
