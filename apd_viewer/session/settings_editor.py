@@ -6,10 +6,12 @@ from types import MappingProxyType
 from typing import Any
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.goals.goals import check_fits_in_ball
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.gestures import DocumentEditor
 from apd_viewer.session.model.document_parts import have_same_paint
+from apd_viewer.session.model.state import State
 from apd_viewer.session.posing.obstacle_placement import obstacles_outside_shape
 
 _OF_VOLUME = "volume", "filled_volume", "pressure"
@@ -20,7 +22,6 @@ class SettingsEditor(DocumentEditor):
 
     def change(self, **settings: Any) -> None:
         """Change settings by name as one gesture; refuse a target for a missing volume."""
-        why = self._store.required_state().inspection.missing_volume_phrase
         wanted = [name for name in _OF_VOLUME if settings.get(name) is not None]
         if settings.get("gas") is not None:  # it has a pressure of its own
             settings["pressure"] = None
@@ -29,14 +30,30 @@ class SettingsEditor(DocumentEditor):
         if wanted:  # a volume is given in percent, in cubic mesh units or by a pressure
             settings = dict.fromkeys(_OF_VOLUME) | settings
             settings = {wanted[0]: settings.pop(wanted[0]), **settings}
-        if {*wanted} & {"volume", "filled_volume"} and why:
-            self._listener.failed(
-                tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
-            )
+        if problem := self._volume_problem(self._store.required_state(), wanted, settings):
+            self._listener.failed(problem)
             return
         name, value = next(iter(settings.items()))
         switched_off = value is False and SETTINGS[name].off_gesture
         self._set(switched_off or SETTINGS[name].gesture, settings)
+
+    @staticmethod
+    def _volume_problem(state: State, wanted: Sequence[str], changes: Mapping[str, Any]) -> str:
+        """Sentence on what cannot be held inside with changed settings; empty if it can."""
+        found, settings = state.inspection, replace(state.document.settings, **changes)
+        # A flat bag has no volume at rest, and can be filled to one.
+        reasons = {"volume": found.missing_volume_phrase, "filled_volume": found.missing_volume_reason}
+        if wanted and (why := reasons.get(wanted[0])):
+            return tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
+        if "pressure" in wanted and (settings.pressure or 0.0) < 0.0 and not settings.uses_contact:
+            return tr("Reduced pressure needs contact; switch it on, or omit the pressure.")
+        held = settings.filled_volume or (settings.volume or 0.0) / 100.0 * abs(found.volume or 0.0)
+        if wanted and (settings.traits.keeps_total_area or settings.hold_area):
+            try:
+                check_fits_in_ball(held, found.area * settings.area / 100.0)
+            except InputError as error:
+                return str(error)
+        return ""
 
     def set_contact(self, on: bool, thickness: float | None = None) -> None:
         """Turn contact between walls and with obstacles on or off.

@@ -148,7 +148,8 @@ class StateStore:
     def solve(self, document: Document) -> None:
         """Replace the document, and solve it unless its solution is the rest shape."""
         state = self.required_state().updated(document)
-        at_rest = state.frame.U is document.mesh.V and not document.is_posed and not state.has_unmet_target
+        moves = document.is_posed or document.settings.effective_settings.is_filled
+        at_rest = state.frame.U is document.mesh.V and not moves and not state.has_unmet_target
         iterate = self.activity in (Activity.REFINING, Activity.PAUSED) or not at_rest
         self._ask_and_show(state.as_unsettled() if iterate else state, iterate)
 

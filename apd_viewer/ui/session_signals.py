@@ -85,13 +85,13 @@ def connect_settings(panel: Panel, session: Session, wall_settings: Callable[...
     for chosen, name in (
         (panel.area.target.chosen, "area"),
         (panel.area.keep_toggled, "hold_area"),
-        (panel.volume.target_changed, "volume"),
         (panel.volume.target.chosen, "volume"),
         (panel.method.stiffness.chosen, "stiffness"),
         (panel.method.convergence.chosen, "convergence"),
     ):
         chosen.connect(partial(_change, session, name))
     panel.method.changed.connect(change)
+    panel.volume.target_changed.connect(partial(_hold_volume, panel, session))
     gestures = tr("Change area"), tr("Change volume"), tr("Change stiffness"), tr("Change falloff")
     for dial, gesture in zip(panel.slider_fields, gestures, strict=True):
         dial.drag_began.connect(session.gestures.begin)
@@ -101,6 +101,12 @@ def connect_settings(panel: Panel, session: Session, wall_settings: Callable[...
 
 def _change(session: Session, name: str, value: object) -> None:
     session.settings.change(**{name: value})
+
+
+def _hold_volume(panel: Panel, session: Session, changes: dict[str, Any]) -> None:
+    """Change what is held inside; a refused target is not shown."""
+    session.settings.change(**changes)
+    panel.volume.show_settings(session.store.required_state())
 
 
 def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:

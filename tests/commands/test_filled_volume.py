@@ -43,11 +43,27 @@ def test_deform_fills_a_flat_pouch_to_a_volume_in_a_unit(pouch):
         ("--volume 100ml", "add --unit mm, cm, m, in or ft for ml"),
         ("--unit cm --volume 1l", "holds at most 179.5 cubic mesh units, as a ball"),
         ("--unit cm --volume 3cm", "enter a volume such as 250ml"),
+        ("--method wall --pressure 30mbar", "add --young"),
+        ("--method wall --pressure 30 --young 1GPa", "needs a unit"),
+        ("--pressure 30mbar --young 1GPa", "Only the method Wall"),
+        ("--method wall --pressure -30mbar --young 1GPa --no-contact", "Reduced pressure needs contact"),
+        ("--method wall --pressure 30mbar --young 1GPa --volume 100", "exclude each other"),
     ],
 )
 def test_deform_refuses_a_volume_that_it_cannot_hold_or_read(pouch, capsys, words, sentence):
     assert deform(words) != 0
     assert sentence in capsys.readouterr().err
+
+
+def test_deform_fills_a_flat_pouch_by_a_pressure_of_its_wall(pouch):
+    """More pressure, more volume; a stiffer wall at the same share of its modulus has the same shape."""
+    film, found = "--method wall --tension-field --wall-thickness 0.01", []
+    for words in ("10mbar --young 1GPa", "0.02bar --young 2GPa", "1bar --young 1GPa"):
+        assert deform(f"{film} --pressure {words}") == 0
+        out = open_mesh(pouch / "out.off")
+        found.append(volume(out.V, out.F))
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
+    assert 0.9 * 1.2185 * 125.0 < found[0] < found[2]
 
 
 def test_press_holds_a_volume_in_a_unit(tmp_path, monkeypatch):

@@ -254,16 +254,20 @@ def filled_volume_goal(rest: RestMesh, volume: float, area: float | str | None) 
             )
         )
     if area is not None:
-        most = ball_volume(rest.area * percentage(area, "the area") / 100.0)
-        if volume > most:
-            raise InputError(
-                tr(
-                    "With its area the surface holds at most {most:.4g} cubic mesh units, as a ball; "
-                    "enter less than that."
-                ).format(most=most)
-            )
+        check_fits_in_ball(volume, rest.area * percentage(area, "the area") / 100.0)
     shape = rest.solve_mesh.all_triangles
     return Goal("the volume", shape, float(volume), float(volume), is_volume=True, is_absolute=True)
+
+
+def check_fits_in_ball(volume: float, area: float) -> None:
+    """Raise InputError if a ball with a surface of ``area`` holds less than ``volume``."""
+    if volume > (most := ball_volume(area)):
+        raise InputError(
+            tr(
+                "With its area the surface holds at most {most:.4g} cubic mesh units, as a ball; "
+                "enter less than that."
+            ).format(most=most)
+        )
 
 
 def ball_volume(area: float) -> float:

@@ -90,7 +90,13 @@ class Document:
     @property
     def paint_problem(self) -> str | None:
         """Sentence about missing paint needed for a motion; None if complete."""
-        return memo.paint_problem(self.labels, self.has_active_obstacles)
+        return memo.paint_problem(self.labels, self.needs_no_handle)
+
+    @property
+    def needs_no_handle(self) -> bool:
+        """True if obstacles, or what fills a shape with a base, move it without a handle."""
+        fills = self.settings.effective_settings.is_filled and bool(self.label_counts[BASE])
+        return fills or self.has_active_obstacles
 
     @property
     def has_active_obstacles(self) -> bool:
@@ -128,7 +134,7 @@ class Document:
         """Held vertices and their targets; raises InputError with ``paint_problem``."""
         poses = [handle.pose for handle in self.handles]
         initial, soft = self.initial_positions, self.soft_constraints
-        return constraints(self.labels, initial, poses, soft, self.has_active_obstacles)
+        return constraints(self.labels, initial, poses, soft, self.needs_no_handle)
 
     @property
     def soft_constraints(self) -> SoftConstraints:

@@ -105,6 +105,9 @@ class State:
         """True if a target of area or volume is not met."""
         document, rest, now = self.document, self.inspection, self.frame
         within = document.settings.tolerance if document.settings.traits.has_tolerance else TARGET_ACCURACY
+        filled = document.settings.effective_settings.filled_volume
+        if filled is not None and now.volume is not None and abs(now.volume - filled) > within * filled:
+            return True
         at_rest = rest.area, rest.volume, *document.rest_areas
         measured = zip(goal_percentages(document), at_rest, (now.area, now.volume, *now.regions), strict=True)
         return any(

@@ -11,11 +11,13 @@ from PySide6.QtCore import QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QIcon, QPainter, QPaintEvent, QPixmap
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedLayout, QToolButton, QVBoxLayout, QWidget
 
+from apd_viewer.geometry.goals.goals import ball_volume
 from apd_viewer.geometry.solver.convergence import stability_text
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import format_grouped
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.panel.volume_target_field import VolumeTargetField
 from apd_viewer.ui.preferences.unit_button import UnitButton
 from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
 from apd_viewer.ui.widgets.fields import CheckBox, percent_field
@@ -229,7 +231,10 @@ class StrainSection(Section):
         self.heading.show_reading("")
 
 
-_VOLUME_TIP = tr("Target of the enclosed volume, in percent of the rest volume")
+_VOLUME_TIP = tr("What is held: 120%, 250ml or, with the method Wall, a pressure such as 30mbar or -0.2bar")
+# Rest volume relative to the ball of the same area, below which a shape is flat and has no percentages.
+_FLAT = 1e-2
+_NOTHING = dict.fromkeys(("volume", "filled_volume", "pressure"))
 
 
 class VolumeSection(Section):
@@ -238,9 +243,9 @@ class VolumeSection(Section):
     Attributes
     ----------
     target : SliderField
-        In percent; laid out with the method, as is the note below it.
+        In percent, or another target as typed; laid out with the method, as is the note below it.
     target_changed : Signal(object)
-        The volume to keep in percent, or None to leave it free.
+        Changes of settings by name: a target, or none.
     """
 
     target_changed = Signal(object)
@@ -249,7 +254,8 @@ class VolumeSection(Section):
         super().__init__(tr("Volume"))
         self.volume = quiet_label(tr("Volume, and rest volume"))
         self.keep = CheckBox(tr("Keep volume"), toolTip=tr("Keep the enclosed volume exactly"))
-        self.target = SliderField(self.keep, PERCENT, percent_field("", _VOLUME_TIP), tr("Volume target"))
+        entry = VolumeTargetField(toolTip=_VOLUME_TIP)
+        self.target = SliderField(self.keep, PERCENT, entry, tr("Volume target"))
         self.disabled_note = quiet_label(tr("Why the volume cannot be kept"))
         self.litres = quiet_label(tr("Volume in litres, and how its openings were closed"))
         self.crossings = CrossingsButton()
@@ -258,7 +264,18 @@ class VolumeSection(Section):
         self._add_contact()
         for later in (self.target.field, self.target.slider, self.disabled_note):
             later.hide()  # shown once the volume can be kept
-        self.keep.toggled.connect(lambda on: self.target_changed.emit(self.target.value if on else None))
+        self.keep.clicked.connect(self._keep)
+        self.target.field.entered.connect(self.target_changed)
+
+    def _keep(self, on: bool) -> None:
+        """Keep the rest volume, or ask for what is held of a shape that has none."""
+        if on and self._has_percent:
+            self.target.chosen.emit(self.target.value)
+        elif on:
+            self.keep.setChecked(False)
+            self.target.field.setFocus()
+        else:
+            self.target_changed.emit(_NOTHING)
 
     def _add_contact(self) -> None:
         self._contact = QWidget()
@@ -290,23 +307,33 @@ class VolumeSection(Section):
 
     def show_settings(self, state: State) -> None:
         """Show the volume target, or why the volume cannot be kept."""
-        document, inspection = state.document, state.inspection
-        why = "" if inspection.volume else tr("Only a closed surface has a volume to keep.")
-        if document.settings.traits.keeps_only_total_area and not why:
-            name = document.settings.traits.short_title
-            why = tr("The method {name} cannot keep a volume.").format(name=name)
-        self.disabled_note.setText(why)
-        self.disabled_note.setVisible(bool(why))
-        asked = document.settings.volume is not None
-        self.keep.setEnabled(not why)
-        self.keep.blockSignals(True)
-        self.keep.setChecked(asked and not why)
-        self.keep.blockSignals(False)
-        active = asked and not why
-        self.target.set_active(active)
-        self.target.field.setVisible(active)
-        self.target.slider.setVisible(active)
-        self.target.show_value(100.0 if document.settings.volume is None else document.settings.volume)
+        settings, inspection = state.document.settings, state.inspection
+        field, is_wall = self.target.field, settings.traits.is_wall
+        is_open = bool(inspection.missing_volume_reason)
+        why = tr("Only a closed surface has a volume to keep.") if is_open else ""
+        if settings.traits.keeps_only_total_area and not why:
+            why = tr("The method {name} cannot keep a volume.").format(name=settings.traits.short_title)
+        ball = ball_volume(inspection.area)
+        self._has_percent = not why and abs(inspection.volume or 0.0) > _FLAT * ball
+        takes = not why or (is_wall and is_open)
+        asked = takes and settings.effective_settings.is_filled
+        asked |= not why and settings.volume is not None
+        if takes and not self._has_percent and not asked:
+            why = why or tr("Flat at rest: enter a volume such as 250ml.")
+            if is_wall:
+                why = tr("{sentence} Of a wall it may be a pressure such as 30mbar.").format(sentence=why)
+        self.disabled_note.setText("" if asked else why)
+        self.disabled_note.setVisible(bool(why) and not asked)
+        self.keep.setEnabled(takes)
+        self.keep.setChecked(asked)
+        shown = asked or (takes and not self._has_percent)
+        in_percent = asked and settings.volume is not None
+        self.target.set_active(shown)
+        self.target.field.setVisible(shown)
+        self.target.slider.setVisible(in_percent)
+        self.target.show_value(settings.volume or 100.0)
+        field.show_settings(settings)
+        self.target.reset_button.setVisible(in_percent and settings.volume != 100.0)
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the shape's volume; openings of an open surface are capped."""

@@ -22,7 +22,7 @@ from apd_viewer.language import tr, trc
 from apd_viewer.ui.widgets.box_layouts import add_parts, column_layout
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 from apd_viewer.ui.widgets.folding_section import Heading, Section, quiet_label
-from apd_viewer.ui.widgets.quantity_fields import LengthField, VolumeField, field_row
+from apd_viewer.ui.widgets.quantity_fields import LengthField, field_row
 from apd_viewer.ui.widgets.slider_field import DECADES, SliderField
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.quantities.units import Unit
 
-_FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT, SettingKind.VOLUME)
+_FIELDS = (SettingKind.NUMBER, SettingKind.LENGTH, SettingKind.AMOUNT)
 # Settings without a field here: stiffness has a slider, and thickness follows the wall fields.
 _ELSEWHERE = ("stiffness", "thickness")
 # Words for 0 in the fields of unset settings.
@@ -38,7 +38,6 @@ _UNSET = {
     "wall_thickness": trc("wall thickness", "default"),
     "yield_radius": trc("yield radius", "none"),
     "gas": trc("enclosed gas", "none"),
-    "filled_volume": trc("filled volume", "free"),
 }
 
 
@@ -133,13 +132,8 @@ class MethodSection(Section):
 
     def _add_number(self, name: str, setting: Setting) -> None:
         tip = setting.help[0].upper() + setting.help[1:]
-        kinds = {SettingKind.LENGTH: LengthField, SettingKind.VOLUME: VolumeField}
-        kind = kinds.get(setting.kind, NumberField)
-        # A millilitre is a millionth of a cubic metre.
-        decimals = 9 if setting.kind is SettingKind.VOLUME else 4
-        field = kind(
-            brief=True, accessibleName=setting.title, toolTip=tip, maximum=setting.most, decimals=decimals
-        )
+        kind = LengthField if setting.kind is SettingKind.LENGTH else NumberField
+        field = kind(brief=True, accessibleName=setting.title, toolTip=tip, maximum=setting.most, decimals=4)
         field.setSpecialValueText(_UNSET.get(name, ""))
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
         default = getattr(DEFAULT_SETTINGS, name)

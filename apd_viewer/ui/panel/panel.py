@@ -191,6 +191,7 @@ class Panel(QWidget):
         self._unit = unit
         self.area.unit.show_unit(unit)
         self.method.show_unit(unit)
+        self.volume.target.field.show_unit_of_mesh(unit)
         self.handles.motion.show_unit(unit)
 
     def show_in_unit(self, unit: Unit, state: State, handle: int, region: int) -> None:

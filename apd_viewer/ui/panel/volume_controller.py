@@ -92,6 +92,7 @@ class VolumeController(QObject):
         panel.measures.wall_fields.places.menu().aboutToShow.connect(self._offer_parts)
         panel.method.contact_chosen.connect(self._set_contact)
         panel.method.wall_creases_chosen.connect(self._use_yield_radius)
+        panel.volume.target.field.find_pascals = self.pascals_per_pressure
         panel.volume.crossings.clicked.connect(findings.open_at_last_finding)
 
     def show_check(self) -> None:
@@ -252,8 +253,29 @@ class VolumeController(QObject):
         settings = state.document.settings
         names = ["yield_radius"] if settings.yield_radius is not None else []
         names += ["wall_thickness", "poisson"] if settings.traits.is_wall else []
-        if names and (changes := self.wall_settings(*names)):
+        changes = self.wall_settings(*names) if names else {}
+        pascals = self.pascals_per_pressure(changes.get("wall_thickness", settings.wall_thickness))
+        changes |= self._panel.volume.target.field.renewed_pressure(settings, pascals)
+        if changes:
             self._session.settings.change(**changes)
+        self._panel.volume.show_settings(self._session.store.required_state())
+
+    def pascals_per_pressure(self, thickness: float | None = None) -> float | None:
+        """Pascals of a pressure of 1 in the settings; None without Young's modulus.
+
+        Parameters
+        ----------
+        thickness : float, optional
+            Of the wall, mesh units; by default that of the settings.
+        """
+        state = self._session.store.required_state()
+        settings, size = state.document.settings, diagonal(state.document.mesh.V)
+        try:
+            wall = parse_wall(self._panel.measures.wall_fields.value, self._session.store.unit)
+            thin = thin_wall_material(size, thickness or settings.wall_thickness, settings.poisson)
+        except InputError:
+            return None
+        return None if wall.young is None else wall.young * thin.thickness / thin.tensile_stiffness
 
     def wall_settings(self, *names: str) -> dict[str, float | None]:
         """Settings by name that are derived from the wall, unless typed elsewhere.

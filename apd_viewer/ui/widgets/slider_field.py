@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QLabel, QSizePolicy, QSlider, QStyle, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
-from apd_viewer.ui.widgets.fields import NumberField, small_button
+from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import Theme, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
@@ -41,6 +41,8 @@ class SliderField(QWidget):
     ----------
     title : QLabel or QCheckBox
         Before the field; a check box also says whether the value counts at all.
+    field : NumberField
+        Or one with its signal and its methods for values.
     name : str
         Accessible name.
     ends : (str, str), optional
@@ -61,7 +63,7 @@ class SliderField(QWidget):
         self,
         title: QWidget,
         scale: SliderScale,
-        field: NumberField,
+        field: Any,
         name: str,
         ends: tuple[str, str] | None = None,
     ) -> None:
