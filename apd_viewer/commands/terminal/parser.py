@@ -95,7 +95,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def _with_values_joined(words: Iterable[str]) -> list[str]:
-    """Words with the value of ``--json``, and negative quantities, as part of their option."""
+    """Words with values of ``--json``, and negative ones, as part of their option."""
     joined = list[str]()
     for word in words:
         if joined and joined[-1] == _JSON and word.lower().endswith(_JSON_FILE):

@@ -372,7 +372,7 @@ def _fraction(text: str) -> float:
 
 
 def _is_to_be_filled(rest: RestMesh, settings: Mapping[str, Any]) -> bool:
-    """True if a pressure is asked for, or a larger volume in cubic mesh units than at rest."""
+    """True if a pressure, or a larger volume in cubic mesh units, is asked for."""
     if settings.get("pressure") is not None:
         return True
     asked = settings.get("filled_volume")
