@@ -7,7 +7,7 @@ from apd_viewer.language import tr
 
 
 def check_fits_in_ball(volume: float, area: float) -> None:
-    """Raise InputError if a ball with a surface of ``area`` holds less than ``volume``."""
+    """Raise InputError if a ball of this ``area`` holds less than ``volume``."""
     if volume > (most := ball_volume(area)):
         raise InputError(
             tr(
