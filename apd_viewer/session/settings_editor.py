@@ -48,7 +48,9 @@ class SettingsEditor(DocumentEditor):
         if "pressure" in wanted and (settings.pressure or 0.0) < 0.0 and not settings.uses_contact:
             return tr("Reduced pressure needs contact; switch it on, or omit the pressure.")
         held = settings.filled_volume
-        if "filled_volume" in wanted and (settings.traits.keeps_total_area or settings.hold_area):
+        if "filled_volume" in wanted and (
+            settings.traits.keeps_total_area or settings.effective_settings.hold_area
+        ):
             try:
                 check_fits_in_ball(held or 0.0, found.area * settings.area / 100.0)
             except InputError as error:
