@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.goals import check_fits_in_ball
+from apd_viewer.geometry.goals.ball import check_fits_in_ball
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.gestures import DocumentEditor
@@ -47,10 +47,12 @@ class SettingsEditor(DocumentEditor):
             return tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
         if "pressure" in wanted and (settings.pressure or 0.0) < 0.0 and not settings.uses_contact:
             return tr("Reduced pressure needs contact; switch it on, or omit the pressure.")
-        held = settings.filled_volume or (settings.volume or 0.0) / 100.0 * abs(found.volume or 0.0)
-        if wanted and (settings.traits.keeps_total_area or settings.hold_area):
+        held = settings.filled_volume
+        if "filled_volume" in wanted and (
+            settings.traits.keeps_total_area or settings.effective_settings.hold_area
+        ):
             try:
-                check_fits_in_ball(held, found.area * settings.area / 100.0)
+                check_fits_in_ball(held or 0.0, found.area * settings.area / 100.0)
             except InputError as error:
                 return str(error)
         return ""

@@ -502,7 +502,21 @@ def test_press_command_keeps_the_volume_by_gas_whose_pressure_may_be_in_atmosphe
     assert volumes[2] == volumes[1]
 
 
+def test_press_command_holds_a_pressure_of_its_wall(ball, press, tmp_path):
+    """In the report it is that of a wall of Young's modulus times thickness 4."""
+    report, volumes = tmp_path / "r.json", []
+    wall = "--unit", "cm", "--thickness", "0.3mm", "--young", "3GPa", "--method", "wall"
+    for words in (("--pressure", "-2kPa"), (), ("--pressure", "20mbar")):
+        assert press(ball, *QUICK, *wall, *words, "--report", report)[0] == 0
+        found = json.loads(report.read_text(encoding="utf-8"))
+        volumes.append(found["volume"])
+    assert found["pressure"] == pytest.approx(2000.0 * 4.0 / (3e9 * 0.03))
+    assert volumes[0] < volumes[1] < volumes[2]
+
+
 WRONG = {
+    "pressure of no unit": (["--pressure", "0.1"], "A pressure needs a unit"),
+    "pressure in newtons of no wall": (["--pressure", "30mbar"], "add --material"),
     "gas of no pressure": (["--gas", "0"], "greater than 0"),
     "gas in a unit that is none": (["--gas", "1 kg"], "use kPa, bar, atm"),
     "gas in newtons of no wall": (["--gas", "1atm"], "add --material"),

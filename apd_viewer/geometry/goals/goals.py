@@ -9,6 +9,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.goals.ball import check_fits_in_ball
 from apd_viewer.geometry.goals.percentage import GOAL_WORDS, percentage
 from apd_viewer.geometry.mesh.arrays import check_argument, checked_integers
 from apd_viewer.geometry.mesh.operators import volume
@@ -257,22 +258,6 @@ def filled_volume_goal(rest: RestMesh, volume: float, area: float | str | None) 
         check_fits_in_ball(volume, rest.area * percentage(area, "the area") / 100.0)
     shape = rest.solve_mesh.all_triangles
     return Goal("the volume", shape, float(volume), float(volume), is_volume=True, is_absolute=True)
-
-
-def check_fits_in_ball(volume: float, area: float) -> None:
-    """Raise InputError if a ball with a surface of ``area`` holds less than ``volume``."""
-    if volume > (most := ball_volume(area)):
-        raise InputError(
-            tr(
-                "With its area the surface holds at most {most:.4g} cubic mesh units, as a ball; "
-                "enter less than that."
-            ).format(most=most)
-        )
-
-
-def ball_volume(area: float) -> float:
-    """Volume of a ball with a surface of this ``area``, the largest of all."""
-    return float(area**1.5 / (6.0 * np.sqrt(np.pi)))
 
 
 def _region_goal(solve_mesh: SolveMesh, region: Region, corners: np.ndarray) -> Goal:

@@ -284,7 +284,7 @@ class ContactDescent:
 
     @property
     def is_stopped(self) -> bool:
-        """True if contact keeps the held vertices from moving, or a pressure is too high."""
+        """True if contact stops the held vertices, or a pressure is too high."""
         return self.is_overstretched or (self._touching is not None and self._touching.is_stopped)
 
     @property

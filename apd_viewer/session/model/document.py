@@ -90,13 +90,7 @@ class Document:
     @property
     def paint_problem(self) -> str | None:
         """Sentence about missing paint needed for a motion; None if complete."""
-        return memo.paint_problem(self.labels, self.needs_no_handle)
-
-    @property
-    def needs_no_handle(self) -> bool:
-        """True if obstacles, or what fills a shape with a base, move it without a handle."""
-        fills = self.settings.effective_settings.is_filled and bool(self.label_counts[BASE])
-        return fills or self.has_active_obstacles
+        return memo.paint_problem(self.labels, _needs_no_handle(self))
 
     @property
     def has_active_obstacles(self) -> bool:
@@ -134,7 +128,7 @@ class Document:
         """Held vertices and their targets; raises InputError with ``paint_problem``."""
         poses = [handle.pose for handle in self.handles]
         initial, soft = self.initial_positions, self.soft_constraints
-        return constraints(self.labels, initial, poses, soft, self.needs_no_handle)
+        return constraints(self.labels, initial, poses, soft, _needs_no_handle(self))
 
     @property
     def soft_constraints(self) -> SoftConstraints:
@@ -265,3 +259,9 @@ def _painted_codes(codes: np.ndarray, ids: np.ndarray, code: int, locked: np.nda
     painted = codes.copy()
     painted[ids] = code
     return frozen(painted)
+
+
+def _needs_no_handle(document: Document) -> bool:
+    """True if obstacles, or what fills a shape with a base, move it without a handle."""
+    fills = document.settings.effective_settings.is_filled and bool(document.label_counts[BASE])
+    return fills or document.has_active_obstacles

@@ -6,10 +6,10 @@ from meshes import box, soup, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.ball import ball_volume
 from apd_viewer.geometry.goals.goals import (
     GoalMeasures,
     Region,
-    ball_volume,
     filled_volume_goal,
     goal_at_rest,
     make_goals,
