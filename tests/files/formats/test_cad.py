@@ -1,5 +1,6 @@
 """CAD models: divided in a process of their own, in mm, closed, with even triangles."""
 
+import json
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from cad_contents import box_corners, iges_box, step_boxes, step_cylinder
 from mesh_contents import CUBE, QUADS, binary_stl, obj
 
+from apd_viewer.__main__ import main
 from apd_viewer.commands.remesh_command import worst_aspect
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats import cad
@@ -16,6 +18,9 @@ from apd_viewer.files.meshes import open_mesh, read_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.session_file import open_session_file, save_session
 
 BOX = box_corners((40, 30, 20))
 BOX_EDGES = [(a, b) for a in range(8) for b in range(a) if np.count_nonzero(BOX[a] - BOX[b]) == 1]
@@ -28,6 +33,8 @@ SOLIDS = {
     "box.igs": (iges_box(BOX), 24_000),
     "in inches.iges": (iges_box(BOX, "1,4HINCH"), 24_000 * 25.4**3),
 }
+
+STEP = SOLIDS["cylinder.stp"][0]
 
 
 @pytest.fixture
@@ -64,6 +71,26 @@ def test_save_mesh_says_that_cad_is_only_read(suffix, tmp_path):
     mesh = Mesh(CUBE, [[0, 1, 2]])
     with pytest.raises(InputError, match=rf"cannot be written: {CAD_FORMATS[suffix].name} is only read"):
         save_mesh(mesh, mesh.V, tmp_path / f"a{suffix}")
+
+
+DIVIDED = """
+import os, io, sys, numpy as np
+packed = io.BytesIO()
+np.savez(packed, V=np.eye(3), F=[[0, 1, 2]], chord=0.5)
+sys.stdout.buffer.write(packed.getvalue())
+"""
+
+
+def test_open_session_file_has_the_triangles_of_a_cad_model_in_it(tmp_path, monkeypatch, installed):
+    """Another version of the libraries would divide the model otherwise."""
+    monkeypatch.setattr(cad, "START_SCRIPT", DIVIDED)
+    (tmp_path / "a.step").write_bytes(STEP)
+    mesh = open_mesh(tmp_path / "a.step")
+    assert (mesh.unit, mesh.V.tolist()) == ("mm", np.eye(3).tolist())
+    save_session(tmp_path / "a.apd", initial_state(mesh), View())
+    monkeypatch.setattr(cad, "START_SCRIPT", DIVIDED.replace("eye(3)", "eye(3)[::-1]"))
+    state = open_session_file(tmp_path / "a.apd").state
+    assert state.document.mesh.digest == mesh.digest
 
 
 @pytest.mark.extra
@@ -118,7 +145,6 @@ def _flipped(seed):
     return bytes(content)
 
 
-STEP = SOLIDS["cylinder.stp"][0]
 DAMAGED = {
     "empty": b"",
     "blank": b" \n" * 50,
@@ -159,3 +185,29 @@ def test_even_triangles_replace_needles():
     assert worst_aspect(even, triangles) <= 5
     lengths = np.linalg.norm(even[triangles] - even[np.roll(triangles, 1, axis=1)], axis=2)
     assert lengths.mean() == pytest.approx(3.0, rel=0.25)
+
+
+@pytest.mark.extra
+def test_remesh_command_writes_even_triangles(tmp_path, capsys):
+    (tmp_path / "a.step").write_bytes(STEP)
+    out = tmp_path / "out.ply"
+    assert main(["remesh", str(tmp_path / "a.step"), "--edge", "3", "-o", str(out), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    even = open_mesh(out)
+    assert told["vertices"] == len(even.V) < told["vertices_before"]
+    assert inspect(even).volume == pytest.approx(CYLINDER, rel=5e-3)
+    assert told["worst_aspect"] <= 10
+
+
+def test_remesh_command_says_no_in_one_line(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(cad, "find_spec", {}.get)
+    box = tmp_path / "box.obj"
+    box.write_text(obj(CUBE, QUADS))
+    for words, sentence in (
+        (["-o", "out.step"], "is only read"),
+        (["--edge", "0", "-o", "out.ply"], "above 0"),
+        (["-o", "out.ply"], 'pip install "apd-viewer[cad]"'),
+    ):
+        assert main(["remesh", str(box), *words[:-1], str(tmp_path / words[-1])]) == 2
+        assert sentence in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["box.obj"]
