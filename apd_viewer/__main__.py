@@ -10,12 +10,12 @@ from apd_viewer.commands.terminal.command_output import STANDARD_OUTPUT
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals, prepare_streams, print_error
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_formats import MESH_FORMATS
+from apd_viewer.files.mesh_formats import READABLE_NAMES
 from apd_viewer.language import comma_separated, tr
 
 _OF_DESKTOP = "desktop", "thumbnail"
 COMMANDS = (
-    *("deck", "deform", "info", "paper", "press", "replay", "study", "sweep", "verify", "volumes"),
+    *("deck", "deform", "info", "paper", "press", "remesh", "replay", "study", "sweep", "verify", "volumes"),
     *_OF_DESKTOP,
 )
 _USAGE = tr(
@@ -25,6 +25,7 @@ apd-viewer deform MESH ... -o OUT    deform a mesh without a window
 apd-viewer deck SESSION -o OUT.inp   shells with boundary conditions for CalculiX or Abaqus
 apd-viewer info MESH                 check a mesh file and describe its contents
 apd-viewer press MESH ... -o OUT     press a mesh between two plates
+apd-viewer remesh MESH -o OUT        divide the surface of a mesh into even triangles
 apd-viewer replay SESSION -o OUT     re-run a saved session without a window
 apd-viewer study PLAN.csv -o DIR     run many cases in parallel; "study design" writes plans
 apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
@@ -110,9 +111,7 @@ def _view_parser() -> Parser:
         "file",
         nargs="?",
         metavar="FILE",
-        help=tr("mesh ({formats}) or session (.apd) to open").format(
-            formats=comma_separated(each.name for each in MESH_FORMATS.values())
-        ),
+        help=tr("mesh ({formats}) or session (.apd) to open").format(formats=comma_separated(READABLE_NAMES)),
     )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))

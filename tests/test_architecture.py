@@ -50,7 +50,7 @@ LIBRARIES = {
     "cases": {"numpy", "scipy", "distributed", "pyarrow", "threadpoolctl"},
     "verification": {"numpy", "scipy"},
     "session": {"numpy"},
-    "files": {"numpy", "trimesh", "PIL", "vtkmodules"},
+    "files": {"numpy", "trimesh", "PIL", "vtkmodules", "cascadio", "mmgpy"},
     "geometry, what moves": {"numpy", "scipy", "numba", "llvmlite"},
     "geometry, what is true": {
         *("numpy", "scipy", "numba", "threadpoolctl", "llvmlite", "cholespy", "fast_simplification"),
@@ -85,6 +85,8 @@ CONFINED = {
     "distributed": {"cases/cluster.py"},
     "pyarrow": {"cases/results.py"},
     "threadpoolctl": {"geometry/linalg/threads.py", "cases/case_worker.py"},
+    "cascadio": {"files/formats/cad.py"},
+    "mmgpy": {"files/formats/cad.py"},
     "qtpy": set(),  # the binding that pyvistaqt chooses is its own affair
 }
 MEANINGLESS = {"utils", "util", "common", "helpers", "helper", "manager", "base", "misc", "core"}

@@ -12,7 +12,7 @@ from pseudo import LANGUAGE, MARKED, ROOT, fields, messages, write_catalogue
 
 from apd_viewer import language
 from apd_viewer.__main__ import VARIABLES
-from apd_viewer.files.mesh_formats import MESH_FORMATS
+from apd_viewer.files.mesh_formats import READABLE_NAMES
 from apd_viewer.language import catalogue, preferred_languages
 
 FUNCTIONS = {"tr": 1, "trn": 3, "trc": 2}
@@ -192,7 +192,7 @@ def test_main_speaks_the_language_in_its_help(spoken):
     done = run(spoken, "--help")
     assert done.returncode == 0
     words = {word.strip("-,") for word in unmarked(done.stdout).split()}
-    names = {each.name for each in MESH_FORMATS.values()} | set(VARIABLES)
+    names = {*READABLE_NAMES, *VARIABLES}
     assert words <= {"FILE", "h", "help", "version", "clicked", "log-level", "LEVEL", "", ":"} | names
 
 

@@ -22,7 +22,7 @@ from pseudo import messages
 
 import apd_viewer
 from apd_viewer.__main__ import COMMANDS
-from apd_viewer.files.meshes import MESH_FORMATS
+from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS
 from apd_viewer.ui.help.manual import action_place, setting_place, slug
 from apd_viewer.ui.settings_page.preference_table import PREFERENCES
 from apd_viewer.verification.case_table import CASES
@@ -81,7 +81,7 @@ def test_site_has_the_errors_and_the_source_of_every_case():
 
 
 def test_site_has_every_format_on_its_page():
-    assert re.findall(r"`(\.\w+)`", generated_pages.WRITERS["formats"]()) == list(MESH_FORMATS)
+    assert re.findall(r"`(\.\w+)`", generated_pages.WRITERS["formats"]()) == [*MESH_FORMATS, *CAD_FORMATS]
 
 
 @pytest.mark.night

@@ -7,6 +7,7 @@ from apd_viewer.commands.deform_command import deform_parser
 from apd_viewer.commands.info_command import info_parser
 from apd_viewer.commands.paper_command import paper_parser
 from apd_viewer.commands.press_command import press_parser
+from apd_viewer.commands.remesh_command import remesh_parser
 from apd_viewer.commands.replay_command import replay_parser
 from apd_viewer.commands.study_command import design_parser, study_parser
 from apd_viewer.commands.sweep_command import sweep_parser
@@ -20,6 +21,7 @@ PARSERS: dict[str, Callable[[], Parser]] = {
     "info": info_parser,
     "paper": paper_parser,
     "press": press_parser,
+    "remesh": remesh_parser,
     "replay": replay_parser,
     "study": study_parser,
     "study design": design_parser,

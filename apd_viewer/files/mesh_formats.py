@@ -65,6 +65,11 @@ MESH_FORMATS = {
     ".vtu": MeshFormat("VTU", XML_PROLOG + rb'VTKFile\s[^>]*type="UnstructuredGrid"'),
     ".vtk": MeshFormat("VTK", rb"# vtk DataFile"),
 }
+# Models that the libraries of an extra divide into triangles.
+_STEP = MeshFormat("STEP", rb"\s*ISO-10303-21", WriteSupport.NONE)
+_IGES = MeshFormat("IGES", rb"[^\r\n]{72}S[ 0]{6}1", WriteSupport.NONE)
+CAD_FORMATS = {".stp": _STEP, ".step": _STEP, ".igs": _IGES, ".iges": _IGES}
+READABLE_NAMES = tuple(dict.fromkeys(each.name for each in (MESH_FORMATS | CAD_FORMATS).values()))
 # Files of several shapes: a list of mesh files, glTF, and points of a mesh in another file.
 SERIES, GLTF_FORMATS, POINT_CACHES = ".pvd", (".glb", ".gltf"), (".pc2", ".mdd")
 WRITABLE_FORMATS = tuple(suffix for suffix, each in MESH_FORMATS.items() if each.writing is WriteSupport.ANY)

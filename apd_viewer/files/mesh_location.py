@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.known_file import file_stamp
-from apd_viewer.files.mesh_formats import MESH_FORMATS
+from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS
 from apd_viewer.files.meshes import open_mesh, read_mesh
 from apd_viewer.files.samples import SAMPLES, resource_path
 from apd_viewer.files.storage.archive import Archive, npy_content
@@ -61,6 +61,8 @@ def _sample(name: str) -> str:
 def is_mesh_in_file(mesh: Mesh) -> bool:
     """True if the mesh's file still contains it; reread only after a change."""
     if mesh.path is None or isinstance(mesh.origin, BakedOrigin):
+        return False
+    if mesh.path.suffix.lower() in CAD_FORMATS:  # another version of a library divides it otherwise
         return False
     stamp = file_stamp(mesh.path)
     # A .gltf may keep its arrays in another file.

@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.length_units import METRES
-from apd_viewer.files.mesh_formats import MESH_FORMATS, WRITABLE_FORMATS, WriteSupport
+from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS, WRITABLE_FORMATS, WriteSupport
 from apd_viewer.files.meshes import LARGEST_COORDINATE, largest_coordinate, parsed_mesh
 from apd_viewer.files.storage.atomic_file import file_write_error, is_circular_link, is_stream, replacing_file
 from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
@@ -24,6 +24,14 @@ _ROUNDING = 1e-4  # tolerance of the file read back, relative to the size of the
 def check_mesh_path(path: str | Path) -> Path:
     """Return ``path`` if its name allows writing a mesh, else raise InputError."""
     path = Path(path)
+    if path.suffix.lower() in CAD_FORMATS:
+        raise InputError(
+            tr("{name} cannot be written: {kind} is only read; use {endings}.").format(
+                name=path.name,
+                kind=CAD_FORMATS[path.suffix.lower()].name,
+                endings=", ".join(WRITABLE_FORMATS),
+            )
+        )
     if path.suffix.lower() not in MESH_FORMATS:
         raise InputError(
             tr("{name} does not have a supported ending; use {endings}.").format(

@@ -10,10 +10,11 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats import obj, off, package_3mf, ply, stl
+from apd_viewer.files.formats.cad import read_cad
 from apd_viewer.files.formats.polygon_mesh import EncodedMeshOrigin, ParsedMesh
 from apd_viewer.files.formats.text import decoded_text
 from apd_viewer.files.gltf.gltf_reader import read_gltf
-from apd_viewer.files.mesh_formats import MESH_FORMATS, XML_PROLOG
+from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS, READABLE_NAMES, XML_PROLOG, MeshFormat
 from apd_viewer.files.storage.regular_files import one_line_message, read_bytes, without_library_warnings
 from apd_viewer.files.vtk import legacy, xml_surface
 from apd_viewer.geometry.mesh.arrays import checked
@@ -34,7 +35,8 @@ def open_mesh(path: str | Path) -> Mesh:
     Parameters
     ----------
     path : path
-        OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or legacy VTK. Polygons are split into triangles.
+        OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or legacy VTK. Polygons are split into triangles. STEP
+        and IGES need the extra ``cad``.
 
     Raises
     ------
@@ -117,10 +119,11 @@ def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
                 "{name} refers to other files; open one of them, or save the surface as one .vtp file."
             ).format(name=path.name)
         )
-    if path.suffix.lower() not in (*MESH_FORMATS, *more_suffixes):
+    if path.suffix.lower() not in (*MESH_FORMATS, *CAD_FORMATS, *more_suffixes):
         raise InputError(
             tr("{name} is not a supported file type; use {kinds}.").format(
-                name=path.name, kinds=alternatives(each.name for each in MESH_FORMATS.values())
+                name=path.name,
+                kinds=alternatives(READABLE_NAMES),
             )
         )
     if path.stat().st_size == 0:
@@ -129,8 +132,10 @@ def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
 
 def parsed_mesh(content: bytes, path: Path) -> ParsedMesh:
     """Parse mesh file content in the format of the suffix."""
-    text, encoding = decoded_text(content)
     kind = path.suffix.lower()
+    if kind in CAD_FORMATS:
+        return read_cad(content, kind)
+    text, encoding = decoded_text(content)
     found = read_gltf(text, path) if kind in (".glb", ".gltf") else _READERS[kind](text)
     if encoding is None or found.origin is None:
         return found
@@ -142,7 +147,9 @@ _Key = TypeVar("_Key")
 _HEAD = 4096  # bytes searched at the start and the end of a file
 _SHOWN = 40  # maximum number of characters quoted from a text
 # Patterns at the start of files in readable formats: OBJ last, as other formats may have such lines, too.
-_OPENED = {suffix: MESH_FORMATS[suffix].opening for suffix in reversed(MESH_FORMATS)}
+_OPENED = {
+    suffix: formats[suffix].opening for formats in (MESH_FORMATS, CAD_FORMATS) for suffix in reversed(formats)
+}
 _COMPRESSED = {
     "gzip": rb"\x1f\x8b",
     "ZIP": rb"PK\x03\x04",
@@ -161,8 +168,6 @@ _KEPT_ELSEWHERE = {
 _WEB_PAGE = rb"(?i)\s*(?:<\?[^>]*>\s*)?(?:<!--[^>]*>\s*)*<(?:!doctype\s+html|html|head|body)\b"
 _OTHERS = {
     "FBX": rb"Kaydara FBX Binary|\s*; FBX",
-    "STEP": rb"\s*ISO-10303-21",
-    "IGES": rb"[^\r\n]{72}S[ 0]{6}1",
     "DXF": rb"(?:\s*999[ \t]*\r?\n[^\n]*\n)*\s*0\s+SECTION\b|AutoCAD Binary DXF",
     "DWG": rb"AC10\d\d",
     "Blender": rb"BLENDER[-_]",
@@ -214,7 +219,8 @@ def other_format_message(content: bytes, path: Path) -> str | None:
     own = ".stl" if stl.is_binary_stl(content) else _first(content, _OPENED)
     if own:
         said = tr("The content of {name} is {format}; rename it to end in {suffix}.")
-        return None if own == suffix else said.format(name=name, format=own[1:].upper(), suffix=own)
+        is_own = _format_of(own) == _format_of(suffix)
+        return None if is_own else said.format(name=name, format=own[1:].upper(), suffix=own)
     packed = _first(content, _COMPRESSED)
     if packed:
         said = tr("{name} is compressed ({format}); unpack it first.")
@@ -226,6 +232,10 @@ def other_format_message(content: bytes, path: Path) -> str | None:
         )
         return said.format(name=name, format=other)
     return None
+
+
+def _format_of(suffix: str) -> MeshFormat | None:
+    return MESH_FORMATS.get(suffix) or CAD_FORMATS.get(suffix)
 
 
 def no_vertices_message(content: bytes, path: Path) -> str:

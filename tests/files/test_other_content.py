@@ -45,6 +45,7 @@ def png():
 
 WEB_PAGE = "holds a web page and no mesh; download the mesh itself."
 OTHER = "The content of {{}} is {}, which cannot be opened; export the mesh as OBJ, PLY or STL."
+READABLE = "The content of {{}} is {}; rename it to end in .{}."
 LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:%s\nsize 132735\n" % (b"4d7a" * 16)
 
 KNOWN = {
@@ -75,8 +76,14 @@ KNOWN = {
     "PNG": (png(), OTHER.format("PNG")),
     "JPEG": (b"\xff\xd8\xff\xe0\0\x10JFIF\0" + bytes(30), OTHER.format("JPEG")),
     "PDF": (b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n1 0 obj\n", OTHER.format("PDF")),
-    "STEP": (b"ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('v 1 2 3'),'2;1');\n", OTHER.format("STEP")),
-    "IGES": (b"part".ljust(72) + b"S      1\n1H,,1H;,".ljust(72), OTHER.format("IGES")),
+    "STEP": (
+        b"ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('v 1 2 3'),'2;1');\n",
+        READABLE.format("STEP", "step"),
+    ),
+    "IGES": (
+        b"part".ljust(72) + b"S      1\n1H,,1H;,".ljust(72),
+        READABLE.format("IGES", "iges"),
+    ),
     "DXF": (b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n", OTHER.format("DXF")),
     "DXF with a remark": (b"999\nby a program\n0\nSECTION\n2\nENTITIES\n", OTHER.format("DXF")),
     "DWG": (b"AC1027\0\0\0", OTHER.format("DWG")),

@@ -7,7 +7,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
-from apd_viewer.files.mesh_formats import MESH_FORMATS, POINT_CACHES, SERIES, WRITABLE_FORMATS
+from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS, POINT_CACHES, SERIES, WRITABLE_FORMATS
 from apd_viewer.files.mesh_writing import dropped_contents
 from apd_viewer.files.scalar_files import ScalarRows
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -15,7 +15,7 @@ from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.quantities.wall_distribution import DISTRIBUTION_SUFFIXES
 
-_MESHES = " ".join("*" + suffix for suffix in MESH_FORMATS)
+_MESHES = " ".join("*" + suffix for suffix in (*MESH_FORMATS, *CAD_FORMATS))
 _ANIMATIONS = " ".join("*" + suffix for suffix in (SERIES, *POINT_CACHES))
 _OPEN_FILTER = tr("Meshes, animations and sessions ({endings})").format(
     endings=f"{_MESHES} {_ANIMATIONS} *.apd"
@@ -104,7 +104,7 @@ def ask_where_to_save_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | 
     if not path:
         return None
     target: Path | None = Path(path)
-    if Path(path).suffix.lower() not in MESH_FORMATS:
+    if Path(path).suffix.lower() not in (*MESH_FORMATS, *CAD_FORMATS):
         target = _confirmed_path(parent, path, next(kind for kind, name in filters.items() if name == chosen))
     return target if target and _accepts_loss(parent, mesh, target) else None
 

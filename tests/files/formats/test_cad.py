@@ -1,0 +1,213 @@
+"""CAD models: divided in a process of their own, in mm, closed, with even triangles."""
+
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from cad_contents import box_corners, iges_box, step_boxes, step_cylinder
+from mesh_contents import CUBE, QUADS, binary_stl, obj
+
+from apd_viewer.__main__ import main
+from apd_viewer.commands.remesh_command import worst_aspect
+from apd_viewer.errors import InputError
+from apd_viewer.files.formats import cad
+from apd_viewer.files.mesh_formats import CAD_FORMATS
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh, read_mesh
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.session_file import open_session_file, save_session
+
+BOX = box_corners((40, 30, 20))
+BOX_EDGES = [(a, b) for a in range(8) for b in range(a) if np.count_nonzero(BOX[a] - BOX[b]) == 1]
+CYLINDER = np.pi * 15**2 * 40
+SOLIDS = {
+    "box.step": (step_boxes(BOX), 24_000),
+    "in metres.STEP": (step_boxes(BOX / 1000, unit="$"), 24_000),
+    "apart.step": (step_boxes(BOX, BOX + (50, 0, 0)), 48_000),
+    "cylinder.stp": (step_cylinder(15, 40), CYLINDER),
+    "box.igs": (iges_box(BOX), 24_000),
+    "in inches.iges": (iges_box(BOX, "1,4HINCH"), 24_000 * 25.4**3),
+}
+
+STEP = SOLIDS["cylinder.stp"][0]
+
+
+@pytest.fixture
+def installed(monkeypatch):
+    """As if the extra were installed."""
+    monkeypatch.setattr(cad, "find_spec", lambda library: library)
+
+
+@pytest.mark.parametrize("name", ["a.step", "a.stp", "a.igs", "a.iges"])
+def test_read_cad_names_the_extra_where_it_is_missing(name, tmp_path, monkeypatch):
+    (tmp_path / name).write_bytes(SOLIDS["box.step"][0])
+    monkeypatch.setattr(cad, "find_spec", {}.get)
+    with pytest.raises(InputError, match=r'pip install "apd-viewer\[cad\]"'):
+        open_mesh(tmp_path / name)
+
+
+def test_read_cad_outlives_a_process_that_crashes(tmp_path, monkeypatch, installed):
+    monkeypatch.setattr(cad, "START_SCRIPT", "import os; os._exit(139)")
+    (tmp_path / "a.step").write_bytes(SOLIDS["box.step"][0])
+    with pytest.raises(InputError, match=r"a\.step is not a valid STEP file \(it is damaged"):
+        open_mesh(tmp_path / "a.step")
+
+
+def test_read_cad_waits_no_longer_than_its_limit(tmp_path, monkeypatch, installed):
+    monkeypatch.setattr(cad, "START_SCRIPT", "import time; time.sleep(60)")
+    monkeypatch.setattr(cad, "TIME_LIMIT", 0.2)
+    (tmp_path / "a.igs").write_bytes(SOLIDS["box.igs"][0])
+    with pytest.raises(InputError, match="takes longer than"):
+        open_mesh(tmp_path / "a.igs")
+
+
+@pytest.mark.parametrize("suffix", CAD_FORMATS)
+def test_save_mesh_says_that_cad_is_only_read(suffix, tmp_path):
+    mesh = Mesh(CUBE, [[0, 1, 2]])
+    with pytest.raises(InputError, match=rf"cannot be written: {CAD_FORMATS[suffix].name} is only read"):
+        save_mesh(mesh, mesh.V, tmp_path / f"a{suffix}")
+
+
+DIVIDED = """
+import os, io, sys, numpy as np
+packed = io.BytesIO()
+np.savez(packed, V=np.eye(3), F=[[0, 1, 2]], chord=0.5)
+sys.stdout.buffer.write(packed.getvalue())
+"""
+
+
+def test_open_session_file_has_the_triangles_of_a_cad_model_in_it(tmp_path, monkeypatch, installed):
+    """Another version of the libraries would divide the model otherwise."""
+    monkeypatch.setattr(cad, "START_SCRIPT", DIVIDED)
+    (tmp_path / "a.step").write_bytes(STEP)
+    mesh = open_mesh(tmp_path / "a.step")
+    assert (mesh.unit, mesh.V.tolist()) == ("mm", np.eye(3).tolist())
+    save_session(tmp_path / "a.apd", initial_state(mesh), View())
+    monkeypatch.setattr(cad, "START_SCRIPT", DIVIDED.replace("eye(3)", "eye(3)[::-1]"))
+    state = open_session_file(tmp_path / "a.apd").state
+    assert state.document.mesh.digest == mesh.digest
+
+
+@pytest.mark.extra
+@pytest.mark.parametrize("name", SOLIDS)
+def test_read_cad_gives_closed_even_meshes_in_mm(name, tmp_path):
+    content, volume = SOLIDS[name]
+    (tmp_path / name).write_bytes(content)
+    mesh = open_mesh(tmp_path / name)
+    found = inspect(mesh)
+    assert (mesh.unit, found.openings) == ("mm", 0)
+    assert found.volume == pytest.approx(volume, rel=2e-3)
+    assert worst_aspect(mesh.V, mesh.F) <= 10
+    assert len(mesh.remarks) == 1
+    assert read_mesh(tmp_path / name, content).digest == mesh.digest, "sessions must find their mesh again"
+
+
+def distance_to_segment(points, a, b):
+    share = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+    return np.linalg.norm(points - a - share[:, None] * (b - a), axis=1)
+
+
+@pytest.mark.extra
+def test_read_cad_keeps_sharp_edges(tmp_path):
+    (tmp_path / "box.step").write_bytes(SOLIDS["box.step"][0])
+    mesh = open_mesh(tmp_path / "box.step")
+    allowed = 0.5 * cad.CHORD_TOLERANCE * diagonal(BOX)
+    ridges = np.array([(mesh.V[[*pair]]) for pair in _ridges(mesh)])
+    samples = np.vstack([ridges.mean(axis=1), ridges[:, 0]])
+    apart = np.min([distance_to_segment(samples, BOX[a], BOX[b]) for a, b in BOX_EDGES], axis=0)
+    assert apart.max() <= allowed
+    length = np.linalg.norm(ridges[:, 0] - ridges[:, 1], axis=1).sum()
+    assert length == pytest.approx(4 * (40 + 30 + 20), rel=1e-3), "all twelve edges are there"
+
+
+def _ridges(mesh):
+    """Edges whose triangles meet at more than 40 degrees."""
+    corners = mesh.V[mesh.F]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    sides = {}
+    for face, (a, b, c) in enumerate(mesh.F.tolist()):
+        for edge in ((a, b), (b, c), (c, a)):
+            sides.setdefault(tuple(sorted(edge)), []).append(face)
+    return [edge for edge, (one, other) in sides.items() if normals[one] @ normals[other] < np.cos(0.7)]
+
+
+def _flipped(seed):
+    content = bytearray(SOLIDS["cylinder.stp"][0])
+    random = np.random.default_rng(seed)
+    for place in random.integers(len(content) // 4, len(content), 60):
+        content[place] ^= int(random.integers(1, 256))
+    return bytes(content)
+
+
+DAMAGED = {
+    "empty": b"",
+    "blank": b" \n" * 50,
+    "text": b"Dear Sir or Madam,\n",
+    "zeros": bytes(5000),
+    "only a head": STEP[: STEP.index(b"DATA;")],
+    "no data": STEP[: STEP.index(b"DATA;")] + b"DATA;\nENDSEC;\nEND-ISO-10303-21;\n",
+    "another head": b"ISO 10303 by hand\n" + STEP,
+    "OBJ": obj(CUBE, QUADS).encode(),
+    "STL": binary_stl(CUBE, [face[:3] for face in QUADS]),
+    "IGES": SOLIDS["box.igs"][0],
+    **{f"cut at {part} %": STEP[: len(STEP) * part // 100] for part in (20, 40, 60, 80)},
+    **{f"flipped {seed}": _flipped(seed) for seed in range(8)},
+}
+
+
+@pytest.mark.extra
+@pytest.mark.parametrize("name", DAMAGED)
+def test_read_cad_says_what_is_wrong_with_a_damaged_file(name, tmp_path):
+    (tmp_path / "a.step").write_bytes(DAMAGED[name])
+    with pytest.raises(InputError, match=r"^[^\n]{20,300}\.$"):
+        open_mesh(tmp_path / "a.step")
+
+
+@pytest.mark.extra
+def test_even_triangles_replace_needles():
+    V = np.vstack([BOX, [(x, 0, 0) for x in np.linspace(0.001, 39.999, 40)]])
+    rim = [0, *range(8, 48), 1]
+    fan = [(a, b, 5) for a, b in pairwise(rim)] + [(0, 5, 4)]
+    floor = [(b, a, 2) for a, b in pairwise(rim)] + [(0, 2, 3)]
+    others = [(4, 5, 6), (4, 6, 7), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7)]
+    F = np.array([*fan, *floor, *others])
+    assert worst_aspect(V, F) > 20
+    even, triangles, edge = cad.even_triangles(V, F, 3.0)
+    found = inspect(Mesh(even, triangles))
+    assert edge == 3.0
+    assert found.volume == pytest.approx(24_000, rel=1e-3)
+    assert worst_aspect(even, triangles) <= 5
+    lengths = np.linalg.norm(even[triangles] - even[np.roll(triangles, 1, axis=1)], axis=2)
+    assert lengths.mean() == pytest.approx(3.0, rel=0.25)
+
+
+@pytest.mark.extra
+def test_remesh_command_writes_even_triangles(tmp_path, capsys):
+    (tmp_path / "a.step").write_bytes(STEP)
+    out = tmp_path / "out.ply"
+    assert main(["remesh", str(tmp_path / "a.step"), "--edge", "3", "-o", str(out), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    even = open_mesh(out)
+    assert told["vertices"] == len(even.V) < told["vertices_before"]
+    assert inspect(even).volume == pytest.approx(CYLINDER, rel=5e-3)
+    assert told["worst_aspect"] <= 10
+
+
+def test_remesh_command_says_no_in_one_line(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(cad, "find_spec", {}.get)
+    box = tmp_path / "box.obj"
+    box.write_text(obj(CUBE, QUADS))
+    for words, sentence in (
+        (["-o", "out.step"], "is only read"),
+        (["--edge", "0", "-o", "out.ply"], "above 0"),
+        (["-o", "out.ply"], 'pip install "apd-viewer[cad]"'),
+    ):
+        assert main(["remesh", str(box), *words[:-1], str(tmp_path / words[-1])]) == 2
+        assert sentence in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["box.obj"]
