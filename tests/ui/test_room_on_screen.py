@@ -11,8 +11,7 @@ from resting import Watch
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
-from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
-from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.box_layouts import STRETCH, resize_on_screen, row_layout
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 

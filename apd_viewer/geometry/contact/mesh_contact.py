@@ -1,6 +1,7 @@
-"""Contact of a mesh from its held vertices and wall thickness."""
+"""Contact of a mesh from its held vertices and wall thickness, and its readings."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -8,7 +9,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact, Followers
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.mesh.arrays import check_argument
+from apd_viewer.geometry.mesh.arrays import check_argument, frozen
+from apd_viewer.geometry.pose.frame import FrameContact
 from apd_viewer.language import tr
 
 # Default distance kept between walls, as a fraction of the bounding-box diagonal.
@@ -87,3 +89,24 @@ def contact_thickness(diagonal: float, thickness: float | None) -> float:
             )
         )
     return float(thickness)
+
+
+def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dict[str, Any]:
+    """Contact readings and obstacle loads at ``U`` (n, 3), as arguments of a frame.
+
+    Parameters
+    ----------
+    contact : Contact
+    U : (n, 3) float array
+        Either end of the last collision-free step.
+    shifts : (o, 3) float array
+        Displacements reached by the obstacles.
+    """
+    contact.accept_shape(U)
+    contact.quarter_gradient(U)
+    least = float(contact.least_gap) if contact.touching_pairs else None
+    carried = np.flatnonzero((contact.followers.exempt_groups > 0).any(axis=0))
+    touch = FrameContact(
+        int(contact.touching_pairs), least, len(np.union1d(contact.exempt_vertices, carried))
+    )
+    return {"contact": touch, "loads": frozen(contact.loads), "shifts": frozen(shifts.copy())}

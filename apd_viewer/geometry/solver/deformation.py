@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle, shifted_obstacles
-from apd_viewer.geometry.contact.contact_readings import contact_readings
+from apd_viewer.geometry.contact.mesh_contact import contact_readings
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.enclosed_gas import enclosed_volume
 from apd_viewer.geometry.energy.rest_mesh import RestMesh

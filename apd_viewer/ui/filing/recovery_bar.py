@@ -9,8 +9,7 @@ from apd_viewer.language import tr, trc
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, age_text
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.box_layouts import row_layout
-from apd_viewer.ui.widgets.fit_to_screen import arrange_row
+from apd_viewer.ui.widgets.box_layouts import arrange_row, row_layout
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 from apd_viewer.ui.widgets.wheel import block_mouse_events
 

@@ -12,8 +12,7 @@ from apd_viewer.ui.help.command_search import SearchRow
 from apd_viewer.ui.help.shortcut_rows import ActionRow, ShortcutGroup
 from apd_viewer.ui.preferences.shortcuts import Shortcuts, native_keys, split_keys
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
-from apd_viewer.ui.widgets.fit_to_screen import arrange_row
+from apd_viewer.ui.widgets.box_layouts import STRETCH, arrange_row, column_layout, row_layout
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, set_style_property
 from apd_viewer.ui.widgets.wheel import block_mouse_events
 

@@ -27,8 +27,7 @@ from apd_viewer.ui.overlays.card_stack import (
 from apd_viewer.ui.preferences.shortcuts import text_with_keys
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.tool_modes import Tool
-from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
-from apd_viewer.ui.widgets.fit_to_screen import arrange_row
+from apd_viewer.ui.widgets.box_layouts import arrange_row, column_layout, row_layout
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon, set_style_property
 
 _LOGGER = logging.getLogger(__name__)

@@ -15,9 +15,8 @@ from apd_viewer.ui.preferences.preference_values import Choice, NumberRange, Pre
 from apd_viewer.ui.settings_page import preference_table
 from apd_viewer.ui.tools.brush_tool import BrushSize
 from apd_viewer.ui.tools.tool_choice import ToolChoice
-from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, resize_on_screen, row_layout
 from apd_viewer.ui.widgets.fields import ComboBox, NumberField
-from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 
 _WIDTH, _TITLES, _CONTROLS = 720, 120, 190  # px; dialog width, and smallest widths of titles and controls

@@ -7,8 +7,7 @@ from PySide6.QtWidgets import QDialog, QPushButton, QTextBrowser, QWidget
 
 from apd_viewer.files.html_page import PageBlock, block_html
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
-from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, resize_on_screen, row_layout
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
 _SIZE = QSize(980, 640)

@@ -11,9 +11,8 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_grouped, format_signed
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog
-from apd_viewer.ui.widgets.box_layouts import column_layout
+from apd_viewer.ui.widgets.box_layouts import column_layout, resize_on_screen
 from apd_viewer.ui.widgets.figure_view import FigureView
-from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 
 def _introduction() -> str:

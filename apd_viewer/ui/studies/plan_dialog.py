@@ -25,10 +25,9 @@ from apd_viewer.ui.studies import study_run
 from apd_viewer.ui.studies.engine_fields import EngineFields
 from apd_viewer.ui.studies.run_dialog import add_titled_rows, count_field
 from apd_viewer.ui.studies.varied_fields import TITLE_COLUMN_WIDTH, VariedFields
-from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
+from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, resize_on_screen, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, TextField
-from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 
 _WIDTH = 720  # px: width of the dialog

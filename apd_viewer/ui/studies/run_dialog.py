@@ -19,10 +19,16 @@ from apd_viewer.language import tr
 from apd_viewer.session.background_job import Job, JobOutcome
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.command_process import CommandProcess
-from apd_viewer.ui.widgets.box_layouts import STRETCH, add_parts, column_layout, row_layout
+from apd_viewer.ui.widgets.box_layouts import (
+    STRETCH,
+    add_parts,
+    column_layout,
+    largest_on_screen,
+    resize_on_screen,
+    row_layout,
+)
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.figure_view import FigureView
-from apd_viewer.ui.widgets.fit_to_screen import largest_on_screen, resize_on_screen
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.thin_bar import ThinBar
 

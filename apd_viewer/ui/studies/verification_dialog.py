@@ -13,9 +13,8 @@ from apd_viewer.presentation.verification_text import COLUMN_TITLES, row_cells
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog
-from apd_viewer.ui.widgets.box_layouts import row_layout
+from apd_viewer.ui.widgets.box_layouts import resize_on_screen, row_layout
 from apd_viewer.ui.widgets.figure_view import FigureView
-from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.verification.verification_run import VerificationRow
 
 _WIDTH, _RESULTS = 640, QSize(960, 760)

@@ -35,7 +35,7 @@ from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.studies import run_dialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
-from apd_viewer.ui.widgets import fit_to_screen
+from apd_viewer.ui.widgets import box_layouts
 
 
 @pytest.fixture
@@ -295,7 +295,7 @@ def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_field
     qtbot, ball, written, tmp_path, monkeypatch
 ):
     low = QSize(1280, 760)
-    for module in (run_dialog, fit_to_screen):
+    for module in (run_dialog, box_layouts):
         monkeypatch.setattr(module, "largest_on_screen", lambda _: low)
     end_run(ball, written, tmp_path / "scratch")
     qtbot.waitUntil(lambda: ball.height() <= low.height())
