@@ -7,7 +7,7 @@ from apd_viewer.cases.case import MOST_STEPS
 from apd_viewer.cases.study_case import CaseSetting
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA
-from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, check_not_factor
+from apd_viewer.geometry.goals.target_values import PERCENT_SIGN, check_not_factor
 from apd_viewer.geometry.solver.convergence import CRITERIA, LARGEST_SEED, LARGEST_TOLERANCE, MOST_ITERATIONS
 from apd_viewer.geometry.solver.methods import MOST_VERTICES_IN_CONTACT, method_named
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, Setting, SettingKind

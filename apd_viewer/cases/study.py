@@ -33,15 +33,8 @@ from apd_viewer.language import tr
 _TABLE, _TIMES = 20.0, 50.0
 # Paths written in the folder, except the files of cases, which replace links instead of following them.
 _WRITTEN = (
-    ".lock",
-    "study.sqlite*",
-    "results.*",
-    "curves.csv",
-    "cases",
-    "cases/*",
-    "inputs",
-    "inputs/*",
-    "inputs/*/*",
+    *(".lock", "study.sqlite*", "results.*", "curves.csv"),
+    *("cases", "cases/*", "inputs", "inputs/*", "inputs/*/*"),
 )
 T = TypeVar("T")
 # Seconds between commits; results lost in a crash are recovered from the files of the cases.

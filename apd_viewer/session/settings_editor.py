@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.ball import check_fits_in_ball
+from apd_viewer.geometry.goals.target_values import check_fits_in_ball
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.gestures import DocumentEditor

@@ -9,8 +9,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.goals.ball import check_fits_in_ball
-from apd_viewer.geometry.goals.percentage import GOAL_WORDS, percentage
+from apd_viewer.geometry.goals.target_values import GOAL_WORDS, check_fits_in_ball, percentage
 from apd_viewer.geometry.mesh.arrays import check_argument, checked_integers
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.mesh.weighted_areas import Patch, WeightedAreas, triangle_weights

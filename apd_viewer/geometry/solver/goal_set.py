@@ -17,7 +17,7 @@ from apd_viewer.geometry.goals.goals import (
     make_goals,
     region_patch,
 )
-from apd_viewer.geometry.goals.percentage import percentage
+from apd_viewer.geometry.goals.target_values import percentage
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import check_argument
 from apd_viewer.geometry.solver.methods import Method

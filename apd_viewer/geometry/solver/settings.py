@@ -13,7 +13,7 @@ from operator import attrgetter
 from typing import Any
 
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.goals.percentage import LEAST_PERCENTAGE, MOST_PERCENTAGE
+from apd_viewer.geometry.goals.target_values import LEAST_PERCENTAGE, MOST_PERCENTAGE
 from apd_viewer.geometry.mesh.arrays import MOST_HARDENING
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, LARGEST_TOLERANCE, Convergence
 from apd_viewer.geometry.solver.methods import (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.files.selections.selection import Selection, default_name
-from apd_viewer.geometry.goals.percentage import percentage_text
+from apd_viewer.geometry.goals.target_values import percentage_text
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr

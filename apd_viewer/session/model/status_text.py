@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.files.known_file import FileState
-from apd_viewer.geometry.analysis.mesh_findings import Finding
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.geometry.pose.held_turn import pass_through_warnings
 from apd_viewer.language import tr, trn
 from apd_viewer.notation import localized_number
-from apd_viewer.session.model import memo
 from apd_viewer.session.quantities.units import Unit
-
-# Number of loose parts listed individually, the largest first; the first finding includes all.
-_MOST_LOOSE = 100
 
 if TYPE_CHECKING:
     from apd_viewer.files.fe_deck import Deck
     from apd_viewer.files.selections.selection import Selection
+    from apd_viewer.geometry.analysis.mesh_findings import Finding
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -150,6 +145,7 @@ def exempt_zone_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Findi
     if crossing is None or not len(crossing):
         return ()
     # Imported here: other functions of this file are needed before these modules are loaded.
+    from apd_viewer.geometry.analysis.mesh_findings import Finding
     from apd_viewer.geometry.contact.contact import is_near_crossing
 
     near = is_near_crossing(mesh.joined_F, crossing, len(mesh.V))
@@ -165,6 +161,7 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
     if crossing is None or not len(crossing):
         return ()
     # Imported here: other functions of this file are needed before that module is loaded.
+    from apd_viewer.geometry.analysis.mesh_findings import Finding
 
     sentence = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")
     where = frozen(np.unique(mesh.F[crossing]))
@@ -184,27 +181,3 @@ def held_turn_phrase(check: ShapeCheck | None, k: int) -> str:
     """Phrase about the turn of handle ``k`` reached by the surface; empty if unknown."""
     held = check.turns[k].degrees[1] if check is not None and k < len(check.turns) else None
     return "" if held is None else tr("the surface holds {angle:.1f}°").format(angle=held).replace("-", "−")
-
-
-def loose_component_findings(document: Document) -> Iterator[tuple[Finding, tuple[int, ...]]]:
-    """Findings about all loose parts, then about each with its lowest vertex ID.
-
-    Before anything is painted, the largest part is left out, since it will probably be painted.
-    """
-    parts = document.loose_components
-    if not (document.labels != FREE).any():
-        parts = parts[1:]
-    if len(parts) > 1:
-        said = tr("All {n:,} loose parts").format(n=len(parts))
-        yield _loose_part(document, said, tuple(part.first for part in parts))
-    for part in parts[:_MOST_LOOSE]:
-        said = trn("Loose part, {n:,} triangle", "Loose part, {n:,} triangles", part.triangles)
-        yield _loose_part(document, said.format(n=part.triangles), (part.first,))
-
-
-def _loose_part(
-    document: Document, sentence: str, firsts: tuple[int, ...]
-) -> tuple[Finding, tuple[int, ...]]:
-    mesh = document.mesh
-    vertices = np.unique(mesh.F[np.isin(memo.triangle_components(mesh.joined_F), firsts)])
-    return Finding("loose part", sentence, vertices), firsts

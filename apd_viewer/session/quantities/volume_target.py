@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.percentage import PERCENT_SIGN, percentage
+from apd_viewer.geometry.goals.target_values import PERCENT_SIGN, percentage
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import parse_volume
 from apd_viewer.session.quantities.units import Unit

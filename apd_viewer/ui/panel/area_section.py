@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QIcon, QPainter, QPaintEvent, QPixmap
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedLayout, QToolButton, QVBoxLayout, QWidget
 
-from apd_viewer.geometry.goals.ball import ball_volume
+from apd_viewer.geometry.goals.target_values import ball_volume
 from apd_viewer.geometry.solver.convergence import stability_text
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings

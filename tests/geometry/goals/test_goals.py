@@ -6,7 +6,6 @@ from meshes import box, soup, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.goals.ball import ball_volume
 from apd_viewer.geometry.goals.goals import (
     GoalMeasures,
     Region,
@@ -15,6 +14,7 @@ from apd_viewer.geometry.goals.goals import (
     make_goals,
     region_patch,
 )
+from apd_viewer.geometry.goals.target_values import ball_volume
 from apd_viewer.geometry.mesh.operators import face_areas
 
 V, F = box(2, 3, 4)

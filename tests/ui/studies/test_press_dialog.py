@@ -23,7 +23,7 @@ from apd_viewer.__main__ import main
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.energy.wall_map import wall_map_of
-from apd_viewer.geometry.goals.percentage import percentage
+from apd_viewer.geometry.goals.target_values import percentage
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
 from apd_viewer.session.model.view import View

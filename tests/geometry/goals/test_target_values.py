@@ -5,7 +5,7 @@ import pytest
 
 import apd_viewer
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals.percentage import (
+from apd_viewer.geometry.goals.target_values import (
     LEAST_PERCENTAGE,
     MOST_PERCENTAGE,
     percentage,
