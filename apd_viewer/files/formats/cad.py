@@ -26,6 +26,7 @@ from apd_viewer.language import tr
 _log = logging.getLogger(__name__)
 
 CHORD_TOLERANCE = 1 / 2000  # largest distance from the surface, relative to the diagonal
+_DIVISION_SHARE = 0.25  # of it; the even triangles have the rest
 EDGE_LENGTH = 1 / 60  # of even triangles, relative to the diagonal
 TIME_LIMIT = 300.0  # seconds for a model
 # Run with -c instead of -m, which would import from the current folder. Output of the libraries goes to
@@ -59,12 +60,16 @@ def read_cad(content: bytes, suffix: str) -> ParsedMesh:
     """
     kind = CAD_FORMATS[suffix].name
     _check_installed("cascadio", tr("{kind} files").format(kind=kind))
-    found = _run_job(content, "divide", kind.lower(), str(CHORD_TOLERANCE))
+    found = _run_job(content, "divide", kind.lower(), str(_DIVISION_SHARE * CHORD_TOLERANCE))
     if found is None or not len(found["F"]):
         raise ValueError(tr("it is damaged, or has no surface"))
-    V, F, chord = found["V"], found["F"], float(found["chord"])
-    edge = EDGE_LENGTH * mesh_size(V, F)
-    even = _run_job(_packed(V, F), "remesh", str(edge), str(chord)) if find_spec("mmgpy") else None
+    V, F, size = found["V"], found["F"], mesh_size(found["V"], found["F"])
+    chord, edge = CHORD_TOLERANCE * size, EDGE_LENGTH * size
+    even = (
+        _run_job(_packed(V, F), "remesh", str(edge), str((1.0 - _DIVISION_SHARE) * chord))
+        if find_spec("mmgpy")
+        else None
+    )
     if even is None or not len(even["F"]):
         remark = tr(
             "The CAD model was divided within {chord:.3g} mm of its surface; its triangles may be needles."
@@ -190,7 +195,6 @@ def _divided(content: bytes, kind: str, tolerance: float) -> dict[str, np.ndarra
     return {
         "V": np.vstack([V for V, _ in welded]),
         "F": np.vstack([F + k for (_, F), k in zip(welded, first, strict=False)]),
-        "chord": np.array(chord),
     }
 
 

@@ -2,6 +2,7 @@
 
 import json
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -76,7 +77,7 @@ def test_save_mesh_says_that_cad_is_only_read(suffix, tmp_path):
 DIVIDED = """
 import os, io, sys, numpy as np
 packed = io.BytesIO()
-np.savez(packed, V=np.eye(3), F=[[0, 1, 2]], chord=0.5)
+np.savez(packed, V=np.eye(3), F=[[0, 1, 2]])
 sys.stdout.buffer.write(packed.getvalue())
 """
 
@@ -105,6 +106,16 @@ def test_read_cad_gives_closed_even_meshes_in_mm(name, tmp_path):
     assert worst_aspect(mesh.V, mesh.F) <= 10
     assert len(mesh.remarks) == 1
     assert read_mesh(tmp_path / name, content).digest == mesh.digest, "sessions must find their mesh again"
+
+
+@pytest.mark.extra
+def test_read_cad_stays_within_its_tolerance():
+    mesh = read_mesh(Path("cylinder.step"), STEP)
+    corners = mesh.V[mesh.F]
+    points = np.vstack([mesh.V, corners.mean(axis=1), corners[:, :2].mean(axis=1)])
+    side = np.abs(np.hypot(points[:, 0], points[:, 1]) - 15)
+    apart = np.min([side, np.abs(points[:, 2]), np.abs(points[:, 2] - 40)], axis=0)
+    assert apart.max() <= cad.CHORD_TOLERANCE * np.hypot(np.hypot(30, 30), 40)
 
 
 def distance_to_segment(points, a, b):
