@@ -9,7 +9,7 @@ from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QPoint, QPointF, QRectF, QSize, Qt, QTimer, Signal
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals import percentage
+from apd_viewer.geometry.goals import target_values
 from apd_viewer.language import tr
 from apd_viewer.notation import editable_number, localized_number, notation
 from apd_viewer.presentation.number_format import format_short
@@ -203,9 +203,9 @@ class NumberField(QtWidgets.QDoubleSpinBox):
         try:
             check_unambiguous(unambiguous_text(self._number_text(text)), ",")
             if self._is_percentage and not text.removesuffix(self.suffix()).rstrip().endswith(
-                percentage.PERCENT_SIGN
+                target_values.PERCENT_SIGN
             ):
-                percentage.check_not_factor(value)
+                target_values.check_not_factor(value)
         except InputError as error:
             return str(error)
         return ""
@@ -318,12 +318,12 @@ class TextField(QtWidgets.QLineEdit):
 
     def _complete_percentage(self) -> None:
         """Write the sign after a bare percentage, unless it could be meant as a factor."""
-        if self.shown_unit != percentage.PERCENT_SIGN:
+        if self.shown_unit != target_values.PERCENT_SIGN:
             return
         with suppress(InputError, ValueError):
             number = unambiguous_text(self.text()).strip()
-            percentage.check_not_factor(float(number.replace(",", ".")))
-            self.setText(f"{number} {percentage.PERCENT_SIGN}")
+            target_values.check_not_factor(float(number.replace(",", ".")))
+            self.setText(f"{number} {target_values.PERCENT_SIGN}")
 
     def _leave_room(self) -> None:
         unit = self.shown_unit
@@ -346,8 +346,8 @@ def percent_field(name: str, tip: str) -> NumberField:
         is_percentage=True,
         accessibleName=name,
         toolTip=tip,
-        minimum=percentage.LEAST_PERCENTAGE,
-        maximum=percentage.MOST_PERCENTAGE,
+        minimum=target_values.LEAST_PERCENTAGE,
+        maximum=target_values.MOST_PERCENTAGE,
         value=100.0,
         decimals=2,
         suffix=" %",

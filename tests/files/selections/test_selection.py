@@ -8,7 +8,7 @@ from painted_meshes import N, painted
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA, Selection
-from apd_viewer.geometry.goals import percentage
+from apd_viewer.geometry.goals import target_values
 from apd_viewer.geometry.pose.constraints import BASE, FREE
 
 
@@ -42,4 +42,4 @@ def test_selection_cannot_change():
     with pytest.raises(ValueError, match="read-only"):
         selection.labels[0] = BASE
     assert Selection.with_default_names(selection.labels).labels is selection.labels
-    assert (LEAST_AREA, MOST_AREA) == (percentage.LEAST_PERCENTAGE, percentage.MOST_PERCENTAGE)
+    assert (LEAST_AREA, MOST_AREA) == (target_values.LEAST_PERCENTAGE, target_values.MOST_PERCENTAGE)
