@@ -92,8 +92,10 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
 
 
 def _invalid_file_message(content: bytes, path: Path, error: ValueError) -> str:
+    suffix = path.suffix.lower()
+    kind = CAD_FORMATS[suffix].name if suffix in CAD_FORMATS else suffix[1:].upper()
     invalid = tr("{name} is not a valid {kind} file ({reason}); export it again.").format(
-        name=path.name, kind=path.suffix[1:].upper(), reason=one_line_message(error)
+        name=path.name, kind=kind, reason=one_line_message(error)
     )
     return other_format_message(decoded_text(content)[0], path) or invalid
 

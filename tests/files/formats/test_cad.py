@@ -181,6 +181,15 @@ def test_read_cad_says_what_is_wrong_with_a_damaged_file(name, tmp_path):
 
 
 @pytest.mark.extra
+@pytest.mark.parametrize("part", [0.2, 0.4, 0.6])
+def test_read_cad_says_that_an_iges_file_is_cut(part, tmp_path):
+    content = SOLIDS["box.igs"][0]
+    (tmp_path / "a.igs").write_bytes(content[: int(part * len(content))])
+    with pytest.raises(InputError, match="is not a valid IGES file"):
+        open_mesh(tmp_path / "a.igs")
+
+
+@pytest.mark.extra
 def test_even_triangles_replace_needles():
     V = np.vstack([BOX, [(x, 0, 0) for x in np.linspace(0.001, 39.999, 40)]])
     rim = [0, *range(8, 48), 1]
