@@ -92,6 +92,37 @@ class FileJobs:
         """Open a mesh from memory."""
         self.open_result(mesh.name, lambda: initial_state(mesh))
 
+    def can_remesh(self) -> bool:
+        """Tell which library is missing for even triangles; True if none is."""
+        # Imported here so that the first picture does not wait for it.
+        from apd_viewer.files.formats.cad import check_remeshing
+
+        try:
+            check_remeshing()
+        except InputError as error:
+            self._listener.failed(str(error))
+            return False
+        return True
+
+    def remesh(self, path: Path, edge: float) -> None:
+        """Write the rest shape with even triangles to a file, and open it.
+
+        Parameters
+        ----------
+        edge : float
+            Edge length, mesh units.
+        """
+        mesh = self._store.required_state().document.mesh
+
+        def load() -> OpenedFile:
+            from apd_viewer.files.formats.cad import even_triangles
+
+            V, F, _ = even_triangles(mesh.V, mesh.joined_F, edge)
+            save_mesh(Mesh(V, F, path, unit=mesh.unit), V, check_mesh_path(path))
+            return _opened_mesh(path)
+
+        self.open_result(path.name, load)
+
     def open_result(
         self,
         name: str,

@@ -54,7 +54,9 @@ class _Formatter(argparse.HelpFormatter):
         return "\n".join(indent + line for line in wrapped_lines(text, width - len(indent)))
 
 
-_JSON, _JSON_FILE = "--json", ".json"
+_JSON = "--json"
+# A word after it that is its file, not the next one of the command: named as JSON, or a device.
+_JSON_FILE = re.compile(r".*\.json|/dev/.*", re.IGNORECASE)
 _NEGATIVE = re.compile(r"-[\d.]+[a-zA-Z%]+")  # -50mbar, which argparse takes for an option
 
 
@@ -98,7 +100,7 @@ def _with_values_joined(words: Iterable[str]) -> list[str]:
     """Words with ``--json`` and negative quantities joined to their values."""
     joined = list[str]()
     for word in words:
-        if joined and joined[-1] == _JSON and word.lower().endswith(_JSON_FILE):
+        if joined and joined[-1] == _JSON and _JSON_FILE.fullmatch(word):
             joined[-1] = f"{_JSON}={word}"
         elif joined and re.fullmatch(r"--[a-z-]+", joined[-1]) and _NEGATIVE.fullmatch(word):
             joined[-1] = f"{joined[-1]}={word}"

@@ -97,7 +97,7 @@ def even_triangles(
     InputError
         Without the extra, or if the surface cannot be divided.
     """
-    _check_installed("mmgpy", tr("Even triangles"))
+    check_remeshing()
     size = mesh_size(V, F)
     edge = edge or EDGE_LENGTH * size
     found = _run_job(_packed(V, F), "remesh", str(edge), str(CHORD_TOLERANCE * size))
@@ -106,6 +106,11 @@ def even_triangles(
             tr("The surface cannot be divided into even triangles; check it with apd-viewer info.")
         )
     return found["V"], found["F"], edge
+
+
+def check_remeshing() -> None:
+    """Raise InputError unless the library for even triangles is installed."""
+    _check_installed("mmgpy", tr("Even triangles"))
 
 
 def _check_installed(library: str, what: str) -> None:

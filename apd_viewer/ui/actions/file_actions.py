@@ -38,6 +38,8 @@ class FileActions:
         self.open_study = make(
             "open_study", tr("Open st&udy…"), "open-study", tip, None, commands.case_studies.ask_for_folder
         )
+        tip = tr("Divide the surface into even triangles, in a new file: for needles and scans")
+        self.remesh = make("remesh", tr("Remesh e&venly…"), "remesh", tip, None, filing.remesh)
         self._make_target(maker, commands)
         tip = tr("Export area change, strain, displacement and labels as CSV or PLY")
         self.scalars = make(
@@ -103,7 +105,7 @@ class FileActions:
         menu.addMenu(tr("Open sa&mple")).addActions(self.samples)
         menu.addAction(self.open_study)
         menu.addSeparator()
-        menu.addActions([self.load_target, self.clear_target])
+        menu.addActions([self.load_target, self.clear_target, self.remesh])
         menu.addSeparator()
         menu.addActions([self.save, self.save_as, self.export, self.scalars, self.animation, self.deck])
         menu.addSeparator()
@@ -130,4 +132,4 @@ class FileActions:
         """Actions available only for an open mesh."""
         made = self.report, self.picture, self.copy_picture, self.copy_python
         exports = self.export, self.scalars, self.animation, self.deck
-        return [self.load_target, self.save, self.save_as, *exports, *made]
+        return [self.load_target, self.remesh, self.save, self.save_as, *exports, *made]

@@ -20,6 +20,7 @@ SYNONYMS = {
     "copy_picture": tr("screenshot image photo"),
     "copy_python": tr("script code"),
     "load_target": tr("reference scan deviation"),
+    "remesh": tr("triangles resample needles slivers even refine coarsen"),
     "undo": tr("back revert"),
     "reset": tr("original start over rest undo everything"),
     "bake": tr("apply freeze new rest"),

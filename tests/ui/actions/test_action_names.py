@@ -11,6 +11,7 @@ through larger smaller type_brush choose_by_numbers load_selection save_selectio
 reshape:GROW reshape:SHRINK reshape:SMOOTH reshape:INVERT
 clear:base clear:handle clear:region clear:all lock_part hide_part
 reshape:MIRROR_X reshape:MIRROR_Y reshape:MIRROR_Z
+remesh
 pause add_handle next_handle add_region type_motion put_back compare_methods
 pick_pivot type_pivot centre_pivot sweep study press open_study
 nudge:(-1,0,0) nudge:(1,0,0) nudge:(0,1,0) nudge:(0,-1,0) nudge:(0,0,1) nudge:(0,0,-1)
