@@ -115,6 +115,7 @@ class FileJobs:
         mesh = self._store.required_state().document.mesh
 
         def load() -> OpenedFile:
+            # Imported here for the same reason.
             from apd_viewer.files.formats.cad import even_triangles
 
             V, F, _ = even_triangles(mesh.V, mesh.joined_F, edge)

@@ -113,8 +113,8 @@ def face_findings(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
     needles = ~flat & (longest > _NEEDLE * 2.0 * areas)
     if n := int(needles.sum()):
         sentence = trn(
-            "{n:,} sliver triangle (aspect ratio > {times:g}); Local and Wall may be poor there: remesh it.",
-            "{n:,} sliver triangles (aspect ratio > {times:g}); Local and Wall may be poor there: remesh them.",
+            "{n:,} sliver triangle (aspect ratio > {times:g}); Local and Wall may be poor there; remesh.",
+            "{n:,} sliver triangles (aspect ratio > {times:g}); Local and Wall may be poor there; remesh.",
             n,
         ).format(n=n, times=_NEEDLE)
         yield Finding.at_vertices("needles", sentence, mesh.F[needles])

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QInputDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.files.known_file import FileState, KnownFile
-from apd_viewer.files.mesh_formats import POINT_CACHES, WRITABLE_FORMATS
-from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.files.mesh_formats import POINT_CACHES
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
@@ -23,9 +22,6 @@ from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 from apd_viewer.ui.widgets.display_names import window_title_text
-
-_EDGE, _DECIMALS = 1 / 60, 4  # proposed edge length, in diagonals, and its decimals
-_MOST_TRIANGLES = 2_000_000
 
 
 class FileController:
@@ -87,17 +83,10 @@ class FileController:
         """Ask for an edge length and a file, and open the mesh with even triangles."""
         if (state := self._session.store.state) is None or not self._session.files.can_remesh():
             return
-        mesh = state.document.mesh
-        size, least = diagonal(mesh.V), (state.inspection.area / _MOST_TRIANGLES) ** 0.5
-        title, label = tr("Remesh"), tr("Length of the edges, in units of the mesh:")
-        usual = max(_EDGE * size, least)
-        edge, is_given = QInputDialog.getDouble(self._window, title, label, usual, least, size, _DECIMALS)
-        if not is_given:
-            return
-        proposed = self._memory.last_folder / f"{mesh.stem}-even.obj"
-        path = file_dialogs.ask_for_format(self._window, title, proposed, tuple(WRITABLE_FORMATS))
-        if path is not None:
-            self.run_after_save_prompt(lambda: self._session.files.remesh(path, edge))
+        mesh, area = state.document.mesh, state.inspection.area
+        found = file_dialogs.ask_how_to_remesh(self._window, self._memory.last_folder, mesh, area)
+        if found is not None:
+            self.run_after_save_prompt(lambda: self._session.files.remesh(*found))
 
     def export_mesh(self, on_done: Callable[[], object] = lambda: None) -> None:
         """Ask for a path, export the deformed mesh, and call ``on_done()``."""

@@ -5,11 +5,12 @@ from importlib.metadata import version
 from pathlib import Path
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS, POINT_CACHES, SERIES, WRITABLE_FORMATS
 from apd_viewer.files.mesh_writing import dropped_contents
 from apd_viewer.files.scalar_files import ScalarRows
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
@@ -24,6 +25,8 @@ _MESH_FILTER = tr("Meshes ({endings})").format(endings=_MESHES)
 _WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
 _IMAGES = tr("Images ({endings})").format(endings="*.png *.jpg *.jpeg *.webp *.tif *.tiff *.bmp")
 _DISTRIBUTIONS = " ".join("*" + suffix for suffix in DISTRIBUTION_SUFFIXES)
+_EDGE, _DECIMALS = 1 / 60, 4  # proposed edge length, in diagonals, and its decimals
+_MOST_TRIANGLES = 2_000_000
 _ICON = 64  # px; icon in the About box
 SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
 _SELECTIONS = tr("Selections ({endings})").format(
@@ -88,6 +91,17 @@ def ask_for_format(parent: QWidget, title: str, proposed: Path, kinds: Sequence[
     if not path or Path(path).suffix.lower() in kinds:
         return Path(path) if path else None
     return _confirmed_path(parent, path, next(kind for kind, name in filters.items() if name == chosen))
+
+
+def ask_how_to_remesh(parent: QWidget, folder: Path, mesh: Mesh, area: float) -> tuple[Path, float] | None:
+    """Ask for a file for even triangles, and for their edge length, mesh units."""
+    size, least = diagonal(mesh.V), (area / _MOST_TRIANGLES) ** 0.5
+    title, label = tr("Remesh"), tr("Length of the edges, in units of the mesh:")
+    usual = max(_EDGE * size, least)
+    edge, is_given = QInputDialog.getDouble(parent, title, label, usual, least, size, _DECIMALS)
+    proposed = folder / f"{mesh.stem}-even.obj"
+    path = ask_for_format(parent, title, proposed, tuple(WRITABLE_FORMATS)) if is_given else None
+    return None if path is None else (path, edge)
 
 
 def ask_where_to_save_mesh(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
