@@ -60,7 +60,10 @@ REFUSED = {
     "really an off.stl": (OFF, r"is OFF; rename it to end in \.off"),
     "really a stl.off": (STL_BINARY, r"is STL; rename it to end in \.stl"),
     "really an obj.glb": (OBJ, r"is OBJ; rename it to end in \.obj"),
-    "other.xyz": (OFF, r"not a supported file type; use OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or VTK"),
+    "other.xyz": (
+        OFF,
+        r"not a supported file type; use OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU, VTK, STEP or IGES",
+    ),
     "no suffix": (OBJ, "not a supported file type"),
     "points.obj": (OBJ.split("f ")[0], "No faces"),
     "lines.obj": (OBJ.split("f ")[0] + "l 1 2\n", "No faces"),

@@ -15,7 +15,7 @@ EXCEPTIONS = {
     r"⟦[^⟦⟧]*…$": "a sentence for which there was no room",
     r"[\w/*. -]*\.(obj|xyz|apd|json|sel|npz|ply|dmat|stl|off|glb|gltf|3mf|vt[pku]|inp)\b": "a file or ending",
     r"\b\w+\.(html|png)\b|\*\.(html|png)": "what others are given to look at",
-    r"^(GLB|JSON|NPZ|SEL|DMAT|HTML|PNG) $|\b(OBJ|PLY|STL|OFF|GLB|glTF|3MF|VT[PUK])\b": "the name of a format",
+    r"^(GLB|JSON|NPZ|SEL|DMAT|HTML|PNG) $|\b(OBJ|PLY|STL|OFF|GLB|glTF|3MF|VT[PUK]|STEP|IGES)\b": "the name of a format",
     r"\b([cm]m[²³]?|ml|GPa|[MG]iB|\d+deg|asin|pi)\b|“x”": "a unit, or what is typed into a field for numbers",
     r"^tcp://host:8786$": "an address, as it is typed",
     r"^[\w/.-]*-study$": "a folder",

@@ -194,6 +194,7 @@ class PressDialog(RunDialog):
         self.runs = count_field(tr("Number of runs"), 1, MOST_RUNS, 1)
         self.dents = count_field(tr("Depth of the dents"), 1, DEEPEST_DENTS, DEFAULT_DENTS, " %")
         self.runs.setToolTip(tr("10 show how much a top load depends on dents that nobody sees"))
+        self.dents.setToolTip(tr("How uneven the wall is at rest, in percent of its thickness"))
         self.runs.valueChanged.connect(self._show_stiffness)
         self.band_hint = QLabel()
         words = QLabel(tr("each with other dents of"))

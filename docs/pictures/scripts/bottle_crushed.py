@@ -30,7 +30,7 @@ def draw(stage: Stage) -> Path:
     path = stage.folder / "crushed.png"
     shapes = [mesh.V, open_mesh(twisted).V, open_mesh(crushed).V]
     picture = Picture(
-        path, shapes, [["At rest"], ["Twisted by 180°"], ["Pressed to a half"]], label_colors(labels)
+        path, shapes, [["At rest"], ["Twisted by 180°"], ["Pressed to a half"]], [label_colors(labels)]
     )
     drawn = draw_shapes(mesh, [picture], (1600, 1000))
     assert drawn or stage.quick

@@ -39,6 +39,6 @@ def draw(stage: Stage) -> Path:
             ]
         )
     path = stage.folder / "methods.png"
-    drawn = draw_shapes(mesh, [Picture(path, shapes, words, label_colors(labels))], SIZE)
+    drawn = draw_shapes(mesh, [Picture(path, shapes, words, [label_colors(labels)])], SIZE)
     assert drawn or stage.quick
     return path
