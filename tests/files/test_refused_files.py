@@ -62,7 +62,7 @@ REFUSED = {
     "really an obj.glb": (OBJ, r"is OBJ; rename it to end in \.obj"),
     "other.xyz": (
         OFF,
-        r"not a supported file type; use OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU, VTK, STEP or IGES",
+        r"not a supported file type; use OBJ, .* VTK, STEP or IGES\.",
     ),
     "no suffix": (OBJ, "not a supported file type"),
     "points.obj": (OBJ.split("f ")[0], "No faces"),
