@@ -5,6 +5,7 @@ The numbers were read by that program from its own file.
 
 import json
 import zipfile
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +119,7 @@ def test_save_session_saves_an_old_session_with_the_same_content(tmp_path):
     defaults = {name: getattr(DEFAULT_SETTINGS, name) for name in ("wall_thickness", "poisson")}
     assert added == {"convergence": DEFAULT_CONVERGENCE._asdict(), **defaults}
     assert [again["frame"].pop(name) for name in ("stable", "saddle_escapes")] == [None, 0]
+    assert (said.pop("program"), again.pop("program")) == ("0.1.0", version("apd-viewer"))
     assert again == said
 
 
