@@ -12,7 +12,7 @@ from apd_viewer.files.formats.cad import even_triangles
 from apd_viewer.files.mesh_writing import check_mesh_path, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.operators import area
+from apd_viewer.geometry.mesh.operators import area, aspect_ratios, face_areas
 from apd_viewer.language import tr
 
 
@@ -64,9 +64,5 @@ def _remesh(options: argparse.Namespace) -> CommandOutput:
 
 
 def worst_aspect(V: np.ndarray, F: np.ndarray) -> float:
-    """Largest ratio of longest edge to height of the triangles ``F`` (m, 3)."""
-    corners = V[F]
-    squared = ((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2).max(axis=1)
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    height = np.linalg.norm(normal, axis=1)
-    return float((squared / np.maximum(height, np.finfo(float).tiny)).max())
+    """Largest aspect ratio of the triangles ``F`` (m, 3) that have an area."""
+    return float(aspect_ratios(V, F, face_areas(V, F)).max(initial=0.0))

@@ -10,6 +10,7 @@ import numpy as np
 from apd_viewer.geometry.analysis.defects import defects
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import aspect_ratios
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, WELD_TOLERANCE
 from apd_viewer.language import tr, trn
 
@@ -106,11 +107,7 @@ def face_findings(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
             n,
         ).format(n=n)
         yield Finding.at_vertices("faces without area", sentence, mesh.F[flat])
-    longest = np.zeros(len(mesh.F))
-    for k in range(3):
-        edge = mesh.V[mesh.F[:, k]] - mesh.V[mesh.F[:, k - 1]]
-        np.maximum(longest, np.einsum("ij,ij->i", edge, edge), out=longest)
-    needles = ~flat & (longest > _NEEDLE * 2.0 * areas)
+    needles = aspect_ratios(mesh.V, mesh.F, areas) > _NEEDLE
     if n := int(needles.sum()):
         sentence = trn(
             "{n:,} sliver triangle (aspect ratio > {times:g}); Local and Wall may be poor there; remesh.",

@@ -268,6 +268,15 @@ def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
 _STEPS = 30
 
 
+def aspect_ratios(V: np.ndarray, F: np.ndarray, areas: np.ndarray) -> np.ndarray:
+    """Longest edges over heights (m,) of triangles ``F`` (m, 3); 0 without area."""
+    longest = np.zeros(len(F))
+    for k in range(3):
+        edge = V[F[:, k]] - V[F[:, k - 1]]
+        np.maximum(longest, np.einsum("ij,ij->i", edge, edge), out=longest)
+    return np.divide(longest, 2.0 * areas, out=np.zeros(len(F)), where=areas > 0.0)
+
+
 def total_curvature(V: np.ndarray, F: np.ndarray) -> float:
     """Integral of the absolute Gauss curvature, averaged over neighbourhoods.
 
