@@ -1,8 +1,10 @@
-"""Kind of installation: by pip, or as a self-contained program."""
+"""Installation: its kind, its version, and the folders of its kernels."""
 
 import hashlib
 import os
 import sys
+from functools import cache
+from importlib import metadata
 from pathlib import Path
 
 import platformdirs
@@ -11,6 +13,15 @@ import platformdirs
 def is_packaged() -> bool:
     """True in the self-contained program from the installer, without Python or pip."""
     return getattr(sys, "frozen", False)
+
+
+@cache
+def program_version() -> str:
+    """Version of the program; "unknown" in a copy of its source that is not installed."""
+    try:
+        return metadata.version("apd-viewer")
+    except metadata.PackageNotFoundError:
+        return "unknown"
 
 
 def kernel_folders(modules: Path) -> list[Path]:

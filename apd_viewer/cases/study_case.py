@@ -6,8 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
-from importlib import metadata
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.storage.atomic_file import make_folder, replacing_file
 from apd_viewer.files.storage.regular_files import read_bytes, read_content
+from apd_viewer.installation import program_version
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.storage.session_file import open_session, save_session
@@ -95,7 +95,7 @@ class StudyCase:
         """Key of the result: a digest of all inputs and of the program version."""
         said = {
             "results": RESULTS_VERSION,
-            "program": _program(),
+            "program": program_version(),
             "mesh": [self.mesh.digest, self.mesh.suffix],
             "selection": self.selection and [self.selection.digest, self.selection.suffix],
             "motion": self.motion,
@@ -144,14 +144,6 @@ class StudyCase:
 def input_path(inputs: Path, digest: str, name: str) -> Path:
     """Path of an input file's copy in the folder ``inputs``."""
     return inputs / digest[:_FOLDER] / name
-
-
-@cache
-def _program() -> str:
-    try:
-        return metadata.version("apd-viewer")
-    except metadata.PackageNotFoundError:
-        return "unknown"
 
 
 class InputFiles:

@@ -9,6 +9,7 @@ from apd_viewer.commands.paper_command import paper_parser
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.commands.remesh_command import remesh_parser
 from apd_viewer.commands.replay_command import replay_parser
+from apd_viewer.commands.serve_command import serve_parser
 from apd_viewer.commands.study_command import design_parser, study_parser
 from apd_viewer.commands.sweep_command import sweep_parser
 from apd_viewer.commands.terminal.parser import Parser
@@ -23,6 +24,7 @@ PARSERS: dict[str, Callable[[], Parser]] = {
     "press": press_parser,
     "remesh": remesh_parser,
     "replay": replay_parser,
+    "serve": serve_parser,
     "study": study_parser,
     "study design": design_parser,
     "sweep": sweep_parser,

@@ -8,8 +8,6 @@ import json
 import os
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +24,7 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.installation import program_version
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.opened_file import OpenedFile
@@ -113,7 +112,7 @@ def save_session(
     said = {
         "format": SESSION_FORMAT,
         "version": SESSION_VERSION,
-        "program": _program(),
+        "program": program_version(),
         "mesh": told,
         **({"target": target} if target else {}),
         "arrays": list(arrays),
@@ -129,14 +128,6 @@ def save_session(
     members |= {_IMAGE_MEMBER: view.image.content} if view.image is not None else {}
     write_archive(path, {JSON_MEMBER: text, **members}, is_urgent, finish)
     return bool(copy)
-
-
-@cache
-def _program() -> str:
-    try:
-        return metadata.version("apd-viewer")
-    except metadata.PackageNotFoundError:
-        return "unknown"
 
 
 def open_session(path: str | Path) -> tuple[State, View]:

@@ -1,7 +1,6 @@
 """Dialogs to choose files, and the About box."""
 
 from collections.abc import Sequence
-from importlib.metadata import version
 from pathlib import Path
 
 from PySide6.QtCore import Qt
@@ -12,6 +11,7 @@ from apd_viewer.files.mesh_writing import dropped_contents
 from apd_viewer.files.scalar_files import ScalarRows
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.installation import program_version
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.model.view import SESSION_SUFFIX
 from apd_viewer.session.quantities.wall_distribution import DISTRIBUTION_SUFFIXES
@@ -207,7 +207,7 @@ def show_about_box(parent: QWidget) -> None:
             "<p>Area-preserving deformation of 3D objects, after the method of Li and Hui.</p>"
             "<p>Built on NumPy, SciPy, Numba, cholespy, fast-simplification, trimesh, PyVista and "
             "Qt for Python. MIT licence.</p>"
-        ).format(version=version("apd-viewer"))
+        ).format(version=program_version())
     )
     box.exec()
     box.deleteLater()
