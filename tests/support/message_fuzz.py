@@ -87,8 +87,9 @@ def mutated(content, chance):
             one = chance.choice(numbers)
             damaged[one.start() : one.end()] = chance.choice(ODD_NUMBERS)
             # With its length mended, the head itself is tried and not only its frame.
-            if (end := damaged.find(b"}\x00", 8)) > 0 or (end := damaged.rfind(b"}")) > 0:
-                damaged[:8] = (end - 7).to_bytes(8, "little")
+            end = damaged.find(b"]}", 8) + 2
+            if end > 8:
+                damaged[:8] = (end - 8).to_bytes(8, "little")
     return bytes(damaged)
 
 
