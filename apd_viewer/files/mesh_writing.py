@@ -11,10 +11,16 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.length_units import METRES
 from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS, WRITABLE_FORMATS, WriteSupport
-from apd_viewer.files.meshes import LARGEST_COORDINATE, largest_coordinate, parsed_mesh
+from apd_viewer.files.meshes import parsed_mesh
 from apd_viewer.files.storage.atomic_file import file_write_error, is_circular_link, is_stream, replacing_file
 from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
-from apd_viewer.geometry.mesh.arrays import check_type, checked, checked_floats
+from apd_viewer.geometry.mesh.arrays import (
+    LARGEST_COORDINATE,
+    check_type,
+    checked,
+    checked_floats,
+    largest_coordinate,
+)
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

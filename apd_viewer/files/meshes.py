@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
-import numpy as np
-
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats import obj, off, package_3mf, ply, stl
 from apd_viewer.files.formats.cad import read_cad
@@ -22,7 +20,6 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import alternatives, tr
 
 _OF_OTHER_FILES = (".pvd", ".pvtp", ".pvtu", ".pvtk", ".vtm", ".vtmb")
-LARGEST_COORDINATE = 1e38  # larger coordinates exceed single precision, and their areas overflow
 _READERS = {".obj": obj.read_obj, ".off": off.read_off, ".ply": ply.read_ply, ".stl": stl.read_stl}
 _READERS |= {".3mf": package_3mf.read_3mf, ".vtk": legacy.read_vtk}
 _READERS |= {".vtp": xml_surface.read_vtp, ".vtu": xml_surface.read_vtu}
@@ -78,17 +75,9 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     if not len(V):
         raise InputError(no_vertices_message(decoded_text(content)[0], path))
     try:
-        mesh = Mesh(V, F, path, origin, remarks, unit)
+        return Mesh(V, F, path, origin, remarks, unit)
     except InputError as error:
         raise InputError(f"{path.name}: {error}") from error
-    size = largest_coordinate(V)
-    if size > LARGEST_COORDINATE:
-        raise InputError(
-            tr("{name} has coordinates as large as {size:.3g}; repair the file.").format(
-                name=path.name, size=size
-            )
-        )
-    return mesh
 
 
 def _invalid_file_message(content: bytes, path: Path, error: ValueError) -> str:
@@ -98,11 +87,6 @@ def _invalid_file_message(content: bytes, path: Path, error: ValueError) -> str:
         name=path.name, kind=kind, reason=one_line_message(error)
     )
     return other_format_message(decoded_text(content)[0], path) or invalid
-
-
-def largest_coordinate(X: np.ndarray) -> float:
-    """Largest absolute coordinate."""
-    return max(float(X.max()), -float(X.min()))
 
 
 def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:

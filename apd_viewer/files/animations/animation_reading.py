@@ -13,15 +13,9 @@ from apd_viewer.files.animations.animation_files import PC2_HEADER
 from apd_viewer.files.animations.animation_shapes import blender_vertex_order
 from apd_viewer.files.gltf.gltf_reader import keyed_positions
 from apd_viewer.files.mesh_formats import GLTF_FORMATS, SERIES
-from apd_viewer.files.meshes import (
-    LARGEST_COORDINATE,
-    check_readable,
-    largest_coordinate,
-    open_mesh,
-    read_mesh,
-)
+from apd_viewer.files.meshes import check_readable, open_mesh, read_mesh
 from apd_viewer.files.storage.regular_files import one_line_message, read_content, sibling_content
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import LARGEST_COORDINATE, frozen, largest_coordinate
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

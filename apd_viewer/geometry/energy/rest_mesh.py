@@ -82,10 +82,6 @@ class RestMesh:
         self.area = float(self.face_areas.sum())
         if self.area <= 0.0:
             raise InputError(tr("The mesh has no area: all its faces are degenerate; export it again."))
-        if not np.isfinite(self.area):
-            raise InputError(
-                tr("The coordinates are too large to compute with; choose a larger unit of length.")
-            )
         self.solve_mesh = SolveMesh(V[self.weld.first], self.weld.inverse[F], decimations)
         self.diagonal = diagonal(V[used])
 

@@ -17,8 +17,10 @@ import numpy as np
 from cholespy import CholeskySolverD, MatrixType
 from scipy.sparse import csr_array, diags_array, eye_array, kron
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.linalg.supernodal import SupernodalFactor
 from apd_viewer.geometry.linalg.supernodes import Supernodes
+from apd_viewer.language import tr
 
 _log = logging.getLogger(__name__)
 # Smallest number of unknowns for which a supernodal factor saves time.
@@ -81,8 +83,8 @@ class LinearSolver:
 
     Raises
     ------
-    ValueError
-        If ``A`` is not positive definite.
+    InputError
+        If ``A`` is not positive definite, of triangles that differ too much.
     """
 
     ready, is_in_other_process = True, False
@@ -125,7 +127,15 @@ class _SimplicialFactor:
     """CHOLMOD's factor in double precision, by cholespy."""
 
     def __init__(self, start: np.ndarray, column: np.ndarray, entry: np.ndarray) -> None:
-        self._factor = CholeskySolverD(len(start) - 1, start, column, entry, MatrixType.CSR)
+        try:
+            self._factor = CholeskySolverD(len(start) - 1, start, column, entry, MatrixType.CSR)
+        except ValueError as error:
+            raise InputError(
+                tr(
+                    "The triangles of the mesh differ too much in size or shape to compute with; remesh it, "
+                    "or remove vertices that lie far off."
+                )
+            ) from error
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """Solution ``A^-1 B`` in double precision; same as :meth:`solve_refined`."""

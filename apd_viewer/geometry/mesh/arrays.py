@@ -13,6 +13,14 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr, trn
 
+# Of lengths, too: larger ones exceed single precision, and products of their squares overflow.
+LARGEST_COORDINATE = 1e38
+
+
+def largest_coordinate(X: np.ndarray) -> float:
+    """Largest absolute coordinate."""
+    return max(float(X.max()), -float(X.min()))
+
 
 def frozen(array: np.ndarray) -> np.ndarray:
     """Return ``array`` marked read-only (in place: no copy)."""
@@ -147,6 +155,9 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
             len(bad),
         )
         raise InputError(said.format(n=len(bad), first=bad[0]))
+    if (size := largest_coordinate(V)) > LARGEST_COORDINATE:
+        said = tr("There are coordinates as large as {size:.3g}; repair the file, or choose a larger unit.")
+        raise InputError(said.format(size=size))
     if F.min() < 0 or F.max() >= len(V):
         missing = int(((F < 0) | (len(V) <= F)).any(axis=1).sum())
         said = trn(
@@ -163,7 +174,6 @@ P = ParamSpec("P")
 R = TypeVar("R")
 MOST_HARDENING = 0.99
 MOST_STIFFNESS = 1e9  # products with areas, and their squares, keep enough digits
-_LARGEST = 1e38  # largest length or coordinate; products of the squares of larger ones overflow
 _MOST_ITERATIONS = 10**9
 
 
@@ -205,7 +215,7 @@ def _number_kind(least: float, most: float) -> _Kind:
 
 _FLAG = _Kind(lambda given: isinstance(given, bool | np.bool_), tr("{name} must be True or False."))
 _LENGTH = _Kind(
-    lambda given: 1.0 / _LARGEST <= as_float(given) <= _LARGEST,
+    lambda given: 1.0 / LARGEST_COORDINATE <= as_float(given) <= LARGEST_COORDINATE,
     tr("{name} must be a length in mesh units: a number greater than 0 and at most 1e38."),
 )
 _COUNT = _Kind(
@@ -246,12 +256,12 @@ _KINDS = {
     **dict.fromkeys(
         ("gas", "filled_volume"),
         _Kind(
-            lambda given: 0.0 < as_float(given) <= _LARGEST,
+            lambda given: 0.0 < as_float(given) <= LARGEST_COORDINATE,
             tr("{name} must be a number greater than 0 and at most 1e38."),
         ),
     ),
-    "pressure": _number_kind(-_LARGEST, _LARGEST),
-    "container": _number_kind(0.0, _LARGEST),
+    "pressure": _number_kind(-LARGEST_COORDINATE, LARGEST_COORDINATE),
+    "container": _number_kind(0.0, LARGEST_COORDINATE),
     "factored": _CALL,
     "progress": _CALL,
     "deform.progress": _PROGRESS,

@@ -7,6 +7,7 @@ import scipy.sparse as sp
 from meshes import box, grid, sample_bottle, sphere, tube
 from scipy.sparse.linalg import spsolve
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
@@ -199,3 +200,8 @@ def test_supernodes_are_all_unknowns_and_the_tasks_are_apart(mesh):
     assert len(shares) >= 4
     assert max(shares) <= 0.25
     assert top < 0.3, "what no two cores can share"
+
+
+def test_linear_solver_refuses_an_indefinite_matrix_in_a_sentence():
+    with pytest.raises(InputError, match="differ too much in size or shape"):
+        LinearSolver(sp.csr_array(np.array([[1.0, 2.0], [2.0, 1.0]])))

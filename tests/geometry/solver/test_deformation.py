@@ -562,3 +562,11 @@ def test_deform_converges_with_the_handle_in_two_places(method):
     result = run(W, G, fixed, targets, method, None, handle)
     assert result.converged
     assert abs(result.area_error) <= (1e-3 if method == "paper" else 1.0)
+
+
+@pytest.mark.parametrize("far", [1e39, 1e200])
+def test_deformation_refuses_vertices_that_lie_far_off_in_a_sentence(far):
+    W, G = sphere(2)
+    W[100, 0] = far
+    with pytest.raises(InputError, match=f"coordinates as large as {far:.3g}".replace("+", r"\+")):
+        Deformation(W, G, np.flatnonzero(np.abs(W[:, 2]) > 0.8), method="arap", stiffness=0.01)
