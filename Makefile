@@ -14,7 +14,7 @@ quick test night pictures: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test night night-suite night-alone night-extras quick lint format docs pictures wheel release texts installer clean \
+.PHONY: help run test night night-suite night-alone night-extras night-blender blender quick lint format docs pictures wheel release texts installer clean \
         programs system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -49,7 +49,7 @@ make = $(MAKE)
 
 # Each step is run, whether those before have passed or not.
 night: .venv/.tools programs ## run every check, and write into tests/night.md what was found
-	@.ci/step "The night" .venv/bin/python tests/support/night.py $(make) lint night-suite night-alone night-extras
+	@.ci/step "The night" .venv/bin/python tests/support/night.py $(make) lint night-suite night-alone night-extras night-blender
 
 # Only this form has what tests record.
 results = -o junit_family=xunit1 --junit-xml=build/night/
@@ -71,6 +71,23 @@ $(extras)/.installed: pyproject.toml | system-packages
 	@.ci/step "Updating pip" $(extras)/bin/python -m pip install --quiet 'pip>=25.1'
 	@.ci/step "Installing apd-viewer with all extras and the development tools into $(extras)" \
 	    $(extras)/bin/python -m pip install --quiet --editable '.[video,cluster,cad]' --group extras
+	@touch $@
+
+# Each version of Blender's module is for one version of Python; the add-on's environment has the newest that there is.
+blender = build/night/blender
+addon_tests = -c resources/blender/tests/pytest.ini --confcutdir=resources/blender/tests resources/blender/tests
+
+night-blender: $(blender)/.installed .venv/.compiled
+	@.ci/step "pytest, the add-on in Blender" $(environment) $(blender)/bin/python -m pytest $(addon_tests) $(results)blender.xml
+
+blender: $(blender)/.installed ## build/apd_live-*.zip, the add-on for Blender
+	@.ci/step "Building the add-on" $(blender)/bin/python resources/blender/build.py build --archive
+
+$(blender)/.installed: resources/blender/tests/requirements.txt | system-packages
+	@.ci/step "Creating $(blender) with $(python)" $(python) -m venv --clear $(blender)
+	@.ci/step "Updating pip" $(blender)/bin/python -m pip install --quiet 'pip>=25.1'
+	@.ci/step "Installing Blender's module and pytest into $(blender)" \
+	    $(blender)/bin/python -m pip install --quiet --requirement resources/blender/tests/requirements.txt
 	@touch $@
 
 # What some tests run.
