@@ -15,8 +15,8 @@ from apd_viewer.language import comma_separated, tr
 
 _OF_DESKTOP = "desktop", "thumbnail"
 COMMANDS = (
-    *("deck", "deform", "info", "paper", "press", "remesh", "replay", "study", "sweep", "verify", "volumes"),
-    *_OF_DESKTOP,
+    *("buckle", "deck", "deform", "info", "paper", "press", "remesh", "replay", "study", "sweep", "verify"),
+    *("volumes", *_OF_DESKTOP),
 )
 _USAGE = tr(
     """\
@@ -24,6 +24,7 @@ apd-viewer [FILE]                    open the window on FILE or on the sample bo
 apd-viewer deform MESH ... -o OUT    deform a mesh without a window
 apd-viewer deck SESSION -o OUT.inp   shells with boundary conditions for CalculiX or Abaqus
 apd-viewer info MESH                 check a mesh file and describe its contents
+apd-viewer buckle MESH ...           loads at which a thin wall between two plates buckles
 apd-viewer press MESH ... -o OUT     press a mesh between two plates
 apd-viewer remesh MESH -o OUT        divide the surface of a mesh into even triangles
 apd-viewer replay SESSION -o OUT     re-run a saved session without a window

@@ -33,8 +33,8 @@ from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
 from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
 
-_AXES, _AIR, _MODES = "xyz", "1atm", 4
-_OF_A_PRESS = {"--runs", "--dents", "--gas", "--area", "--volume"}
+_AXES, _AIR = "xyz", "1atm"
+_OF_BUCKLING = {"--axis", "--unit", "--material", "--thickness", "--young", "--poisson"}
 
 
 class PressDialog(RunDialog):
@@ -63,7 +63,7 @@ class PressDialog(RunDialog):
         run.start_requested.connect(self.begin)
         tip = tr("Shows how a perfect wall would fold first, and at which load, without pressing it")
         self.modes = QPushButton(tr("Buckling modes"), toolTip=tip)
-        self.modes.clicked.connect(lambda: self.begin(modes=_MODES))
+        self.modes.clicked.connect(lambda: self.begin(buckles=True))
         run.add_button(self.modes)
         self._state, self._view, self._document, self._unit = state, view, document, unit
         self._points = mesh.V[np.unique(mesh.F)]
@@ -212,7 +212,7 @@ class PressDialog(RunDialog):
         words = tr("of the extent, with the plates {distance} apart")
         self.distance.setText(words.format(distance=self._length_text(self._distance)))
 
-    def begin(self, modes: int = 0) -> None:
+    def begin(self, buckles: bool = False) -> None:
         """Start the press with the options chosen, or find buckling modes instead."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
@@ -224,16 +224,17 @@ class PressDialog(RunDialog):
         except InputError as error:
             self.run.show_failure(str(error))
             return
-        if modes:
-            options = {name: word for name, word in options.items() if name not in _OF_A_PRESS}
-            options["--modes"] = str(modes)
-        opens = self.release.isChecked() and not modes
+        if buckles:
+            up = self._view.up_axis
+            options = {name: options[name] for name in _OF_BUCKLING & options.keys()}
+            options |= {} if up is None else {"--up": up.value}
+        opens = self.release.isChecked() and not buckles
         flags = ["--release"] if opens else []
         mode = f"mode{suffix_for(self._document.mesh)}"
-        self.run.mesh = f"mode-1{Path(mode).suffix}" if modes else self._crushed if opens else self._pressed
-        self.figure_is_drawn = not modes
-        self.figure_caption = tr("Buckling modes") if modes else tr("Curves of load and volume")
-        from_current = self.from_current.isChecked() and not modes
+        self.run.mesh = f"mode-1{Path(mode).suffix}" if buckles else self._crushed if opens else self._pressed
+        self.figure_is_drawn = not buckles
+        self.figure_caption = tr("Buckling modes") if buckles else tr("Curves of load and volume")
+        from_current = self.from_current.isChecked() and not buckles
         mesh, thickness, unit = self._document.mesh, self._wall.thickness, self._unit
 
         def prepared(scratch: Path, results: Path) -> list[str]:
@@ -247,17 +248,13 @@ class PressDialog(RunDialog):
                 table = scratch / f"thickness{TABLE_SUFFIX}"
                 write_distribution(table, thickness.in_unit(unit))
                 options["--thickness"] = str(table)
-            files = {
-                "-o": mode if modes else self._pressed,
-                "--figure": "press.png",
-                "--report": "report.json",
-            }
-            if not modes:
-                files["--curve"] = "curve.csv"
+            files = {"--figure": "press.png", "--json": "report.json"}
+            files |= {"--output": mode} if buckles else {"--output": self._pressed, "--curve": "curve.csv"}
             if opens:
                 files["--crushed"] = self._crushed
             asked = options | {option: str(results / name) for option, name in files.items()}
-            return ["press", str(source), *flags, *(word for pair in asked.items() for word in pair)]
+            words = [f"{option}={word}" for option, word in asked.items()]
+            return ["buckle" if buckles else "press", str(source), *flags, *words]
 
         self.run.begin(prepared)
 

@@ -20,6 +20,7 @@ from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish
 
 from apd_viewer.__main__ import main
+from apd_viewer.commands.buckle_command import buckle_parser
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.energy.wall_map import wall_map_of
@@ -479,13 +480,15 @@ def test_press_dialog_finds_buckling_modes_of_the_wall_without_a_press(asked, tm
     begun = []
     monkeypatch.setattr(dialog.run, "begin", lambda words: begun.append(words(tmp_path, tmp_path / "out")))
     click(dialog.modes)
-    said = press_parser().parse_args(begun[0][1:])
-    assert (said.modes, said.runs, said.release, said.curve, said.crushed) == (4, 1, False, None, None)
+    assert begun[0][0] == "buckle"
+    said = buckle_parser().parse_args(begun[0][1:])
+    assert (said.axis, said.unit, said.material, said.modes) == ("x", "cm", "pet-bottle", 4)
     assert said.output == tmp_path / "out" / "mode.obj"
     assert dialog.run.mesh == "mode-1.obj"
     click(dialog.run.start)
+    assert begun[1][0] == "press"
     again = press_parser().parse_args(begun[1][1:])
-    assert (again.modes, again.runs, again.release) == (None, 10, True)
+    assert (again.runs, again.release) == (10, True)
 
 
 def test_run_controller_gives_reports_the_last_press_of_the_mesh(qtbot, window, ball, written, tmp_path):
