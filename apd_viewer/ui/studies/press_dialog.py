@@ -11,6 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS, plate_travel
 from apd_viewer.geometry.solver.press_band import DEEPEST_DENTS, DEFAULT_DENTS, MOST_RUNS
@@ -23,17 +24,21 @@ from apd_viewer.session.model.obstacle_pair import PROPOSED_STIFFNESS
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text
+from apd_viewer.session.quantities.newton_conversion import settings_pascals
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, parse_wall, press_method
 from apd_viewer.session.quantities.wall_distribution import TABLE_SUFFIX, WallDistribution, write_distribution
+from apd_viewer.session.quantities.wall_material import parse_pressure_difference
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field
 from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
-from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, TextField
 
 _AXES, _AIR = "xyz", "1atm"
+_VACUUM = "-50 mbar"
+_GAS, _PRESSURE = 1, 2  # choices of what is inside
 _OF_BUCKLING = {"--axis", "--unit", "--material", "--thickness", "--young", "--poisson"}
 
 
@@ -186,9 +191,25 @@ class PressDialog(RunDialog):
         return row_layout(self.from_current, STRETCH, spacing=16)
 
     def _make_air(self) -> QHBoxLayout:
-        self.air = CheckBox(tr("air that cannot leave, at one atmosphere"))
-        self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
-        return row_layout(self.air, STRETCH, spacing=16)
+        self.air = ComboBox(accessibleName=tr("Inside"))
+        said = tr("air that goes in and out"), tr("air that cannot leave, at one atmosphere")
+        self.air.addItems([*said, tr("a constant pressure, inside less outside")])
+        self.air.setToolTip(
+            tr("Openings are capped; needs the wall in newtons, and a pressure the method Wall")
+        )
+        settings, size = self._document.settings, diagonal(self._document.mesh.V)
+        pascals = settings_pascals(settings, size, self._view.wall, self._unit)
+        pressure = settings.pressure if settings.traits.is_wall else None
+        text = _VACUUM
+        if pressure is not None and pascals is not None:
+            text = number_format.format_pressure(pressure * pascals)
+        tip = tr("Such as 30mbar, or -50mbar for a vacuum")
+        self.pressure = TextField(text=text, toolTip=tip, accessibleName=tr("Pressure"))
+        self.pressure.setFixedWidth(84)
+        self.air.currentIndexChanged.connect(lambda chosen: self.pressure.setEnabled(chosen == _PRESSURE))
+        self.pressure.setEnabled(False)
+        self.air.setCurrentIndex(0 if pressure is None else _PRESSURE)
+        return row_layout(self.air, self.pressure, STRETCH)
 
     def _make_runs(self) -> QHBoxLayout:
         self.runs = count_field(tr("Number of runs"), 1, MOST_RUNS, 1)
@@ -291,7 +312,14 @@ class PressDialog(RunDialog):
             raise InputError(tr("Newtons need the thickness of the wall as well; enter one such as 0.3mm."))
         if text.young and self._unit is Unit.NONE:
             raise InputError(tr("Newtons need the unit of the mesh; choose it next to the area."))
-        if self.air.isChecked() and wall.young is None:
+        inside = self.air.currentIndex()
+        if inside == _PRESSURE and not METHODS[self.method.currentData()].is_wall:
+            raise InputError(tr("Only the method Wall has a pressure; choose it, or omit the pressure."))
+        if inside == _PRESSURE and wall.young is None:
+            raise InputError(
+                tr("A pressure needs thickness and Young's modulus of the wall; enter them in Size and mass.")
+            )
+        if inside == _GAS and wall.young is None:
             raise InputError(
                 tr("Air inside needs the wall in newtons; choose a material or type its modulus.")
             )
@@ -306,7 +334,8 @@ class PressDialog(RunDialog):
             "--young": text.young.strip(),
             "--poisson": text.poisson.strip() if text.young else "",
             "--yield-radius": text.yield_radius and _number_text(wall.yield_radius),
-            "--gas": _AIR if self.air.isChecked() else "",
+            "--gas": _AIR if inside == _GAS else "",
+            "--pressure": f"{_pascals(self.pressure.text())!r}Pa" if inside == _PRESSURE else "",
         }
         return {option: word for option, word in said.items() if word}
 
@@ -317,6 +346,10 @@ def _proposed_method(settings: Settings, wall: WallText, unit: Unit) -> str:
     with suppress(InputError):
         return press_method(parse_wall(wall, unit), settings.stiffness, own)
     return own
+
+
+def _pascals(text: str) -> float:
+    return parse_pressure_difference(unambiguous_text(text))
 
 
 def _number_text(number: float | None) -> str:

@@ -31,7 +31,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
 from apd_viewer.session.quantities.wall_distribution import WallDistribution, read_distribution
-from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
+from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, parse_pressure_difference
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.studies import run_dialog
@@ -535,14 +535,44 @@ def test_press_dialog_refuses_at_once_a_material_that_cannot_be(typed, words, ba
 
 def test_press_dialog_needs_newtons_for_air_inside(asked, ball):
     ask, options = asked
-    ball.air.click()
+    ball.air.setCurrentIndex(1)
     click(ball.run.start)
     assert not ball.run.is_running
     assert "in newtons" in ball.run.message.text()
     dialog = ask(*sphere(2), unit="cm", wall=PET)
     assert options(dialog).gas is None
-    dialog.air.click()
+    dialog.air.setCurrentIndex(1)
     assert options(dialog).gas == "1atm"
+
+
+def test_press_dialog_holds_a_pressure_by_the_method_wall(asked):
+    ask, options = asked
+    dialog = ask(*sphere(2), unit="cm", wall=PET)
+    assert not dialog.pressure.isEnabled()
+    assert options(dialog).pressure is None
+    dialog.air.setCurrentIndex(2)
+    assert dialog.pressure.isEnabled()
+    for typed, pascals in (("-50 mbar", -5000.0), ("0.3bar", 30_000.0)):
+        dialog.pressure.setText(typed)
+        said = options(dialog)
+        assert parse_pressure_difference(said.pressure) == pytest.approx(pascals)
+        assert (said.method, said.gas) == ("wall", None)
+    for typed, method, words in (("30", "wall", "needs a unit"), ("1bar", "exact", "Only the method Wall")):
+        dialog.pressure.setText(typed)
+        dialog.method.setCurrentIndex(dialog.method.findData(method))
+        click(dialog.run.start)
+        assert not dialog.run.is_running
+        assert words in dialog.run.message.text()
+
+
+def test_press_dialog_proposes_the_pressure_of_the_document(asked):
+    ask, options = asked
+    thickness = 0.03
+    held = {"method": "wall", "wall_thickness": thickness, "pressure": -5000.0 * 4.0 / (3.4e9 * thickness)}
+    dialog = ask(*sphere(2), unit="cm", wall=PET, **held)
+    assert dialog.pressure.text() == "-50 mbar"
+    assert parse_pressure_difference(options(dialog).pressure) == pytest.approx(-5000.0)
+    assert options(ask(*sphere(2), unit="cm", wall=PET, **held | {"method": "exact"})).pressure is None
 
 
 def test_press_dialog_hands_the_targets_of_the_document_to_the_command(asked):
