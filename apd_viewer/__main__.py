@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import apd_viewer
-from apd_viewer.commands.terminal.command_output import STANDARD_OUTPUT
+from apd_viewer.commands.terminal.command_output import json_path
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals, prepare_streams, print_error
 from apd_viewer.errors import InputError
@@ -82,11 +82,11 @@ def _run(words: list[str]) -> None:
 
 def _run_command(options: argparse.Namespace) -> None:
     """Run a command and show its output; raises SystemExit with a status above 0."""
-    if options.json not in (None, STANDARD_OUTPUT):
+    if (path := json_path(options.json)) is not None:
         # Imported here: the thumbnails of a file manager should not wait for it.
         from apd_viewer.files.mesh_writing import check_writable
 
-        check_writable(Path(options.json))
+        check_writable(path)
     output = options.run(options)
     output.show(options.json)
     if output.status:

@@ -20,7 +20,7 @@ from apd_viewer.commands.press_output import (
     weight_lines,
 )
 from apd_viewer.commands.result_output import mesh_remarks
-from apd_viewer.commands.terminal.command_output import CommandOutput, json_text
+from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
 from apd_viewer.commands.terminal.mesh_options import (
     add_axis_option,
     add_wall_options,
@@ -30,7 +30,7 @@ from apd_viewer.commands.terminal.mesh_options import (
     parse_axis,
 )
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser, add_option
+from apd_viewer.commands.terminal.parser import Parser, add_option, add_report_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import (
     add_criteria,
@@ -88,7 +88,7 @@ def press_parser() -> Parser:
     about = tr("write distance, loads, energy and volume of each step")
     add_option(parser, "--curve C.csv", about, type=Path)
     add_option(parser, "--figure F.png", tr("draw load and volume, as F.png and F.svg"), type=Path)
-    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
+    add_report_option(parser)
     about = tr(
         "default: 'wall' where thickness and Young's modulus are known and no stiffness is given, otherwise "
         "'{method}'"
@@ -133,9 +133,9 @@ def parse_distance(text: str) -> float | str:
 
 def _press(options: argparse.Namespace) -> CommandOutput:
     meshes = [path for path in (options.output, options.crushed) if path]
-    written = [*meshes, options.curve, options.figure, options.report]
+    written = [*meshes, options.curve, options.figure, json_path(options.json)]
     if not any(written) and not options.json:
-        raise InputError(tr("Nothing would be written; add -o, --curve, --figure or --report."))
+        raise InputError(tr("Nothing would be written; add -o, --curve, --figure or --json."))
     for path in meshes:
         check_mesh_path(path)
     check_files(written)
@@ -186,13 +186,6 @@ def _press(options: argparse.Namespace) -> CommandOutput:
                 else None
             )
             draw_press_curves(found, folder / options.figure.name, force, band)
-        fields = dict[str, Any]()
-        if options.report or options.json:
-            fields = press_report(mesh, rest, found, settings, wall, newtons) | weight_fields(weight, found)
-            fields |= {"band": band_fields(band, options.dents, heights, newtons, cylinder)} if band else {}
-        if options.report:
-            scratch = beside.enter_context(replacing_file(options.report))
-            scratch.write_text(json_text(fields), encoding="utf-8")
         if options.crushed:
             save_mesh(mesh, found.steps[-1].U, options.crushed, wall.unit.symbol)
         if options.output:
@@ -202,7 +195,12 @@ def _press(options: argparse.Namespace) -> CommandOutput:
     lines = [press_summary(found, rest, first, wall, newtons, extent, is_alone=band is None)]
     lines += weight_lines(weight, found)
     lines += band_lines(band, options.dents, heights, newtons, cylinder) if band else []
-    return CommandOutput([*lines, *mesh_remarks(mesh)], lambda: fields)
+
+    def fields() -> dict[str, object]:
+        said = press_report(mesh, rest, found, settings, wall, newtons) | weight_fields(weight, found)
+        return said | ({"band": band_fields(band, options.dents, heights, newtons, cylinder)} if band else {})
+
+    return CommandOutput([*lines, *mesh_remarks(mesh)], fields)
 
 
 def _presses(

@@ -74,7 +74,7 @@ def test_press_command_writes_a_curve_alone_but_not_nothing(ball, press, tmp_pat
     assert {path.name for path in tmp_path.iterdir()} == {ball.name, curve.name}
     status, _, err, _ = press(ball, *QUICK, out=None)
     assert status == 2
-    assert "Nothing would be written; add -o, --curve, --figure or --report." in err
+    assert "Nothing would be written; add -o, --curve, --figure or --json." in err
 
 
 def test_press_command_says_the_same_in_mesh_curve_figure_and_report(ball, press, tmp_path):
