@@ -504,6 +504,13 @@ def test_run_controller_gives_reports_the_last_press_of_the_mesh(qtbot, window, 
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<h2>Press between plates</h2>" in page
     assert notes[0].text in page
+    ball.close()
+    window.session.files.open_mesh(Mesh(*sphere(1)))
+    idle(qtbot, window)
+    window.actions_.simulate.press.trigger()
+    end_run(window.runs.dialogs["press"], written, tmp_path / "other")
+    assert list(window.runs.pressed_blocks(document(window).mesh)[1:]) == notes
+    assert window.runs.pressed_blocks(mesh)[0] is picture, "as after undo"
 
 
 def test_press_dialog_leads_to_the_fields_of_the_wall_and_takes_what_is_chosen_there(qtbot, window, ball):
