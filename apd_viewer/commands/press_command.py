@@ -15,6 +15,7 @@ from apd_viewer.commands.press_output import (
     press_report,
     press_rows,
     press_summary,
+    pressure_pascals,
     still_weight,
     weight_fields,
     weight_lines,
@@ -58,6 +59,7 @@ from apd_viewer.geometry.solver.press_band import (
 from apd_viewer.geometry.solver.pressed_mesh import Pressed, press_between
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import format_pressure
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
 from apd_viewer.session.quantities.units import Unit
@@ -193,6 +195,10 @@ def _press(options: argparse.Namespace) -> CommandOutput:
     first = next(filter(None, written), Path(mesh.name))
     extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
     lines = [press_summary(found, rest, first, wall, newtons, extent, is_alone=band is None)]
+    if (pascals := pressure_pascals(settings, newtons)) is not None:
+        lines.append(
+            tr("inside  a constant pressure of {pressure}").format(pressure=format_pressure(pascals))
+        )
     lines += weight_lines(weight, found)
     lines += band_lines(band, options.dents, heights, newtons, cylinder) if band else []
 

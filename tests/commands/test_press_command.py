@@ -478,9 +478,13 @@ def test_press_command_holds_a_pressure_of_its_wall(ball, press, tmp_path):
     report, volumes = tmp_path / "r.json", []
     wall = "--unit", "cm", "--thickness", "0.3mm", "--young", "3GPa", "--method", "wall"
     for words in (("--pressure", "-2kPa"), (), ("--pressure", "20mbar")):
-        assert press(ball, *QUICK, *wall, *words, "--report", report)[0] == 0
+        status, said, *_ = press(ball, *QUICK, *wall, *words, "--report", report)
         found = json.loads(report.read_text(encoding="utf-8"))
         volumes.append(found["volume"])
+        assert status == 0
+        assert ("a constant pressure of" in said) == ("pressure_pascal" in found) == bool(words)
+    assert "inside  a constant pressure of 20 mbar\n" in said
+    assert found["pressure_pascal"] == pytest.approx(2000.0)
     assert found["pressure"] == pytest.approx(2000.0 * 4.0 / (3e9 * 0.03))
     assert volumes[0] < volumes[1] < volumes[2]
 
