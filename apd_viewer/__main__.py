@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import apd_viewer
-from apd_viewer.commands.terminal.command_output import STANDARD_OUTPUT
+from apd_viewer.commands.terminal.command_output import json_path
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.streams import discard_output, exit_on_signals, prepare_streams, print_error
 from apd_viewer.errors import InputError
@@ -15,7 +15,7 @@ from apd_viewer.language import comma_separated, tr
 
 _OF_DESKTOP = "desktop", "thumbnail"
 COMMANDS = (
-    *("deck", "deform", "info", "paper", "press", "remesh", "replay"),
+    *("buckle", "deck", "deform", "info", "paper", "press", "remesh", "replay"),
     *("serve", "study", "sweep", "verify", "volumes"),
     *_OF_DESKTOP,
 )
@@ -25,6 +25,7 @@ apd-viewer [FILE]                    open the window on FILE or on the sample bo
 apd-viewer deform MESH ... -o OUT    deform a mesh without a window
 apd-viewer deck SESSION -o OUT.inp   shells with boundary conditions for CalculiX or Abaqus
 apd-viewer info MESH                 check a mesh file and describe its contents
+apd-viewer buckle MESH ...           loads at which a thin wall between two plates buckles
 apd-viewer press MESH ... -o OUT     press a mesh between two plates
 apd-viewer remesh MESH -o OUT        divide the surface of a mesh into even triangles
 apd-viewer replay SESSION -o OUT     re-run a saved session without a window
@@ -83,11 +84,11 @@ def _run(words: list[str]) -> None:
 
 def _run_command(options: argparse.Namespace) -> None:
     """Run a command and show its output; raises SystemExit with a status above 0."""
-    if options.json not in (None, STANDARD_OUTPUT):
+    if (path := json_path(options.json)) is not None:
         # Imported here: the thumbnails of a file manager should not wait for it.
         from apd_viewer.files.mesh_writing import check_writable
 
-        check_writable(Path(options.json))
+        check_writable(path)
     output = options.run(options)
     output.show(options.json)
     if output.status:

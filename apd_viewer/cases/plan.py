@@ -7,13 +7,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from apd_viewer.cases import plan_columns
 from apd_viewer.cases.study_case import CaseSetting, InputFiles, StudyCase
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.files.tables import unescaped_cell
+from apd_viewer.geometry.solver.contact_descent import needs_contact
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_VERTICES_IN_CONTACT
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
 from apd_viewer.language import tr
@@ -76,6 +77,8 @@ def parse_case(cells: Mapping[str, str], folder: Path, sources: InputFiles) -> S
         _parse(column, lambda text: _length(text, typed), cells[column])
     if isinstance(volume := settings.get("volume"), str):
         _parse("volume", lambda text: parse_volume_target(text, typed), volume)
+    if "pressure" in settings and not whole:
+        _check_pressure(settings)
     mesh = sources.mesh(folder / name)
     if not whole:
         own = {name: value for name, value in settings.items() if name in _OLD or value != _USUAL.get(name)}
@@ -103,6 +106,14 @@ def _settings(cells: Mapping[str, str]) -> dict[str, CaseSetting]:
     if "yield_radius" in found and not resists_bending:
         raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))
     return found
+
+
+def _check_pressure(settings: Mapping[str, Any]) -> None:
+    """Raise InputError unless a mesh with these settings can have their pressure."""
+    if plan_columns.YOUNG_COLUMN not in settings:
+        raise InputError(tr("A pressure needs Young's modulus of the wall; fill in “young”."))
+    method, contact = METHODS[settings.get("method", DEFAULT_METHOD)], bool(settings.get("contact"))
+    needs_contact(method, contact, None, *map(settings.get, ("gas", "pressure", "volume")))
 
 
 @lru_cache(maxsize=4096)

@@ -15,8 +15,10 @@ from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.units import SYMBOLS
 from apd_viewer.session.quantities.volume_target import is_percentage
+from apd_viewer.session.quantities.wall_material import parse_pressure_difference, parse_young_modulus
 
 NOTE_PREFIX = "#"
+YOUNG_COLUMN = "young"
 AUTO = "auto"
 _YES, _NO = ("yes", "on", "true", "1"), ("no", "off", "false", "0")
 _FACTORS_OF_MOTION = 2.0  # smaller numbers without % could be meant as factors
@@ -158,6 +160,10 @@ SETTING_COLUMNS = {
         if setting.kind not in (SettingKind.CONVERGENCE, SettingKind.VOLUME, SettingKind.PRESSURE)
     },
     "volume": PlanColumn(_volume, SETTINGS["volume"].help),
+    "pressure": PlanColumn(parse_pressure_difference, SETTINGS["pressure"].help),
+    YOUNG_COLUMN: PlanColumn(
+        parse_young_modulus, tr("Young's modulus of the wall, such as 2.8GPa, for a pressure")
+    ),
     "contact": PlanColumn(
         _contact,
         tr(

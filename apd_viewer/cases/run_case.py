@@ -13,7 +13,7 @@ import numpy as np
 from apd_viewer.cases.case import Case, CaseStep, case_of, case_steps
 from apd_viewer.cases.case_file import DONE, FAILED, CaseResult, damaged_case_error, read_case
 from apd_viewer.cases.plan import parse_cell
-from apd_viewer.cases.plan_columns import LENGTH_COLUMNS
+from apd_viewer.cases.plan_columns import LENGTH_COLUMNS, YOUNG_COLUMN
 from apd_viewer.cases.study_case import InputFile, StudyCase
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import read_mesh
@@ -21,6 +21,7 @@ from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.analysis.shape_check import check_shape
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.solver.convergence import DISTURBANCE
 from apd_viewer.geometry.solver.methods import no_contact_warning
 from apd_viewer.language import tr
@@ -31,6 +32,7 @@ from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.posing.motion_path import MotionStep
 from apd_viewer.session.posing.motion_text import motion_steps
 from apd_viewer.session.quantities.expressions import parse_length
+from apd_viewer.session.quantities.newton_conversion import settings_pascals, wall_pascals
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.volume_target import parse_volume_target
 from apd_viewer.session.storage.session_file import open_session
@@ -128,15 +130,18 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
         If something of it does not fit the mesh; a sentence says what.
     """
     state, view = documents.painted_state(case)
-    said, unit = dict(case.settings), Unit(view.unit)
+    said, unit = dict[str, Any](case.settings), Unit(view.unit)
     for name in ("iterations", "to"):  # settings of the computation, not of the document
         said.pop(name, None)
     if case.contact_by_default:
         said["contact"] = len(state.document.mesh.V) <= int(said["contact"])
     for name in LENGTH_COLUMNS & said.keys():
         said[name] = parse_length(str(said[name]), unit, state.document.mesh.named_lengths)
-    wanted = said.get("volume")
+    wanted, pressure, young = (said.pop(name, None) for name in ("volume", "pressure", YOUNG_COLUMN))
+    # In place of what a session keeps.
+    said = dict.fromkeys(("volume", "filled_volume", "gas") if pressure is not None else ()) | said
     if wanted is not None:
+        said["pressure"] = None
         in_percent = not isinstance(wanted, str)
         said |= parse_volume_target(f"{wanted}%" if in_percent else str(wanted), unit)._asdict()
     if wanted is not None and state.inspection.missing_volume_phrase:
@@ -147,7 +152,16 @@ def case_state(case: StudyCase, documents: CaseDocuments) -> tuple[State, View, 
         )
     criteria: dict[str, Any] = {name: said.pop(name) for name in DISTURBANCE if name in said}
     convergence = state.document.settings.convergence._replace(**criteria)
-    state = state.updated(state.document.with_settings(**said, convergence=convergence))
+    document = state.document.with_settings(**said, convergence=convergence)
+    if pressure is not None:
+        settings, size = document.settings, diagonal(document.mesh.V)
+        pascals = settings_pascals(settings, size, view.wall, unit)
+        if young is not None:
+            pascals = wall_pascals(float(young), size, settings.wall_thickness, settings.poisson)
+        if pascals is None:
+            raise InputError(tr("A pressure needs Young's modulus of the wall; fill in “young”."))
+        document = document.with_settings(pressure=float(pressure) / pascals)
+    state = state.updated(document)
     motion = motion_steps(state.document, "; ".join(case.motion), unit) if case.motion else ()
     return state, view, motion
 

@@ -5,8 +5,8 @@ import argparse
 from apd_viewer.commands.motion_options import add_input_options, read_input
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.mesh_options import unit_option_in_errors
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.files.fe_deck import SIX_NODES, THREE_NODES, check_deck, write_deck
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr

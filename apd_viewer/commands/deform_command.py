@@ -12,13 +12,13 @@ import numpy as np
 from apd_viewer.commands import result_output
 from apd_viewer.commands.motion_options import add_motion_options, motion_from
 from apd_viewer.commands.terminal import setting_options
-from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
+from apd_viewer.commands.terminal.mesh_options import add_weld_option, open_input_mesh
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
+from apd_viewer.commands.terminal.parser import Parser, add_option, add_report_option
 from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
-from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes
+from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import report_fields
 from apd_viewer.files.selections.selection import Selection, default_name
@@ -83,7 +83,7 @@ def deform_parser() -> Parser:
             "area in percent"
         ),
     )
-    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
+    add_report_option(parser)
     about = tr("target shape: add the distance from the surface of another mesh to report and scalars")
     add_option(parser, "--compare OTHER", about)
     result_output.add_scalar_options(parser)
@@ -105,7 +105,7 @@ def _deform(options: argparse.Namespace) -> CommandOutput:
     if options.picture:
         check_picture(options.picture)
     result_output.check_scalar_options(options)
-    check_files([output, options.picture, options.report, *result_output.scalar_files(options)])
+    check_files([output, options.picture, json_path(options.json), *result_output.scalar_files(options)])
     mesh = open_input_mesh(options.mesh, options.weld, options.unit)
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
     contact = setting_options.has_contact(options, len(mesh.V))
@@ -138,16 +138,15 @@ def _deform(options: argparse.Namespace) -> CommandOutput:
         progress=result_output.progress_line_callback(*last) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
-    fields = report_fields(mesh, result, target) if options.report or options.json else {}
     with ExitStack() as beside:  # output files are replaced together, the mesh before the files beside it
         if picture:
             beside.enter_context(replacing_file(options.picture)).write_bytes(picture)
         painted = selection.labels, _member(regions, len(mesh.V))
         result_output.write_scalar_files(beside, options, mesh, result.U, *painted, target)
-        written = result_output.write_result(beside, mesh, result, options.report, output, fields)
+        written = save_mesh(mesh, result.U, output)
     lines = [result_output.result_summary(mesh, result, output, written)]
     lines += [no_pictures_reason()] if options.picture and not picture else []
-    return CommandOutput(lines, lambda: fields)
+    return CommandOutput(lines, lambda: report_fields(mesh, result, target))
 
 
 def _handle_poses(options: argparse.Namespace, mesh: Mesh, selection: Selection) -> list[list[np.ndarray]]:

@@ -5,8 +5,8 @@ from dataclasses import fields
 from typing import Any
 
 from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.mesh_options import add_weld_option, open_input_mesh
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import shape_check_fields, target_distance_fields
 from apd_viewer.geometry.analysis.inspection import Inspection, inspect

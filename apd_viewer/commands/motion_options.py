@@ -4,8 +4,8 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from apd_viewer.commands.terminal.mesh_options import open_input_mesh, unit_option_in_errors
 from apd_viewer.commands.terminal.parser import add_option
-from apd_viewer.commands.terminal.weld_option import open_input_mesh, unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from apd_viewer.commands.buckle_command import buckle_parser
 from apd_viewer.commands.deck_command import deck_parser
 from apd_viewer.commands.deform_command import deform_parser
 from apd_viewer.commands.info_command import info_parser
@@ -17,6 +18,7 @@ from apd_viewer.commands.verify_command import verify_parser
 from apd_viewer.commands.volumes_command import volumes_parser
 
 PARSERS: dict[str, Callable[[], Parser]] = {
+    "buckle": buckle_parser,
     "deck": deck_parser,
     "deform": deform_parser,
     "info": info_parser,

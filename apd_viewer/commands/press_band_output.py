@@ -1,31 +1,21 @@
-"""Output of the ``press`` command about several runs, and about buckling modes."""
+"""Output of the ``press`` command about several runs."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.commands.press_output import press_rows
-from apd_viewer.figures.rendered_pictures import Picture, draw_shapes
 from apd_viewer.files.tables import Cell
 from apd_viewer.geometry.energy.cylinder_buckling import classical_load, knock_down_factor, round_radius
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.geometry.solver.linear_buckling import BucklingModes
 from apd_viewer.geometry.solver.press_band import PressBand
 from apd_viewer.language import tr
-from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.presentation.number_format import format_exact, format_grouped, format_short
 from apd_viewer.presentation.obstacle_readings import force_text
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
-from apd_viewer.session.quantities.units import Unit
-
-_PANEL = 420, 520  # px: size of the picture of a mode
 
 
 class CylinderAsWide(NamedTuple):
@@ -132,62 +122,14 @@ def band_lines(
     }
     lines += [said.format(n=count) for said, count in counts.items() if count]
     if cylinder is not None:
-        lines += _cylinder_lines(loads[known], newtons, cylinder)
+        lines += [f"        {line}" for line in cylinder_lines(loads[known], newtons, cylinder)]
     return lines
 
 
-def mode_fields(
-    modes: BucklingModes, newtons: NewtonConversion | None, cylinder: CylinderAsWide | None
-) -> dict[str, object]:
-    """Fields of the JSON report on buckling modes."""
-    fields = {"buckling_loads": modes.loads.tolist(), "buckling_deflections": modes.deflections.tolist()}
-    if newtons is not None:
-        fields["buckling_loads_newton"] = (newtons.newtons_per_load * modes.loads).tolist()
-    return fields if cylinder is None else fields | {"classical_load": cylinder.classical_load}
-
-
-def mode_lines(
-    modes: BucklingModes, unit: Unit, newtons: NewtonConversion | None, cylinder: CylinderAsWide | None
-) -> list[str]:
-    """Terminal lines about buckling modes."""
-    words = tr("mode {number}  buckles at {load}, deflection {deflection}")
-    lines = []
-    for k, (load, deflection) in enumerate(zip(modes.loads, modes.deflections, strict=True)):
-        gone = unit.format_length(format_exact(float(deflection), 4))
-        lines.append(words.format(number=k + 1, load=force_text(float(load), newtons), deflection=gone))
-    if not lines:
-        lines.append(tr("No buckling mode was found."))
-    lines.append(tr("        Of a perfect wall between smooth plates; dents lower the loads."))
-    return lines if cylinder is None else lines + _cylinder_lines(np.zeros(0), newtons, cylinder)
-
-
-def draw_modes(
-    mesh: Mesh,
-    shapes: Sequence[np.ndarray],
-    modes: BucklingModes,
-    axis: np.ndarray,
-    newtons: NewtonConversion | None,
-    path: Path,
-) -> bool:
-    """Draw deformed ``shapes`` of modes upright along an axis; False without OpenGL."""
-    up = axis / np.linalg.norm(axis)
-    across = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
-    (a, b, c), (x, y, z) = 0.55 * np.cross(across, up) + across + 0.35 * up, up
-    words = [
-        (tr("mode {number}").format(number=k + 1), force_text(float(load), newtons))
-        for k, load in enumerate(modes.loads[: len(shapes)])
-    ]
-    size = _PANEL[0] * len(shapes), _PANEL[1]
-    N = vertex_normals(mesh.V, mesh.joined_F)
-    outwards = [np.einsum("ij,ij->i", N, each) for each in modes.shapes[: len(shapes)]]
-    colors = [DIVERGING.colors(0.5 + 0.5 * each / abs(each).max()) for each in outwards]
-    picture = Picture(path, shapes, words, colors)
-    return bool(shapes) and draw_shapes(mesh, [picture], size, (a, b, c), (x, y, z), legend=False)
-
-
-def _cylinder_lines(
+def cylinder_lines(
     loads: np.ndarray, newtons: NewtonConversion | None, cylinder: CylinderAsWide
 ) -> list[str]:
+    """Sentences on a perfect cylinder as wide, and the share of it at ``loads``."""
     share = ""
     if len(loads):
         least, most = (100.0 * load / cylinder.classical_load for load in _ends(loads))
@@ -195,14 +137,14 @@ def _cylinder_lines(
             range=_between(format_grouped(least, 0), format_grouped(most, 0))
         )
     lines = [
-        tr("        A perfect cylinder as wide would buckle at {load} along its axis{share}.").format(
+        tr("A perfect cylinder as wide would buckle at {load} along its axis{share}.").format(
             load=force_text(cylinder.classical_load, newtons), share=share
         )
     ]
     factor = cylinder.knock_down_factor
     if factor is not None:
         lines.append(
-            tr("        Designs by NASA SP-8007 count on {share:.0f} % of that, at R/t {ratio:.3g}.").format(
+            tr("Designs by NASA SP-8007 count on {share:.0f} % of that, at R/t {ratio:.3g}.").format(
                 share=100.0 * factor, ratio=cylinder.slenderness
             )
         )

@@ -9,28 +9,29 @@ from typing import Any
 
 import numpy as np
 
-from apd_viewer.commands.press_band_output import (
-    CylinderAsWide,
-    band_fields,
-    band_lines,
-    band_rows,
-    draw_modes,
-    mode_fields,
-    mode_lines,
-)
+from apd_viewer.commands.press_band_output import CylinderAsWide, band_fields, band_lines, band_rows
 from apd_viewer.commands.press_output import (
     load_conditions,
     press_report,
     press_rows,
     press_summary,
+    pressure_pascals,
     still_weight,
     weight_fields,
     weight_lines,
 )
 from apd_viewer.commands.result_output import mesh_remarks
-from apd_viewer.commands.terminal.command_output import CommandOutput, json_text
+from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
+from apd_viewer.commands.terminal.mesh_options import (
+    add_axis_option,
+    add_wall_options,
+    add_weld_option,
+    given_wall,
+    mesh_and_start,
+    parse_axis,
+)
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser, add_option
+from apd_viewer.commands.terminal.parser import Parser, add_option, add_report_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import (
     add_criteria,
@@ -38,18 +39,14 @@ from apd_viewer.commands.terminal.setting_options import (
     given_criteria,
     volume_arguments,
 )
-from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh, unit_option_in_errors
 from apd_viewer.errors import InputError
-from apd_viewer.figures.rendered_pictures import no_pictures_reason
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
 from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import DISTURBANCE, Convergence
-from apd_viewer.geometry.solver.linear_buckling import MOST_MODES, modes_between_plates
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, wall_material as thin_wall_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.solver.press_band import (
@@ -62,25 +59,14 @@ from apd_viewer.geometry.solver.press_band import (
 from apd_viewer.geometry.solver.pressed_mesh import Pressed, press_between
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
-from apd_viewer.session.model.state import welded_state
-from apd_viewer.session.model.view import SESSION_SUFFIX
+from apd_viewer.presentation.number_format import format_pressure
 from apd_viewer.session.quantities.expressions import parse_number
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion, newton_conversion
-from apd_viewer.session.quantities.units import SYMBOLS, Unit
-from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall, press_method
-from apd_viewer.session.quantities.wall_distribution import thickness_text
-from apd_viewer.session.quantities.wall_material import (
-    WALL_MATERIALS,
-    parse_pressure,
-    parse_pressure_difference,
-    wall_material,
-)
-from apd_viewer.session.storage.session_file import open_session
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import Wall, press_method
+from apd_viewer.session.quantities.wall_material import parse_pressure, parse_pressure_difference
 
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PRESSING = [name for name, method in METHODS.items() if method.may_use_contact]
-_DRAWN = 0.03  # displacement of drawn buckling modes, in diagonals
-_PICTURED = 4  # most buckling modes in a figure
 _DENT_LENGTH = 0.5  # length over which dents are smooth, in roots of diagonal times thickness
 _MODULI = "stiffness", "area_stiffness", "shear_stiffness", "tension_field", "hardening"
 _SETTINGS = *_MODULI, "area", "volume", "pressure"
@@ -96,7 +82,7 @@ def press_parser() -> Parser:
         ),
     )
     add_option(parser, "MESH", tr("mesh at rest, or a session whose shape springs back and is pressed"))
-    add_option(parser, "--axis AXIS", tr('x, y, z or a direction such as "1 0 1"; default: x'), default="x")
+    add_axis_option(parser)
     about = tr("final distance of the plates, in mesh units or as a fraction of the extent such as 20%%")
     add_option(parser, "--to DISTANCE", about, required=True)
     add_option(parser, "--steps N", tr("default: %(default)s"), type=int, default=DEFAULT_STEPS)
@@ -104,7 +90,7 @@ def press_parser() -> Parser:
     about = tr("write distance, loads, energy and volume of each step")
     add_option(parser, "--curve C.csv", about, type=Path)
     add_option(parser, "--figure F.png", tr("draw load and volume, as F.png and F.svg"), type=Path)
-    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
+    add_report_option(parser)
     about = tr(
         "default: 'wall' where thickness and Young's modulus are known and no stiffness is given, otherwise "
         "'{method}'"
@@ -112,13 +98,19 @@ def press_parser() -> Parser:
     add_option(parser, "--method", about, choices=_PRESSING)
     add_setting_options(parser, _SETTINGS)
     add_criteria(parser, DISTURBANCE)
-    _add_wall_options(parser)
+    add_wall_options(parser)
+    about = tr(
+        "enclosed gas, openings capped: 1atm where newtons are known, or pressure times volume in surface "
+        "areas; default: none"
+    )
+    add_option(parser, "--gas PRESSURE", about)
+    add_option(parser, "--density D", tr("density, such as 1.38 (g/cm³), for the mass"))
+    about = tr("walls bent to less than this radius keep a crease; default: that of the material, or none")
+    add_option(parser, "--yield-radius LENGTH", about)
     about = tr("press so many times, each with other dents in the wall at rest, and tell the band of loads")
     add_option(parser, "--runs N", about, type=int, default=1)
     about = tr("depth of these dents, in percent of the wall thickness; default: 10 for several runs")
     add_option(parser, "--dents PERCENT", about, type=float)
-    about = tr("press nothing, but find the N lowest buckling modes of the wall, written as OUT-1 and so on")
-    add_option(parser, "--modes N", about, type=int)
     about = tr("weight on the upper plate, such as 2kg or 20N: the deflection at which the wall bears it")
     add_option(parser, "--weight W", about)
     about = tr("height from which this weight is dropped, such as 1.2m: the deflection at which it stops")
@@ -134,43 +126,6 @@ def press_parser() -> Parser:
     return parser
 
 
-def _add_wall_options(parser: Parser) -> None:
-    about = tr("unit of length of the mesh; default: the session's")
-    add_option(parser, "--unit", about, choices=SYMBOLS, default="")
-    materials = ", ".join(material.name for material in WALL_MATERIALS)
-    add_option(parser, "--material NAME", tr("material of the wall: {names}").format(names=materials))
-    about = tr(
-        "wall thickness, and distance that walls keep, such as 0.3mm, or a file of the wall distribution; "
-        "default: 1/1000 of the diagonal"
-    )
-    add_option(parser, "--thickness LENGTH", about)
-    about = tr(
-        "enclosed gas, openings capped: 1atm where newtons are known, or pressure times volume in surface "
-        "areas; default: none"
-    )
-    add_option(parser, "--gas PRESSURE", about)
-    add_option(parser, "--density D", tr("density, such as 1.38 (g/cm³), for the mass"))
-    add_option(parser, "--young E", tr("Young's modulus, such as 2.8GPa, for loads in newtons"))
-    add_option(parser, "--poisson NU", tr("Poisson's ratio; default: 0.4, or that of the material"))
-    about = tr("walls bent to less than this radius keep a crease; default: that of the material, or none")
-    add_option(parser, "--yield-radius LENGTH", about)
-
-
-def parse_axis(text: str) -> np.ndarray:
-    """Direction (3,) from "x", "y", "z" or three numbers; raises InputError."""
-    if text.strip().lower() in _AXES:
-        return np.array(_AXES[text.strip().lower()])
-    try:
-        axis = np.array([float(word) for word in text.replace(",", " ").split()])
-    except ValueError:
-        axis = np.zeros(0)
-    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
-        raise InputError(
-            tr("{text!r} is not a direction; enter x, y, z or three numbers such as 1 0 1.").format(text=text)
-        )
-    return axis
-
-
 def parse_distance(text: str) -> float | str:
     """Distance in mesh units, or percentage of the extent, from text."""
     if text.strip().endswith("%"):
@@ -180,14 +135,14 @@ def parse_distance(text: str) -> float | str:
 
 def _press(options: argparse.Namespace) -> CommandOutput:
     meshes = [path for path in (options.output, options.crushed) if path]
-    written = [*meshes, options.curve, options.figure, options.report]
+    written = [*meshes, options.curve, options.figure, json_path(options.json)]
     if not any(written) and not options.json:
-        raise InputError(tr("Nothing would be written; add -o, --curve, --figure or --report."))
+        raise InputError(tr("Nothing would be written; add -o, --curve, --figure or --json."))
     for path in meshes:
         check_mesh_path(path)
     check_files(written)
     axis = parse_axis(options.axis)
-    mesh, start, unit = _press_input(options.mesh, options.weld)
+    mesh, start, unit = mesh_and_start(options.mesh, options.weld)
     for path in meshes:
         check_shapes(mesh, path, np.ones(len(mesh.V), dtype=bool))
     wall = _wall(options, mesh, Unit(options.unit or unit))
@@ -213,8 +168,6 @@ def _press(options: argparse.Namespace) -> CommandOutput:
     }
     to = parse_distance(options.to)
     cylinder = CylinderAsWide.between_plates(rest, checked_direction(axis), material)
-    if options.modes is not None:
-        return _find_modes(options, mesh, rest, start, axis, material, wall, newtons, cylinder)
     weight = still_weight(options.weight, options.drop, newtons, wall.unit)
     presses = _presses(options, rest, _dent_depth(options, method, wall), axis, to, start, settings)
     found, band = presses[0], PressBand(tuple(presses)) if len(presses) > 1 else None
@@ -235,13 +188,6 @@ def _press(options: argparse.Namespace) -> CommandOutput:
                 else None
             )
             draw_press_curves(found, folder / options.figure.name, force, band)
-        fields = dict[str, Any]()
-        if options.report or options.json:
-            fields = press_report(mesh, rest, found, settings, wall, newtons) | weight_fields(weight, found)
-            fields |= {"band": band_fields(band, options.dents, heights, newtons, cylinder)} if band else {}
-        if options.report:
-            scratch = beside.enter_context(replacing_file(options.report))
-            scratch.write_text(json_text(fields), encoding="utf-8")
         if options.crushed:
             save_mesh(mesh, found.steps[-1].U, options.crushed, wall.unit.symbol)
         if options.output:
@@ -249,52 +195,18 @@ def _press(options: argparse.Namespace) -> CommandOutput:
     first = next(filter(None, written), Path(mesh.name))
     extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
     lines = [press_summary(found, rest, first, wall, newtons, extent, is_alone=band is None)]
+    if (pascals := pressure_pascals(settings, newtons)) is not None:
+        lines.append(
+            tr("inside  a constant pressure of {pressure}").format(pressure=format_pressure(pascals))
+        )
     lines += weight_lines(weight, found)
     lines += band_lines(band, options.dents, heights, newtons, cylinder) if band else []
-    return CommandOutput([*lines, *mesh_remarks(mesh)], lambda: fields)
 
+    def fields() -> dict[str, object]:
+        said = press_report(mesh, rest, found, settings, wall, newtons) | weight_fields(weight, found)
+        return said | ({"band": band_fields(band, options.dents, heights, newtons, cylinder)} if band else {})
 
-def _find_modes(
-    options: argparse.Namespace,
-    mesh: Mesh,
-    rest: RestMesh,
-    start: np.ndarray | None,
-    axis: np.ndarray,
-    material: Material,
-    wall: Wall,
-    newtons: NewtonConversion | None,
-    cylinder: CylinderAsWide | None,
-) -> CommandOutput:
-    """Find the lowest buckling modes, and write them; raises InputError."""
-    if not 1 <= options.modes <= MOST_MODES:
-        sentence = tr("The number of modes must be a whole number from 1 to {most:,}.")
-        raise InputError(sentence.format(most=MOST_MODES))
-    if not material.thickness:
-        raise InputError(tr("Buckling modes are of a thin wall; add --method wall and --thickness."))
-    if start is not None or options.curve or options.crushed:
-        raise InputError(
-            tr("Buckling modes are of the mesh at rest, and have no curve; write -o and --figure.")
-        )
-    progress = Progress(options.progress_lines)
-    progress.show(0.0, tr("finding buckling modes"))
-    modes = modes_between_plates(rest, axis, material, options.modes)
-    progress.show(1.0, tr("finding buckling modes"))
-    progress.end()
-    shapes = [rest.to_mesh_coordinates(rest.V + _DRAWN * rest.diagonal * each) for each in modes.shapes]
-    lines = mode_lines(modes, wall.unit, newtons, cylinder)
-    first = next(filter(None, (options.output, options.figure, options.report)), Path(mesh.name))
-    fields = {"mesh": mesh.name, **mode_fields(modes, newtons, cylinder)}
-    if options.report:
-        with replacing_file(options.report) as scratch:
-            scratch.write_text(json_text(fields), encoding="utf-8")
-    if options.output:
-        for k, U in enumerate(shapes):
-            path = options.output.with_name(f"{options.output.stem}-{k + 1}{options.output.suffix}")
-            save_mesh(mesh, U, path, wall.unit.symbol)
-    if options.figure and not draw_modes(mesh, shapes[:_PICTURED], modes, axis, newtons, options.figure):
-        lines.append(no_pictures_reason())
-    lines.insert(0, tr("{output}: buckling modes, drawn enlarged").format(output=first))
-    return CommandOutput(lines, lambda: fields)
+    return CommandOutput([*lines, *mesh_remarks(mesh)], fields)
 
 
 def _presses(
@@ -341,18 +253,9 @@ def _dent_depth(options: argparse.Namespace, method: str, wall: Wall) -> float |
     return options.dents / 100.0 * wall.thickness
 
 
-@unit_option_in_errors()
 def _wall(options: argparse.Namespace, mesh: Mesh, unit: Unit) -> Wall:
     """Wall properties from the options, for a mesh in ``unit``; raises InputError."""
-    material = wall_material(options.material or "")
-    if unit is Unit.NONE and (material or options.young):
-        raise InputError(tr("A material needs the unit of the mesh; add --unit mm, cm, m, in or ft."))
-    words = options.thickness, options.density, options.young, options.poisson, options.yield_radius
-    typed, density, young, poisson, radius = (word or "" for word in words)
-    thickness = thickness_text(typed, mesh, unit)
-    wall = parse_wall(WallText(thickness, density, young, poisson, radius, material), unit)
-    if options.young and wall.thickness is None:
-        raise InputError(tr("Newtons need the wall thickness as well; add --thickness."))
+    wall = given_wall(options, mesh, unit)
     is_thin = METHODS[_method(options, wall)].is_wall
     if options.young and not options.stiffness and not is_thin:
         raise InputError(tr("Newtons need walls that resist bending; add --method wall."))
@@ -391,13 +294,3 @@ def _known(newtons: NewtonConversion | None) -> NewtonConversion:
             tr("A pressure with a unit needs newtons; add --material, or --thickness and --young.")
         )
     return newtons
-
-
-def _press_input(path: str, weld: bool) -> tuple[Mesh, np.ndarray | None, str]:
-    """Undeformed mesh, a session's deformed shape (n, 3) or None, and the unit."""
-    if Path(path).suffix.lower() != SESSION_SUFFIX:
-        mesh = open_input_mesh(path, weld)
-        return mesh, None, mesh.unit
-    state, view = open_session(path)
-    state = welded_state(state) if weld else state
-    return state.document.mesh, None if state.is_at_rest else state.frame.U, view.unit

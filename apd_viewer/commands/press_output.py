@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from apd_viewer.commands.terminal.columns import format_signed
 from apd_viewer.errors import InputError
@@ -70,6 +70,7 @@ def press_report(
 ) -> dict[str, object]:
     """Fields of the JSON report on a press."""
     room: dict[str, object] = {}
+    pascals = pressure_pascals(settings, newtons)
     for U, suffix in ((mesh.V, "_rest"), (pressed.U, "")):
         readings = shape_check_fields(check_shape(U, mesh.joined_F))
         room |= {f"{name}{suffix}": reading for name, reading in readings.items()}
@@ -87,8 +88,15 @@ def press_report(
         **pressed.curve._asdict(),
         **_wall_fields(wall, rest.area),
         **(_newton_fields(pressed, newtons) if newtons else {}),
+        **({} if pascals is None else {"pressure_pascal": pascals}),
         **room,
     }
+
+
+def pressure_pascals(settings: Mapping[str, Any], newtons: NewtonConversion | None) -> float | None:
+    """Pressure inside less outside, Pa; None without one or without newtons."""
+    pressure = settings["pressure"]
+    return None if pressure is None or newtons is None else pressure * newtons.pascals_per_pressure
 
 
 def _wall_fields(wall: Wall, area: float) -> dict[str, object]:

@@ -17,13 +17,13 @@ import numpy as np
 from apd_viewer.cases.case import document_turns
 from apd_viewer.commands import result_output
 from apd_viewer.commands.terminal.animation_options import add_animation_option, is_film, scratch_path_beside
-from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
 from apd_viewer.commands.terminal.output_files import check_files
-from apd_viewer.commands.terminal.parser import Parser, add_option
+from apd_viewer.commands.terminal.parser import Parser, add_option, add_report_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations import animation_files
 from apd_viewer.files.animations.animation_shapes import Animation, ShapeRecorder
-from apd_viewer.files.mesh_writing import check_mesh_path
+from apd_viewer.files.mesh_writing import check_mesh_path, save_mesh
 from apd_viewer.files.report import report_fields
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.measurement import Measurement, measure
@@ -51,7 +51,7 @@ def replay_parser() -> Parser:
     parser = Parser(prog="apd-viewer replay", description=tr("Re-run a saved session without a window."))
     add_option(parser, "SESSION", tr("session file (.apd) saved by the window"))
     add_option(parser, "-o, --output OUT", tr("mesh file to write"), required=True)
-    add_option(parser, "--report R.json", tr("write the measurements as JSON"), type=Path)
+    add_report_option(parser)
     result_output.add_scalar_options(parser)
     about = tr("start from the rest shape; default: a saved shape that has converged is kept")
     add_option(parser, "--from-rest", about)
@@ -68,7 +68,7 @@ def _replay(options: argparse.Namespace) -> CommandOutput:
     output = check_mesh_path(options.output)
     result_output.check_scalar_options(options)
     _check_animations(options.animation)
-    check_files([output, options.report, *result_output.scalar_files(options), *options.animation])
+    check_files([output, json_path(options.json), *result_output.scalar_files(options), *options.animation])
     progress = result_output.progress_line_callback(None) if sys.stderr.isatty() else None
     with animation_files.replacing_series(options.animation), ExitStack() as beside:
         shapes = ShapeRecorder(_scratch(beside), _MOST) if options.animation else None
@@ -78,16 +78,13 @@ def _replay(options: argparse.Namespace) -> CommandOutput:
         mesh = document.mesh
         painted = document.labels, document.member
         result_output.write_scalar_files(beside, options, mesh, result.U, *painted, document.target_shape)
-        fields = dict[str, Any]()
-        if options.report or options.json:
-            fields = report_fields(mesh, result, document.target_shape)
-            fields |= measurements_report(document, result.U)
         if shapes is not None:
             _write_animations(options.animation, document, shapes, beside)
-        written = result_output.write_result(beside, mesh, result, options.report, output, fields)
+        written = save_mesh(mesh, result.U, output)
     lines = [result_output.result_summary(mesh, result, output, written)]
     lines += [missing] if (missing := missing_target_sentence(document)) else []
-    return CommandOutput(lines, lambda: fields)
+    report = partial(report_fields, mesh, result, document.target_shape)
+    return CommandOutput(lines, lambda: {**report(), **measurements_report(document, result.U)})
 
 
 def _scratch(stack: ExitStack) -> Path:

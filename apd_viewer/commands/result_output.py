@@ -2,16 +2,15 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.commands.terminal.command_output import json_text
 from apd_viewer.commands.terminal.parser import add_option
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import WrittenMesh, save_mesh
+from apd_viewer.files.mesh_writing import WrittenMesh
 from apd_viewer.files.scalar_files import ScalarRows, check_scalar_file, write_scalars
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.analysis.mesh_findings import file_findings
@@ -28,20 +27,6 @@ from apd_viewer.presentation.progress_line import frame_line
 from apd_viewer.session.model.status_text import caps_phrase, crossing_findings
 
 _ROUNDED = 1e-6  # relative area change by rounding in the written file that calls for a warning
-
-
-def write_result(
-    stack: ExitStack,
-    mesh: Mesh,
-    result: Result,
-    report: Path | None,
-    output: Path,
-    fields: Mapping[str, object],
-) -> WrittenMesh:
-    """Write the mesh and, if requested, its ``fields`` as a report."""
-    if report:
-        stack.enter_context(replacing_file(report)).write_text(json_text(fields), encoding="utf-8")
-    return save_mesh(mesh, result.U, output)
 
 
 def progress_line_callback(

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from apd_viewer.cases.case import (
     DEFAULT_ITERATIONS,
@@ -22,10 +23,10 @@ from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.animation_options import AnimationTargets, add_animation_option
 from apd_viewer.commands.terminal.columns import format_signed
 from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.mesh_options import add_weld_option
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import add_contact_option, add_criteria, given_criteria
-from apd_viewer.commands.terminal.weld_option import add_weld_option
 from apd_viewer.figures.rendered_pictures import Picture, draw_shapes, no_pictures_reason, write_shape
 from apd_viewer.files.animations.animation_files import replacing_series, write_animation
 from apd_viewer.files.animations.animation_shapes import Animation
@@ -210,7 +211,7 @@ def write_sweep_films(
     return True
 
 
-def _view_settings(camera: CameraPose) -> dict[str, tuple[float, float, float]]:
+def _view_settings(camera: CameraPose) -> dict[str, Any]:
     x, y, z = (a - b for a, b in zip(camera.position, camera.focal, strict=True))
     return {"view_direction": (x, y, z), "up": camera.up}
 

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from apd_viewer.commands.press_command import parse_axis
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.mesh_options import parse_axis, unit_option_in_errors
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import hull_fields

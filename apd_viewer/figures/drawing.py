@@ -20,7 +20,7 @@ from apd_viewer.ui.scene.surface_shading import headlight, shade
 
 _LIMIT = 10.0  # area change in percent at the ends of the colour scale
 _INK, _QUIET = "#1d2129", "#5a6270"
-_ABOVE, _BELOW = 0.10, 0.17  # space for text, as fractions of the height
+_EDGE, _TITLE, _BELOW = 0.05, 0.03, 0.17  # space for text, as fractions of the height
 _MARGIN = 1.04
 _LETTERS = 44  # picture height in pixels per point of title size
 
@@ -45,7 +45,8 @@ def _draw(job: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.
         renderer.AddLight(headlight())
     plotter.enable_anti_aliasing("ssaa")
     look, up = np.array(job["look"]), np.array(job["up"])
-    fit = _common_view(shapes, look, up, size[0] / count / size[1])
+    arrows, above = np.array(job["arrows"]).reshape(-1, 2, 3), 0.02 + _EDGE + _TITLE * job["letters"]
+    fit = _common_view([*shapes, *arrows], look, up, size[0] / count / size[1], above)
     areas = face_areas(rest, F)
     for number, picture in enumerate(job["pictures"]):
         for column in range(count):
@@ -56,7 +57,9 @@ def _draw(job: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.
                 _show(plotter, F, U, np.load(paints[column]), rgb=True)
             else:
                 _show_change(plotter, F, U, areas)
-            _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1], job["font"])
+            for tail, tip in arrows:
+                plotter.add_mesh(pv.Arrow(tail, tip - tail, scale="auto"), color=_QUIET)
+            _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1], job)
             _set_camera(plotter, look, up, *fit)
         plotter.subplot(0, 0)
         _legend(plotter, job["legend"], size[0] / count, job["font"])
@@ -77,13 +80,13 @@ def _show_change(plotter: Any, F: np.ndarray, U: np.ndarray, areas: np.ndarray) 
     _show(plotter, F, U, change, cmap=colors, clim=(-_LIMIT, _LIMIT))
 
 
-def _write(plotter: Any, words: Sequence[str], most: int, high: int, font: str | None) -> None:
+def _write(plotter: Any, words: Sequence[str], most: int, high: int, job: dict[str, Any]) -> None:
     """Write a title at the top and lines at the bottom, padded to ``most`` lines."""
-    letters = high / _LETTERS
-    left, top = 0.03 * high, high * (1 - 0.8 * _ABOVE)
+    letters = high / _LETTERS * job["letters"]
+    left, top = 0.03 * high, high * (1 - _EDGE - _TITLE * job["letters"])
     title, *lines = words
     lines += [" "] * (most - len(words))  # padding aligns the first lines of all panels
-    look: dict[str, Any] = {"font": "arial", "font_file": font}
+    look: dict[str, Any] = {"font": "arial", "font_file": job["font"]}
     plotter.add_text(title, position=(left, top), font_size=letters, color=_INK, **look)
     if lines:
         low = (left, 0.035 * high)
@@ -123,11 +126,11 @@ def _legend(plotter: Any, title: str, wide: float, font: str | None) -> None:
 
 
 def _common_view(
-    shapes: list[np.ndarray], view_direction: np.ndarray, up: np.ndarray, aspect: float
+    shapes: list[np.ndarray], view_direction: np.ndarray, up: np.ndarray, aspect: float, above: float
 ) -> tuple[np.ndarray, float, float]:
     """Centre, half height and depth of a view of all shapes.
 
-    ``aspect`` is the width of a panel over its height.
+    ``aspect`` is the width of a panel over its height, ``above`` the share of the title.
     """
     toward = view_direction / np.linalg.norm(view_direction)
     right = np.cross(up, toward)
@@ -136,9 +139,9 @@ def _common_view(
     low = np.min([(U @ axes.T).min(axis=0) for U in shapes], axis=0)
     high = np.max([(U @ axes.T).max(axis=0) for U in shapes], axis=0)
     width, height, depth = high - low
-    half = _MARGIN * max(width / aspect, height / (1 - _ABOVE - _BELOW)) / 2
+    half = _MARGIN * max(width / aspect, height / (1 - above - _BELOW)) / 2
     middle = (low + high) / 2
-    middle[1] += (_ABOVE - _BELOW) * half  # centres the shapes between title and lines
+    middle[1] += (above - _BELOW) * half  # centres the shapes between title and lines
     return middle @ axes, float(half), float(depth)
 
 

@@ -23,6 +23,7 @@ sys.path[:] = sys.argv[2:]
 from apd_viewer.figures.drawing import main
 main(sys.argv[1])
 """
+_NO_ARROWS = np.zeros((0, 2, 3))
 _LOOK, _UP = (0.55, 0.28, 1.0), (0.0, 1.0, 0.0)
 _FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # exists only on Windows
 
@@ -71,6 +72,8 @@ def draw_shapes(
     up: tuple[float, float, float] = _UP,
     legend: bool = True,
     on_drawn: Callable[[int], object] = lambda _: None,
+    letters: float = 1.0,
+    arrows: np.ndarray = _NO_ARROWS,
 ) -> bool:
     """Draw pictures of several shapes in one view; False without OpenGL.
 
@@ -86,6 +89,10 @@ def draw_shapes(
         Whether to draw the colour legend below the first shape.
     on_drawn : callable
         Called with the number of finished pictures.
+    letters : float
+        Size of the letters over the usual one.
+    arrows : (k, 2, 3) float array
+        Tails and tips of arrows beside each shape.
 
     Raises
     ------
@@ -101,6 +108,8 @@ def draw_shapes(
             "look": view_direction,
             "up": up,
             "legend": tr("local area change, %") if legend else "",
+            "letters": letters,
+            "arrows": arrows.tolist(),
             "font": None if (font := font_file()) is None else str(font),
             "pictures": [_picture_job(picture, number, folder) for number, picture in enumerate(pictures)],
         }

@@ -5,6 +5,7 @@ import math
 from apd_viewer.notation import editable_number, localized_number
 
 _NOTHING = 1e-7
+_BAR = 1e5  # Pa
 _POWERS = 999_999.5  # larger numbers are written with a power of ten
 _GROUPED = 999.5  # larger numbers have no decimals
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -53,6 +54,12 @@ def format_exact(value: float, digits: int = 6) -> str:
 def format_editable(value: float, digits: int = 6) -> str:
     """Number for a text field, in a form accepted as input."""
     return editable_number(f"{value:.{digits}g}")
+
+
+def format_pressure(pascals: float) -> str:
+    """Pressure in mbar, or bar from 1 bar on, in a form accepted as input."""
+    value, unit = (pascals / _BAR, "bar") if abs(pascals) >= _BAR else (1e3 * pascals / _BAR, "mbar")
+    return f"{format_editable(value)} {unit}"
 
 
 def format_position(value: float, step: float) -> str:

@@ -13,6 +13,7 @@ from apd_viewer.files.html_page import PageAttachment, PageBlock, PageCommand, P
 from apd_viewer.files.known_file import Fingerprint
 from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.settings import SETTINGS, Setting, SettingKind, Settings
 from apd_viewer.language import tr, trn
@@ -21,6 +22,7 @@ from apd_viewer.presentation import obstacle_readings, readings
 from apd_viewer.presentation.number_format import (
     format_exact,
     format_grouped,
+    format_pressure,
     format_short,
     format_significant,
 )
@@ -28,8 +30,9 @@ from apd_viewer.session.model.document_parts import goal_percentages
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import held_turn_phrase
-from apd_viewer.session.quantities.newton_conversion import NewtonConversion
+from apd_viewer.session.quantities.newton_conversion import NewtonConversion, settings_pascals
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import WallText
 
 _LIBRARIES = (
     "numpy",
@@ -129,11 +132,14 @@ def reproduction_blocks(state: State, readings: ReportReadings) -> Iterator[Page
 _RIGID = 1e-9  # smaller deviations of a pose's scale from 1 are rounding
 
 
-def settings_blocks(state: State, unit: Unit) -> Iterator[PageBlock]:
+def settings_blocks(state: State, unit: Unit, wall: WallText) -> Iterator[PageBlock]:
     """Blocks on the method and all settings."""
     document, settings = state.document, state.document.settings
     area, volume, *_ = goal_percentages(document)
     values = {**vars(settings), "area": area, "volume": volume}
+    pascals = settings_pascals(settings, diagonal(document.mesh.V), wall, unit)
+    if settings.pressure is not None and pascals is not None:
+        values["pressure"] = format_pressure(settings.pressure * pascals)
     rows = [
         row
         for name, setting in SETTINGS.items()
@@ -164,7 +170,7 @@ def _setting_rows(
             yield setting.title, tr("yes") if value else tr("no"), ""
         case SettingKind.AMOUNT | SettingKind.PRESSURE:
             if value is not None:
-                yield setting.title, format_exact(value), ""
+                yield setting.title, value if isinstance(value, str) else format_exact(value), ""
         case SettingKind.VOLUME:
             if value is not None:
                 yield setting.title, unit.format_volume(format_significant(value, 4)), ""

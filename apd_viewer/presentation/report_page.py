@@ -113,7 +113,9 @@ def report_page(subject: ReportSubject, evidence: ReportReadings, drawings: Repo
         *_pressed(subject),
         *_target_shape(state, unit, evidence.target_distances),
         *_measurements(subject),
-        PageSection(tr("Settings and targets"), tuple(report_blocks.settings_blocks(state, unit))),
+        PageSection(
+            tr("Settings and targets"), tuple(report_blocks.settings_blocks(state, unit, subject.wall))
+        ),
         PageSection(
             tr("Handles"), (PageTable(tuple(report_blocks.handle_rows(state, unit, subject.shape_check))),)
         ),

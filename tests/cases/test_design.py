@@ -160,6 +160,12 @@ def test_design_table_refuses_a_percentage_that_could_be_a_factor(said, design):
         design_table(GIVEN, [parse_variable(said + "%")], design, 4, 0)
 
 
+def test_design_table_varies_a_pressure_in_its_unit():
+    given = GIVEN | {"method": "wall", "young": "2GPa"}
+    names, rows = design_table(given, [parse_variable("pressure=-50..30mbar")], GRID, 3, 0)
+    assert [row[names.index("pressure")] for row in rows] == ["-50mbar", "-10mbar", "30mbar"]
+
+
 @pytest.mark.parametrize("name", IN_WORDS)
 def test_design_table_varies_every_motion(name):
     kind = MOTIONS[name].kind

@@ -30,6 +30,18 @@ MISTAKES = {
     "a word for a number": ({"stiffness": "soft"}, "“stiffness”"),
     "negative": ({"stiffness": "-1"}, "“stiffness”: -1 is out of range"),
     "an impossible target": ({"volume": "-20"}, "“volume”: -20 is out of range"),
+    "a pressure of no unit": ({"pressure": "30", "method": "wall", "young": "1GPa"}, "needs a unit"),
+    "a pressure of no wall": ({"pressure": "30mbar", "young": "1GPa"}, "Only the method Wall"),
+    "a pressure without a modulus": ({"pressure": "30mbar", "method": "wall"}, "fill in “young”"),
+    "a modulus of no kind": ({"young": "hard"}, "“young”"),
+    "a vacuum without contact": (
+        {"pressure": "-1mbar", "method": "wall", "young": "1GPa", "contact": "no"},
+        "needs contact",
+    ),
+    "a pressure and a volume": (
+        {"pressure": "1mbar", "method": "wall", "young": "1GPa", "volume": "90"},
+        "exclude each other",
+    ),
     "contact without it": ({"method": "paper", "contact": "yes"}, "cannot use contact"),
     "a thickness of nothing": ({"thickness": "1"}, "set “contact” to yes"),
     "perhaps": ({"contact": "perhaps"}, "not yes, no or auto"),

@@ -8,7 +8,8 @@ from meshes import ends, tube
 from apd_viewer.cases import run_case as module
 from apd_viewer.cases.case import case_of, case_steps as steps_of
 from apd_viewer.cases.case_file import case_path, case_to_bytes, write_case
-from apd_viewer.cases.run_case import CaseDocuments, case_session, run_case
+from apd_viewer.cases.run_case import CaseDocuments, case_session, case_state, run_case
+from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.geometry.analysis.self_intersections import crossings
@@ -18,6 +19,7 @@ from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.posing.motion_path import MotionStep
+from apd_viewer.session.quantities.wall import WallText
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 
@@ -127,6 +129,56 @@ def test_run_case_says_that_targets_are_out_of_reach(run):
     result = run(volume="900", iterations="300", steps="1")
     assert result.status == "done"
     assert "volume" in result.sentence
+
+
+def test_run_case_holds_the_pressure_of_a_plan_as_the_command_does(run, document):
+    """By thickness and Young's modulus of the row; and it widens the bar."""
+    words = {
+        "motion": "twist 1deg",
+        "steps": "1",
+        "method": "wall",
+        "wall_thickness": "0.02",
+        "poisson": "0.3",
+    }
+    plain, filled = (run(**words, **more) for more in ({}, {"pressure": "20mbar", "young": "10MPa"}))
+    settings = {
+        "method": "wall",
+        "wall_thickness": 0.02,
+        "poisson": 0.3,
+        "pressure": 2000.0 * 4.0 / (1e7 * 0.02),
+    }
+    held = document.with_settings(**settings, contact=False)
+    twist = MotionStep(0, MOTIONS["TWIST"], (np.radians(1.0),))
+    *_, last = steps_of(case_of(held, 1, 1.0, None, [twist]))
+    np.testing.assert_allclose(filled.U, last.frame.U, atol=1e-9)
+    assert filled.readings["volume"] > 1.001 * plain.readings["volume"]
+
+
+def test_run_case_holds_the_pressure_of_a_plan_in_place_of_what_a_session_keeps(planned, document, bar):
+    """The modulus is that of the session's wall, unless the plan has another one."""
+    wall = WallText(thickness="0.02mm", young="10MPa")
+    document = document.with_settings(method="wall", wall_thickness=0.02, poisson=0.3, volume=90.0)
+    state = initial_state(document.mesh).updated(document)
+    for name, view in (("known", View(unit="mm", wall=wall)), ("bare", View(unit="mm"))):
+        save_session(bar / f"{name}.apd", state, view, embed=True)
+    cells = {"selection": "", "motion": "", "pressure": "20mbar"}
+    plan = planned(
+        {**cells, "mesh": "known.apd"},
+        {**cells, "mesh": "known.apd", "young": "20MPa"},
+        {**cells, "mesh": "bare.apd"},
+        {**cells, "mesh": "known.apd", "pressure": "", "volume": "95"},
+    )
+    assert [row.mistake for row in plan.rows] == 4 * [""]
+    documents = CaseDocuments(lambda source: source.path.read_bytes())
+    own, stiffer, _, volume = (row.case for row in plan.rows)
+    held = [case_state(case, documents)[0].document.settings for case in (own, stiffer, volume)]
+    pressure = 2000.0 * 4.0 / (1e7 * 0.02)
+    assert [each.volume for each in held] == [None, None, 95.0]
+    assert held[0].pressure == pytest.approx(pressure)
+    assert held[1].pressure == pytest.approx(pressure / 2.0)
+    assert held[2].pressure is None
+    with pytest.raises(InputError, match="fill in “young”"):
+        case_state(plan.rows[2].case, documents)
 
 
 def test_run_case_says_that_steps_do_not_settle(run):

@@ -23,6 +23,7 @@ from apd_viewer.verification import case_table
 from apd_viewer.verification.case_table import CASES
 
 ASKED = {
+    "buckle": "ball.off --axis z --modes 1",
     "deck": "bar.apd --twist 20 -o bar.inp",
     "deform": "bar.off --selection bar.sel --twist 20 --iterations 3 -o out.obj",
     "desktop": "--install",
@@ -39,6 +40,7 @@ ASKED = {
     "volumes": "ball.off",
 }
 KEYS = {
+    "buckle": {"mesh", "buckling_loads", "buckling_deflections"},
     "deck": {"shells", "held_nodes", "steps"},
     "deform": {"area", "area_rest", "converged"},
     "desktop": {"folder", "missing_programs"},

@@ -11,10 +11,11 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about, scaling_about, translation, twist
 from apd_viewer.presentation.readings import motion
-from apd_viewer.presentation.report_blocks import mesh_blocks
+from apd_viewer.presentation.report_blocks import mesh_blocks, settings_blocks
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.quantities.expressions import parse_length
 from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
+from apd_viewer.session.quantities.wall import NO_WALL, WallText
 
 X = np.array([1.0, 0.0, 0.0])
 
@@ -72,6 +73,20 @@ def test_mesh_blocks_say_that_their_unit_is_a_guess():
     ):
         (table, *_) = (block for block in mesh_blocks(state, unit, None) if isinstance(block, PageTable))
         assert ("Unit of length", symbol, remark) in table.rows
+
+
+def test_settings_blocks_give_a_pressure_in_its_unit_where_the_wall_is_known():
+    state = initial_state(bar())
+    settings = {"method": "wall", "wall_thickness": 0.02, "pressure": -5000.0 * 4.0 / (2e9 * 0.02)}
+    state = state.updated(state.document.with_settings(**settings))
+
+    def said(wall):
+        table, *_ = settings_blocks(state, Unit.CENTIMETRE, wall)
+        return {title: value for title, value, _ in table.rows}["Pressure"]
+
+    assert said(WallText(young="2GPa")) == "-50 mbar"
+    assert said(WallText(young="40GPa")) == "-1 bar"
+    assert float(said(NO_WALL)) == pytest.approx(settings["pressure"], rel=1e-5)
 
 
 @pytest.mark.parametrize("unit", [unit for unit in UNIT_NAMES if unit is not Unit.NONE])

@@ -14,6 +14,11 @@ def json_text(fields: Any) -> str:
     return json.dumps(fields, indent=2) + "\n"
 
 
+def json_path(asked: str | None) -> Path | None:
+    """File named by ``--json``; None without one."""
+    return None if asked in (None, STANDARD_OUTPUT) else Path(asked)
+
+
 class CommandOutput(NamedTuple):
     """Result of a command.
 
@@ -46,13 +51,13 @@ class CommandOutput(NamedTuple):
         """
         if asked is not None:
             said = json_text(self.fields())
-            if asked == STANDARD_OUTPUT:
+            if (path := json_path(asked)) is None:
                 print(said, end="")
                 return
             # Imported here: options and errors should not wait for numpy.
             from apd_viewer.files.storage.atomic_file import replacing_file
 
-            with replacing_file(Path(asked)) as scratch:
+            with replacing_file(path) as scratch:
                 scratch.write_text(said, encoding="utf-8")
         for line in self.lines:
             print(line)

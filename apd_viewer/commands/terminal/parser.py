@@ -109,6 +109,11 @@ def _with_values_joined(words: Iterable[str]) -> list[str]:
     return [f"{_JSON}={STANDARD_OUTPUT}" if word == _JSON else word for word in joined]
 
 
+def add_report_option(parser: Parser) -> None:
+    """Add ``--report``, another name of ``--json`` with a file."""
+    add_option(parser, "--report R.json", tr("another name of --json R.json"), dest=_JSON.lstrip("-"))
+
+
 def add_option(parser: argparse._ActionsContainer, words: str, about: str = "", **how: Any) -> None:
     """Add an option given as in the help, such as "-o, --output DIR" or "MESH".
 

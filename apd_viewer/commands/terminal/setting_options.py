@@ -5,20 +5,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from apd_viewer.commands.terminal.mesh_options import unit_option_in_errors
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import CRITERIA, DEFAULT_CONVERGENCE, Convergence
-from apd_viewer.geometry.solver.methods import (
-    METHODS,
-    MOST_VERTICES_IN_CONTACT,
-    contact_by_default,
-    wall_material,
-)
+from apd_viewer.geometry.solver.methods import METHODS, MOST_VERTICES_IN_CONTACT, contact_by_default
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS, SETTINGS, SettingKind
 from apd_viewer.language import tr
+from apd_viewer.session.quantities.newton_conversion import wall_pascals
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.volume_target import parse_volume_target
 from apd_viewer.session.quantities.wall_distribution import DISTRIBUTION_SUFFIXES, read_distribution
@@ -123,7 +119,7 @@ def setting_arguments(options: argparse.Namespace, mesh: Mesh) -> dict[str, Any]
     if options.pressure is not None:
         if options.young is None:
             raise InputError(tr("A pressure needs Young's modulus of the wall; add --young, such as 2.8GPa."))
-        wall = wall_material(diagonal(mesh.V), given["wall_thickness"], options.poisson)
-        pascals, young = parse_pressure_difference(options.pressure), parse_young_modulus(options.young)
-        given["pressure"] = wall.tensile_stiffness * pascals / (young * wall.thickness)
+        wall = diagonal(mesh.V), given["wall_thickness"], options.poisson
+        unit_pressure = wall_pascals(parse_young_modulus(options.young), *wall)
+        given["pressure"] = parse_pressure_difference(options.pressure) / unit_pressure
     return {**given, "convergence": Convergence(**given_criteria(options))}

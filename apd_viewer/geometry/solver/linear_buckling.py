@@ -78,6 +78,8 @@ def buckling_modes(
 ) -> BucklingModes:
     """Find the lowest buckling modes of a thin wall between two plates.
 
+    Gas, pressure, targets, creases and contact of the walls are left out.
+
     Parameters
     ----------
     V, F : (n, 3) float and (m, 3) int arrays

@@ -20,10 +20,14 @@ resists stretching more, against bending, so that the newtons above are too low;
 import math
 from dataclasses import dataclass
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import total_curvature
-from apd_viewer.session.quantities.wall import Wall
+from apd_viewer.geometry.solver.methods import wall_material
+from apd_viewer.geometry.solver.settings import Settings
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import Wall, WallText, parse_wall
 
 # Limit of total curvature: 4 pi for a sphere, up to 1 for a tube with noise of 1 % of its radius.
 _CURVED = 1.5
@@ -91,6 +95,25 @@ class NewtonConversion:
     def pascals_per_pressure(self) -> float:
         """Pascals of a pressure of 1 in the model."""
         return self.newtons_per_load / self.metres_per_unit**2
+
+
+def wall_pascals(young: float, diagonal: float, thickness: float | None, poisson: float) -> float:
+    """Pascals of a pressure of 1 on a thin wall, by its Young's modulus in Pa.
+
+    ``diagonal`` and ``thickness`` are as of :func:`wall_material`; raises InputError unless the wall is thin.
+    """
+    wall = wall_material(diagonal, thickness, poisson)
+    return young * wall.thickness / wall.tensile_stiffness
+
+
+def settings_pascals(settings: Settings, diagonal: float, text: WallText, unit: Unit) -> float | None:
+    """Pascals of a pressure of 1 in settings; None without a modulus of the wall."""
+    try:
+        young = parse_wall(text, unit).young
+        own = settings.wall_thickness, settings.poisson
+        return None if young is None else wall_pascals(young, diagonal, *own)
+    except InputError:
+        return None
 
 
 def newton_conversion(wall: Wall, material: Material, rest: RestMesh) -> NewtonConversion | None:

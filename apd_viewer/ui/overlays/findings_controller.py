@@ -11,8 +11,8 @@ from apd_viewer.geometry.analysis.mesh_findings import SEPARATE_COMPONENTS, Find
 from apd_viewer.geometry.analysis.shape_check import SEAMS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import MARK_COLOR
-from apd_viewer.session.model.loose_findings import loose_component_findings
 from apd_viewer.session.session import Session
+from apd_viewer.session.shape_checks import loose_component_findings
 from apd_viewer.ui.overlays.findings_badge import ENTER_KEYS, Badge, issue_count_text
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas

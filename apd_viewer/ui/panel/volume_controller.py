@@ -26,6 +26,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
+from apd_viewer.session.quantities.newton_conversion import settings_pascals
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall, with_part_thickness
 from apd_viewer.session.quantities.wall_distribution import WallDistribution, read_distribution
 from apd_viewer.session.quantities.wall_material import wall_material
@@ -270,12 +271,9 @@ class VolumeController(QObject):
         """
         state = self._session.store.required_state()
         settings, size = state.document.settings, diagonal(state.document.mesh.V)
-        try:
-            wall = parse_wall(self._panel.measures.wall_fields.value, self._session.store.unit)
-            thin = thin_wall_material(size, thickness or settings.wall_thickness, settings.poisson)
-        except InputError:
-            return None
-        return None if wall.young is None else wall.young * thin.thickness / thin.tensile_stiffness
+        settings = replace(settings, wall_thickness=thickness or settings.wall_thickness)
+        fields = self._panel.measures.wall_fields
+        return settings_pascals(settings, size, fields.value, self._session.store.unit)
 
     def wall_settings(self, *names: str) -> dict[str, float | None]:
         """Settings by name that are derived from the wall, unless typed elsewhere.

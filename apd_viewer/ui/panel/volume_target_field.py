@@ -12,14 +12,14 @@ from PySide6.QtGui import QHideEvent
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import format_editable
+from apd_viewer.presentation.number_format import format_editable, format_pressure
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.volume_target import parse_volume_target
 from apd_viewer.session.quantities.wall_material import has_pressure_unit, parse_pressure_difference
 from apd_viewer.ui.widgets.fields import ErrorBubble, TextField, return_focus
 
-_MBAR, _ML = 100.0, 1e3  # Pa, and per litre
+_ML = 1e3  # per litre
 _DIGITS = 6
 
 
@@ -105,9 +105,7 @@ class VolumeTargetField(TextField):
 
     def _pressure(self, pressure: float) -> str:
         pascals = self.find_pascals()
-        if pascals is None:
-            return format_editable(pressure, _DIGITS)
-        return f"{format_editable(pressure * pascals / _MBAR, _DIGITS)} mbar"
+        return format_editable(pressure, _DIGITS) if pascals is None else format_pressure(pressure * pascals)
 
     def renewed_pressure(self, settings: Settings, pascals: float | None) -> dict[str, float | None]:
         """Change that keeps the shown pressure, for another wall; empty without one."""

@@ -11,6 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS, plate_travel
 from apd_viewer.geometry.solver.press_band import DEEPEST_DENTS, DEFAULT_DENTS, MOST_RUNS
@@ -23,18 +24,22 @@ from apd_viewer.session.model.obstacle_pair import PROPOSED_STIFFNESS
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.expressions import unambiguous_text
+from apd_viewer.session.quantities.newton_conversion import settings_pascals
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, parse_wall, press_method
 from apd_viewer.session.quantities.wall_distribution import TABLE_SUFFIX, WallDistribution, write_distribution
+from apd_viewer.session.quantities.wall_material import parse_pressure_difference
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.run_dialog import RunBar, RunDialog, count_field
 from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.display_names import window_title_text
-from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField
+from apd_viewer.ui.widgets.fields import CheckBox, ComboBox, NumberField, TextField
 
-_AXES, _AIR, _MODES = "xyz", "1atm", 4
-_OF_A_PRESS = {"--runs", "--dents", "--gas", "--area", "--volume"}
+_AXES, _AIR = "xyz", "1atm"
+_VACUUM = "-50 mbar"
+_GAS, _PRESSURE = 1, 2  # choices of what is inside
+_OF_BUCKLING = {"--axis", "--unit", "--material", "--thickness", "--young", "--poisson"}
 
 
 class PressDialog(RunDialog):
@@ -63,7 +68,7 @@ class PressDialog(RunDialog):
         run.start_requested.connect(self.begin)
         tip = tr("Shows how a perfect wall would fold first, and at which load, without pressing it")
         self.modes = QPushButton(tr("Buckling modes"), toolTip=tip)
-        self.modes.clicked.connect(lambda: self.begin(modes=_MODES))
+        self.modes.clicked.connect(lambda: self.begin(buckles=True))
         run.add_button(self.modes)
         self._state, self._view, self._document, self._unit = state, view, document, unit
         self._points = mesh.V[np.unique(mesh.F)]
@@ -186,9 +191,25 @@ class PressDialog(RunDialog):
         return row_layout(self.from_current, STRETCH, spacing=16)
 
     def _make_air(self) -> QHBoxLayout:
-        self.air = CheckBox(tr("air that cannot leave, at one atmosphere"))
-        self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
-        return row_layout(self.air, STRETCH, spacing=16)
+        self.air = ComboBox(accessibleName=tr("Inside"))
+        said = tr("air that goes in and out"), tr("air that cannot leave, at one atmosphere")
+        self.air.addItems([*said, tr("a constant pressure, inside less outside")])
+        self.air.setToolTip(
+            tr("Openings are capped; needs the wall in newtons, and a pressure the method Wall")
+        )
+        settings, size = self._document.settings, diagonal(self._document.mesh.V)
+        pascals = settings_pascals(settings, size, self._view.wall, self._unit)
+        pressure = settings.pressure if settings.traits.is_wall else None
+        text = _VACUUM
+        if pressure is not None and pascals is not None:
+            text = number_format.format_pressure(pressure * pascals)
+        tip = tr("Such as 30mbar, or -50mbar for a vacuum")
+        self.pressure = TextField(text=text, toolTip=tip, accessibleName=tr("Pressure"))
+        self.pressure.setFixedWidth(84)
+        self.air.currentIndexChanged.connect(lambda chosen: self.pressure.setEnabled(chosen == _PRESSURE))
+        self.pressure.setEnabled(False)
+        self.air.setCurrentIndex(0 if pressure is None else _PRESSURE)
+        return row_layout(self.air, self.pressure, STRETCH)
 
     def _make_runs(self) -> QHBoxLayout:
         self.runs = count_field(tr("Number of runs"), 1, MOST_RUNS, 1)
@@ -212,7 +233,7 @@ class PressDialog(RunDialog):
         words = tr("of the extent, with the plates {distance} apart")
         self.distance.setText(words.format(distance=self._length_text(self._distance)))
 
-    def begin(self, modes: int = 0) -> None:
+    def begin(self, buckles: bool = False) -> None:
         """Start the press with the options chosen, or find buckling modes instead."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
@@ -224,16 +245,17 @@ class PressDialog(RunDialog):
         except InputError as error:
             self.run.show_failure(str(error))
             return
-        if modes:
-            options = {name: word for name, word in options.items() if name not in _OF_A_PRESS}
-            options["--modes"] = str(modes)
-        opens = self.release.isChecked() and not modes
+        if buckles:
+            up = self._view.up_axis
+            options = {name: options[name] for name in _OF_BUCKLING & options.keys()}
+            options |= {} if up is None else {"--up": up.value}
+        opens = self.release.isChecked() and not buckles
         flags = ["--release"] if opens else []
         mode = f"mode{suffix_for(self._document.mesh)}"
-        self.run.mesh = f"mode-1{Path(mode).suffix}" if modes else self._crushed if opens else self._pressed
-        self.figure_is_drawn = not modes
-        self.figure_caption = tr("Buckling modes") if modes else tr("Curves of load and volume")
-        from_current = self.from_current.isChecked() and not modes
+        self.run.mesh = f"mode-1{Path(mode).suffix}" if buckles else self._crushed if opens else self._pressed
+        self.figure_is_drawn = not buckles
+        self.figure_caption = tr("Buckling modes") if buckles else tr("Curves of load and volume")
+        from_current = self.from_current.isChecked() and not buckles
         mesh, thickness, unit = self._document.mesh, self._wall.thickness, self._unit
 
         def prepared(scratch: Path, results: Path) -> list[str]:
@@ -247,17 +269,13 @@ class PressDialog(RunDialog):
                 table = scratch / f"thickness{TABLE_SUFFIX}"
                 write_distribution(table, thickness.in_unit(unit))
                 options["--thickness"] = str(table)
-            files = {
-                "-o": mode if modes else self._pressed,
-                "--figure": "press.png",
-                "--report": "report.json",
-            }
-            if not modes:
-                files["--curve"] = "curve.csv"
+            files = {"--figure": "press.png", "--json": "report.json"}
+            files |= {"--output": mode} if buckles else {"--output": self._pressed, "--curve": "curve.csv"}
             if opens:
                 files["--crushed"] = self._crushed
             asked = options | {option: str(results / name) for option, name in files.items()}
-            return ["press", str(source), *flags, *(word for pair in asked.items() for word in pair)]
+            words = [f"{option}={word}" for option, word in asked.items()]
+            return ["buckle" if buckles else "press", str(source), *flags, *words]
 
         self.run.begin(prepared)
 
@@ -294,7 +312,14 @@ class PressDialog(RunDialog):
             raise InputError(tr("Newtons need the thickness of the wall as well; enter one such as 0.3mm."))
         if text.young and self._unit is Unit.NONE:
             raise InputError(tr("Newtons need the unit of the mesh; choose it next to the area."))
-        if self.air.isChecked() and wall.young is None:
+        inside = self.air.currentIndex()
+        if inside == _PRESSURE and not METHODS[self.method.currentData()].is_wall:
+            raise InputError(tr("Only the method Wall has a pressure; choose it, or omit the pressure."))
+        if inside == _PRESSURE and wall.young is None:
+            raise InputError(
+                tr("A pressure needs thickness and Young's modulus of the wall; enter them in Size and mass.")
+            )
+        if inside == _GAS and wall.young is None:
             raise InputError(
                 tr("Air inside needs the wall in newtons; choose a material or type its modulus.")
             )
@@ -309,7 +334,8 @@ class PressDialog(RunDialog):
             "--young": text.young.strip(),
             "--poisson": text.poisson.strip() if text.young else "",
             "--yield-radius": text.yield_radius and _number_text(wall.yield_radius),
-            "--gas": _AIR if self.air.isChecked() else "",
+            "--gas": _AIR if inside == _GAS else "",
+            "--pressure": f"{_pascals(self.pressure.text())!r}Pa" if inside == _PRESSURE else "",
         }
         return {option: word for option, word in said.items() if word}
 
@@ -320,6 +346,10 @@ def _proposed_method(settings: Settings, wall: WallText, unit: Unit) -> str:
     with suppress(InputError):
         return press_method(parse_wall(wall, unit), settings.stiffness, own)
     return own
+
+
+def _pascals(text: str) -> float:
+    return parse_pressure_difference(unambiguous_text(text))
 
 
 def _number_text(number: float | None) -> str:

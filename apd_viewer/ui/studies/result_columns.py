@@ -57,6 +57,7 @@ PLAN_TITLES = {
     "iterations": tr("Iteration limit"),
     "imperfection": tr("Imperfection"),
     "seed": tr("Seed"),
+    "young": tr("Young's modulus"),
     **{name: setting.title for name, setting in SETTINGS.items() if name in COLUMNS},
 }
 # In the order of the columns; in a narrow table only the first are in sight.

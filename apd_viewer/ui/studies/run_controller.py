@@ -3,7 +3,9 @@
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from itertools import chain
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QDialog, QWidget
@@ -67,8 +69,8 @@ class RunController(QObject):
         self._session, self._filing = session, files
         self._opened, self._failed = open_document, show_failure
         self.dialogs: dict[str, QDialog] = {}
-        self._pressed: dict[str, tuple[PageBlock, ...]] = {}  # last results, by the kind of run
-        self._pressed_mesh: Mesh | None = None
+        # Last results of each mesh, by the kind of run.
+        self._pressed = WeakKeyDictionary[Mesh, dict[str, tuple[PageBlock, ...]]]()
 
     def open_sweep(self) -> None:
         """Open the dialog to sweep the current motion of the handles."""
@@ -138,17 +140,14 @@ class RunController(QObject):
         return dialog
 
     def _keep_pressed(self, dialog: PressDialog, mesh: Mesh, folder: Path) -> None:
-        if mesh is not self._pressed_mesh:
-            self._pressed, self._pressed_mesh = {}, mesh
         with suppress(OSError):
             picture = PagePicture(read_bytes(folder / "press.png"), dialog.figure_caption)
-            notes = (PageNote(line.strip()) for line in dialog.summary.text().splitlines())
-            self._pressed[dialog.figure_caption] = (PagePictureRow((picture,)), *notes)
+            notes = map(PageNote, dialog.summary.text().splitlines())
+            self._pressed.setdefault(mesh, {})[dialog.figure_caption] = (PagePictureRow((picture,)), *notes)
 
     def pressed_blocks(self, mesh: Mesh) -> tuple[PageBlock, ...]:
         """Blocks of a report on what the press dialog last found of a mesh."""
-        found = self._pressed.values() if mesh is self._pressed_mesh else ()
-        return tuple(block for blocks in found for block in blocks)
+        return tuple(chain.from_iterable(self._pressed.get(mesh, {}).values()))
 
     def show_wall(self, wall: WallText) -> None:
         """Show another wall in an open dialog that presses."""

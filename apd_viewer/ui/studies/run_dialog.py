@@ -91,7 +91,7 @@ class RunDialog(QDialog):
 
     def _show(self, folder: Path, said: str) -> None:
         # Omit the line with the temporary folder; repeated spaces align columns only in a terminal.
-        lines = re.sub(" +", " ", "\n".join(said.splitlines()[1:]))
+        lines = "\n".join(re.sub(" +", " ", line.lstrip(" ")) for line in said.splitlines()[1:])
         self.summary.setText(re.sub(r"-(?=\d)", "−", lines))
         self.summary.show()
         if self.figure is not None:

@@ -20,6 +20,7 @@ from PySide6.QtWidgets import QFileDialog
 from study_driving import click, finish
 
 from apd_viewer.__main__ import main
+from apd_viewer.commands.buckle_command import buckle_parser
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.energy.wall_map import wall_map_of
@@ -30,7 +31,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText
 from apd_viewer.session.quantities.wall_distribution import WallDistribution, read_distribution
-from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
+from apd_viewer.session.quantities.wall_material import WALL_MATERIALS, parse_pressure_difference
 from apd_viewer.ui.filing import file_controller
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
 from apd_viewer.ui.studies import run_dialog
@@ -479,13 +480,15 @@ def test_press_dialog_finds_buckling_modes_of_the_wall_without_a_press(asked, tm
     begun = []
     monkeypatch.setattr(dialog.run, "begin", lambda words: begun.append(words(tmp_path, tmp_path / "out")))
     click(dialog.modes)
-    said = press_parser().parse_args(begun[0][1:])
-    assert (said.modes, said.runs, said.release, said.curve, said.crushed) == (4, 1, False, None, None)
+    assert begun[0][0] == "buckle"
+    said = buckle_parser().parse_args(begun[0][1:])
+    assert (said.axis, said.unit, said.material, said.modes) == ("x", "cm", "pet-bottle", 4)
     assert said.output == tmp_path / "out" / "mode.obj"
     assert dialog.run.mesh == "mode-1.obj"
     click(dialog.run.start)
+    assert begun[1][0] == "press"
     again = press_parser().parse_args(begun[1][1:])
-    assert (again.modes, again.runs, again.release) == (None, 10, True)
+    assert (again.runs, again.release) == (10, True)
 
 
 def test_run_controller_gives_reports_the_last_press_of_the_mesh(qtbot, window, ball, written, tmp_path):
@@ -501,6 +504,13 @@ def test_run_controller_gives_reports_the_last_press_of_the_mesh(qtbot, window, 
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<h2>Press between plates</h2>" in page
     assert notes[0].text in page
+    ball.close()
+    window.session.files.open_mesh(Mesh(*sphere(1)))
+    idle(qtbot, window)
+    window.actions_.simulate.press.trigger()
+    end_run(window.runs.dialogs["press"], written, tmp_path / "other")
+    assert list(window.runs.pressed_blocks(document(window).mesh)[1:]) == notes
+    assert window.runs.pressed_blocks(mesh)[0] is picture, "as after undo"
 
 
 def test_press_dialog_leads_to_the_fields_of_the_wall_and_takes_what_is_chosen_there(qtbot, window, ball):
@@ -532,14 +542,44 @@ def test_press_dialog_refuses_at_once_a_material_that_cannot_be(typed, words, ba
 
 def test_press_dialog_needs_newtons_for_air_inside(asked, ball):
     ask, options = asked
-    ball.air.click()
+    ball.air.setCurrentIndex(1)
     click(ball.run.start)
     assert not ball.run.is_running
     assert "in newtons" in ball.run.message.text()
     dialog = ask(*sphere(2), unit="cm", wall=PET)
     assert options(dialog).gas is None
-    dialog.air.click()
+    dialog.air.setCurrentIndex(1)
     assert options(dialog).gas == "1atm"
+
+
+def test_press_dialog_holds_a_pressure_by_the_method_wall(asked):
+    ask, options = asked
+    dialog = ask(*sphere(2), unit="cm", wall=PET)
+    assert not dialog.pressure.isEnabled()
+    assert options(dialog).pressure is None
+    dialog.air.setCurrentIndex(2)
+    assert dialog.pressure.isEnabled()
+    for typed, pascals in (("-50 mbar", -5000.0), ("0.3bar", 30_000.0)):
+        dialog.pressure.setText(typed)
+        said = options(dialog)
+        assert parse_pressure_difference(said.pressure) == pytest.approx(pascals)
+        assert (said.method, said.gas) == ("wall", None)
+    for typed, method, words in (("30", "wall", "needs a unit"), ("1bar", "exact", "Only the method Wall")):
+        dialog.pressure.setText(typed)
+        dialog.method.setCurrentIndex(dialog.method.findData(method))
+        click(dialog.run.start)
+        assert not dialog.run.is_running
+        assert words in dialog.run.message.text()
+
+
+def test_press_dialog_proposes_the_pressure_of_the_document(asked):
+    ask, options = asked
+    thickness = 0.03
+    held = {"method": "wall", "wall_thickness": thickness, "pressure": -5000.0 * 4.0 / (3.4e9 * thickness)}
+    dialog = ask(*sphere(2), unit="cm", wall=PET, **held)
+    assert dialog.pressure.text() == "-50 mbar"
+    assert parse_pressure_difference(options(dialog).pressure) == pytest.approx(-5000.0)
+    assert options(ask(*sphere(2), unit="cm", wall=PET, **held | {"method": "exact"})).pressure is None
 
 
 def test_press_dialog_hands_the_targets_of_the_document_to_the_command(asked):
