@@ -77,6 +77,7 @@ SOUND = {
     "seed": VERTICES,
     "vertices": IDS,
     "loose": IDS,
+    "closed": {"[]", "array"},  # the mesh is closed
     "handle": {"None", "[]", "array"},
     "regions": {"[]"},
     "obstacles": {"[]"},
