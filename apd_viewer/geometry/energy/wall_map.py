@@ -196,3 +196,12 @@ def interpolated_values(points: np.ndarray, values: np.ndarray, X: np.ndarray, f
     distances, near = distances.reshape(len(X), -1), near.reshape(len(X), -1)
     weights = 1.0 / np.maximum(distances, 1e-9 * farthest) ** 2
     return (weights * values[near]).sum(axis=1) / weights.sum(axis=1)
+
+
+def vertices_at(X: np.ndarray, V: np.ndarray, farthest: float) -> np.ndarray | None:
+    """Nearest of ``V`` (k, 3) to each of ``X`` (n, 3); None if one is farther away."""
+    # Imported here so that the first picture does not wait for scipy.
+    from scipy.spatial import KDTree
+
+    away, at = KDTree(V).query(X)
+    return None if away.max() > farthest else np.asarray(at)

@@ -100,7 +100,7 @@ def document_from_json(
         if fields.has_value("base")
         else NO_FLAGS,
         measurements=part_json.measurements_from_json(fields, len(mesh.F)),
-        closed_openings=_vertices(fields, "closed", len(mesh.V)) if fields.has_value("closed") else (),
+        closed_openings=fields.vertices("closed", len(mesh.V)),
         poses=tuple(part_json.pose_from_json(each) for each in fields.nested_list("poses", MOST_POSES))
         if fields.has_value("poses")
         else (),
@@ -125,17 +125,9 @@ def _axis(name: str) -> int:
 
 def _staying_components(fields: JsonFields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
     """Immobile loose parts; in older sessions of a deformed shape, all loose parts."""
-    n = len(document.mesh.V)
     if fields.has_value("staying"):
-        return _vertices(fields, "staying", n)
+        return fields.vertices("staying", len(document.mesh.V))
     return () if shape is document.mesh.V else tuple(part.first for part in document.loose_components)
-
-
-def _vertices(fields: JsonFields, key: str, n: int) -> tuple[int, ...]:
-    found = fields.counts(key, n)
-    if any(vertex >= n for vertex in found):
-        raise ValueError(tr("“{key}” in it refers to a vertex that does not exist").format(key=key))
-    return found
 
 
 def frame_to_json(frame: Frame) -> dict[str, Any]:
