@@ -215,9 +215,7 @@ def _checked_wall(
 ) -> WallMap:
     check_positive(thickness)
     if radius is not None:
-        check_positive(
-            radius, tr("The yield radius must be greater than 0 everywhere; number {k:,} is {value:g}.")
-        )
+        check_positive(radius, tr("The yield radius"))
     return triangle_wall(thickness, mesh.V, mesh.F, young, radius)
 
 
