@@ -218,7 +218,7 @@ class VolumeController(QObject):
         own, is_given = QInputDialog.getText(self._panel, title, label.format(part=part))
         if is_given:
             unit = self._session.store.unit
-            self._use(lambda: with_part_thickness(fields.value, own, part, inside, mesh, unit))
+            self._use(lambda: with_part_thickness(fields.value, own, inside, mesh, unit))
 
     def _use(self, distribution: Callable[[], WallText]) -> None:
         """Take a wall, and colour the shape by it; tell why it cannot be used."""

@@ -310,10 +310,12 @@ def test_with_part_thickness_makes_a_folding_line():
     sheet, x = Mesh(X, triangles), X[:, 0]
     base, end = np.flatnonzero(x < 0.04), np.flatnonzero(x > 0.96)
     plain = WallText("0.01")
-    line = with_part_thickness(plain, "0.002", "Line", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
-    assert str(line.thickness) == "0.01, Line 0.002"
-    thicker = with_part_thickness(line, "0.003", "Line", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
-    assert str(thicker.thickness) == "0.01, Line 0.003"
+    line = with_part_thickness(plain, "0.002", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
+    assert str(line.thickness) == "0.002 – 0.01"
+    thicker = with_part_thickness(line, "0.003", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
+    assert str(thicker.thickness) == "0.003 – 0.01"
+    same = with_part_thickness(plain, "0.01mm", x < 2.0, sheet, Unit.MILLIMETRE)
+    assert str(same.thickness) == "0.01\N{NO-BREAK SPACE}mm"
     along = np.flatnonzero(X[:, 1] == X[3, 1])
     along = along[np.argsort(x[along])]
     folds = []
@@ -331,14 +333,14 @@ def test_with_part_thickness_makes_a_folding_line():
 def test_with_part_thickness_keeps_what_else_differs_from_place_to_place(tmp_path):
     text = read(tmp_path, "z,thickness,young,yield_radius\n0,0.02,1,3\n3,0.05,4,5\n")
     inside = V[:, 2] > 1.4
-    wall = with_part_thickness(WallText(text), "0.01", "Top", inside, MESH, Unit.NONE).thickness.thickness
+    wall = with_part_thickness(WallText(text), "0.01", inside, MESH, Unit.NONE).thickness.thickness
     part = inside[F].sum(axis=1) >= 2
     assert (wall.triangles[part] == 0.01).all()
     assert np.array_equal(wall.triangles[~part], text.thickness.triangles[~part])
     assert np.array_equal(wall.young.triangles, text.thickness.young.triangles)
     assert np.array_equal(wall.yield_radius.triangles, text.thickness.yield_radius.triangles)
     with pytest.raises(InputError, match="Enter a wall thickness"):
-        with_part_thickness(WallText(), "0.01", "Top", inside, MESH, Unit.NONE)
+        with_part_thickness(WallText(), "0.01", inside, MESH, Unit.NONE)
 
 
 def test_thickness_text_leaves_a_length_as_typed():
