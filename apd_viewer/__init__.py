@@ -56,6 +56,7 @@ __all__ = [
     "sphere",
     "view",
     "volume_readings",
+    "wall_map",
 ]
 
 

@@ -14,6 +14,7 @@ from apd_viewer.geometry.contact.contact_obstacles import (
     plate as plate,
     sphere as sphere,
 )
+from apd_viewer.geometry.energy.wall_map import wall_map as wall_map
 from apd_viewer.geometry.goals.goals import Region as Region
 from apd_viewer.geometry.measuring.geodesics import geodesic_path as geodesic_path
 from apd_viewer.geometry.measuring.sections import plane_section as plane_section

@@ -192,6 +192,7 @@ def whole_state():
             Measurement("Level", MeasurementKind.FILL_LEVEL, contents=Contents((0.0, 0.0, 1.0), 1.0)),
         ),
         poses=(NamedPose("Start", (HandlePlacement("Top", pose, (pose,)),)),),
+        closed_openings=(0,),
         mirror_axis=0,
         immobile_components=(0,),
         target_shape=TargetShape(mesh),
@@ -319,7 +320,7 @@ KEYS = {
         document: handles regions method stiffness area_stiffness shear_stiffness wall_thickness
             poisson tension_field area volume filled_volume tolerance hold_area calm contact thickness
             yield_radius hardening gas pressure convergence
-            obstacles staying measurements base poses mirror
+            obstacles staying measurements closed base poses mirror
         document.handles: name pose pivot locked hidden waypoints earlier line falloff
         document.regions: name area locked hidden
         document.convergence: most_iterations energy_tolerance step_tolerance imperfection seed

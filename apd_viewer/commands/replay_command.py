@@ -122,6 +122,16 @@ def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dic
     Lengths are in mesh units, angles in degrees; missing values are None.
     """
     shapes, F = (("_rest", document.mesh.V), ("", U)), document.mesh.joined_F
+
+    def values(measurement: Measurement, X: np.ndarray) -> tuple[float | None, ...]:
+        path = None
+        if measurement.kind is MeasurementKind.GEODESIC:
+            try:
+                path = CarriedPath.from_polyline(geodesic_path(X, F, *measurement.points), X, F)
+            except InputError:
+                path = CarriedPath.empty()
+        return measure(measurement, X, F, path, closed=document.closed_openings).values
+
     measured = [
         {
             "name": each.name,
@@ -129,22 +139,12 @@ def measurements_report(document: Document, U: np.ndarray) -> dict[str, list[dic
             **{
                 f"{name}{suffix}": _number(value, power)
                 for suffix, X in shapes
-                for value, (name, power) in zip(_values(each, X, F), each.kind.fields.items(), strict=True)
+                for value, (name, power) in zip(values(each, X), each.kind.fields.items(), strict=True)
             },
         }
         for each in document.measurements
     ]
     return {"measurements": measured} if measured else {}
-
-
-def _values(measurement: Measurement, U: np.ndarray, F: np.ndarray) -> tuple[float | None, ...]:
-    path = None
-    if measurement.kind is MeasurementKind.GEODESIC:
-        try:
-            path = CarriedPath.from_polyline(geodesic_path(U, F, *measurement.points), U, F)
-        except InputError:
-            path = CarriedPath.empty()
-    return measure(measurement, U, F, path).values
 
 
 def _number(value: float | None, power: int) -> float | None:

@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -55,11 +55,19 @@ def volumes_parser() -> Parser:
     add_option(parser, "--up AXIS", about)
     about = tr("volume that is filled in, such as 250ml or 80%% of the brimful one")
     add_option(parser, "--fill VOLUME", about)
+    about = tr("openings that count as closed, counted from the lowest one up, such as 1 or 1,3")
+    add_option(parser, "--closed N", about)
     add_option(parser, "--levels C.csv", tr("write the volume at each level"), type=Path)
     about = tr("draw the level over the volume, as F.png and F.svg")
     add_option(parser, "--figure F.png", about, type=Path)
     parser.set_defaults(run=_volumes)
     return parser
+
+
+class _Filling(NamedTuple):
+    up: np.ndarray | None
+    fill: float | None
+    closed: Sequence[Sequence[int]]
 
 
 @unit_option_in_errors()
@@ -72,14 +80,18 @@ def _volumes(options: argparse.Namespace) -> CommandOutput:
     before = None if options.rest is None else open_mesh(options.rest)
     thickness = thickness_text(options.thickness, before or mesh, unit)
     wall = parse_wall(WallText(thickness, options.density), unit)
-    up, fill = _filling(options, before or mesh, unit)
-    now = mesh_volumes(mesh, wall.thickness, up, fill)
-    rest = None if before is None else mesh_volumes(before, wall.thickness, up, fill)
+    meshes = [mesh, *([] if before is None else [before])]
+    up, fill, closed = _filling(options, meshes, unit)
+    now, *others = (
+        mesh_volumes(each, wall.thickness, up, fill, at) for each, at in zip(meshes, closed, strict=True)
+    )
+    rest = others[0] if others else None
     now = now if rest is None else now.of_rest(rest)
     if options.levels is not None and up is not None:
-        _write_levels(options.levels, Vessel(mesh.V, mesh.F, up))
+        _write_levels(options.levels, Vessel(mesh.V, mesh.F, up, closed[0]))
     if options.figure is not None and up is not None:
-        _draw_levels(options.figure, [mesh, *([] if before is None else [before])], up, fill, unit)
+        vessels = {each.name: Vessel(each.V, each.F, up, at) for each, at in zip(meshes, closed, strict=True)}
+        _draw_levels(options.figure, vessels, fill, unit)
     rows = tuple(volume_text.volume_rows(rest or now, now, unit, wall.density, litres, _up_name(up)))
     lines = [volume_lines(mesh.name, rows, rest is not None)]
     for each, found in ((mesh, now), (before, rest)):
@@ -96,9 +108,12 @@ def _volumes(options: argparse.Namespace) -> CommandOutput:
     return CommandOutput(lines, report)
 
 
-def _filling(options: argparse.Namespace, rest: Mesh, unit: Unit) -> tuple[np.ndarray | None, float | None]:
-    """Upward direction and filled volume, None if unknown; raises InputError."""
-    wanted = any(value is not None for value in (options.fill, options.levels, options.figure))
+def _filling(options: argparse.Namespace, meshes: Sequence[Mesh], unit: Unit) -> _Filling:
+    """Direction, volume and closed openings, None if unknown; raises InputError."""
+    rest, nothing = meshes[-1], _Filling(None, None, [()] * len(meshes))
+    wanted = any(
+        value is not None for value in (options.fill, options.levels, options.figure, options.closed)
+    )
     if options.up is not None:
         up = checked_direction(parse_axis(options.up))
     elif (axis := standing_axis(rest)) is not None:
@@ -106,19 +121,37 @@ def _filling(options: argparse.Namespace, rest: Mesh, unit: Unit) -> tuple[np.nd
     elif wanted:
         raise InputError(tr("It is not clear on which side the shape stands; add --up, such as --up y."))
     else:
-        return None, None
+        return nothing
+    closed = [_closed_openings(options.closed, rest, up)] * len(meshes)
+    if not np.array_equal(meshes[0].F, rest.F):
+        closed[0] = _closed_openings(options.closed, meshes[0], up)
     try:
-        vessel = Vessel(rest.V, rest.F, up)
+        vessel = Vessel(rest.V, rest.F, up, closed[-1])
     except InputError:
         if wanted or options.up is not None:
             raise
-        return None, None
+        return nothing
     if options.fill is None:
-        return up, None
+        return _Filling(up, None, closed)
     is_share = options.fill.strip().endswith("%")
     fill = vessel.brimful * parse_number(options.fill, {}) if is_share else parse_volume(options.fill, unit)
     vessel.level(fill)  # raises InputError unless the shape at rest holds it
-    return up, fill
+    return _Filling(up, fill, closed)
+
+
+def _closed_openings(text: str | None, mesh: Mesh, up: np.ndarray) -> Sequence[int]:
+    """Vertex at each opening of a list of numbers, such as 1,3; raises InputError."""
+    if text is None:
+        return ()
+    openings = Vessel.openings(mesh.V, mesh.F, up).tolist()
+    numbers = [word.strip() for word in text.split(",")]
+    if wrong := [word for word in numbers if word not in map(str, range(1, len(openings) + 1))]:
+        raise InputError(
+            tr("There is no opening “{number}”; the openings are counted from 1, the lowest, to {n}.").format(
+                number=wrong[0], n=len(openings)
+            )
+        )
+    return [openings[int(word) - 1] for word in numbers]
 
 
 def _up_name(up: np.ndarray | None) -> str:
@@ -144,19 +177,18 @@ def _write_levels(path: Path, vessel: Vessel) -> None:
         scratch.write_text("\n".join(map(",".join, [("level", "volume"), *rows])) + "\n", encoding="utf-8")
 
 
-def _draw_levels(path: Path, meshes: Sequence[Mesh], up: np.ndarray, fill: float | None, unit: Unit) -> None:
-    """Draw the levels of shapes; the first is filled."""
+def _draw_levels(path: Path, vessels: dict[str, Vessel], fill: float | None, unit: Unit) -> None:
+    """Draw the levels of shapes by name; the first is filled."""
     # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
     from apd_viewer.figures.curves import draw_fill_levels
 
-    vessels = [Vessel(mesh.V, mesh.F, up) for mesh in meshes]
-    litres = unit.to_litres(max(vessel.brimful for vessel in vessels))
+    litres = unit.to_litres(max(vessel.brimful for vessel in vessels.values()))
     word, fraction = ("", 1.0) if litres is None else unit.capacity_unit(litres)
     scale = fraction * (unit.to_litres(1.0) or 1.0)
-    curves = {mesh.name: _levels(vessel) * (scale, 1.0) for mesh, vessel in zip(meshes, vessels, strict=True)}
-    filled = None
-    if fill is not None and fill <= vessels[0].brimful:
-        level = vessels[0].level(fill) - vessels[0].bottom
+    curves = {name: _levels(vessel) * (scale, 1.0) for name, vessel in vessels.items()}
+    filled, first = None, next(iter(vessels.values()))
+    if fill is not None and fill <= first.brimful:
+        level = first.level(fill) - first.bottom
         words = tr("{volume}: level {level}").format(
             volume=f"{format_short(scale * fill)}\u00a0{word}".strip(),
             level=unit.format_length(format_significant(level, 4)),

@@ -71,7 +71,7 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     except InputError:  # already has a user-readable message
         raise
     except ValueError as error:
-        raise InputError(_invalid_file_message(content or b"", path, error)) from error
+        raise InputError(invalid_file_message(content or b"", path, error)) from error
     if not len(V):
         raise InputError(no_vertices_message(decoded_text(content)[0], path))
     try:
@@ -80,7 +80,8 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
         raise InputError(f"{path.name}: {error}") from error
 
 
-def _invalid_file_message(content: bytes, path: Path, error: ValueError) -> str:
+def invalid_file_message(content: bytes, path: Path, error: ValueError) -> str:
+    """Sentence about a file that cannot be understood."""
     suffix = path.suffix.lower()
     kind = CAD_FORMATS[suffix].name if suffix in CAD_FORMATS else suffix[1:].upper()
     invalid = tr("{name} is not a valid {kind} file ({reason}); export it again.").format(

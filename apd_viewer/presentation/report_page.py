@@ -349,7 +349,7 @@ def _brimful(found: VolumeReadings, U: np.ndarray, state: State, up_axis: UpAxis
         return found.enclosed
     with suppress(InputError):
         F = state.document.mesh.joined_F
-        return Vessel.from_welded_surface(U, F, up_axis.direction).brimful
+        return Vessel.from_welded_surface(U, F, up_axis.direction, state.document.closed_openings).brimful
     return None
 
 

@@ -32,12 +32,14 @@ class MeasurementReading(NamedTuple):
 
 def complete_readings(readings: Sequence[MeasurementReading], state: State) -> list[MeasurementReading]:
     """Readings of a state, computing all missing geodesics (slow)."""
-    F, found = state.document.mesh.joined_F, []
+    F, closed, found = state.document.mesh.joined_F, state.document.closed_openings, []
 
     def made(measurement: Measurement, known: MeasurementResult, U: np.ndarray) -> MeasurementResult:
         if None not in known.values:
             return known
-        return measure(measurement, U, F, find_geodesic(GeodesicQuery(U, F, measurement.points)))
+        return measure(
+            measurement, U, F, find_geodesic(GeodesicQuery(U, F, measurement.points)), closed=closed
+        )
 
     for each, rest, now in readings:
         at_rest = made(each, rest, state.document.mesh.V)
@@ -63,6 +65,7 @@ class MeasurementReadings:
         self._finder = GeodesicFinder(listener.wake)
         self._asked: GeodesicQuery | None = None
         self._mesh_V: np.ndarray | None = None
+        self._closed: tuple[int, ...] = ()
         self._rest: dict[Measurement, MeasurementResult] = {}
         self._rest_paths: dict[EndPoints, CarriedPath] = {}
         self._paths: dict[EndPoints, tuple[np.ndarray, CarriedPath]] = {}
@@ -118,6 +121,9 @@ class MeasurementReadings:
         if self._mesh_V is not state.document.mesh.V:
             self._mesh_V = state.document.mesh.V
             self._rest, self._rest_paths, self._paths = {}, {}, {}
+        if self._closed != state.document.closed_openings:
+            self._closed = state.document.closed_openings
+            self._rest = {}
 
     def _missing_geodesic(self, state: State) -> GeodesicQuery | None:
         F, shapes = state.document.mesh.joined_F, (state.document.mesh.V, state.frame.U)
@@ -148,7 +154,8 @@ class MeasurementReadings:
 
     def _measured_result(self, measurement: Measurement, state: State, U: np.ndarray) -> MeasurementResult:
         path, is_current = self._known_path(measurement.points, U)
-        return measure(measurement, U, state.document.mesh.joined_F, path, is_current)
+        F, closed = state.document.mesh.joined_F, state.document.closed_openings
+        return measure(measurement, U, F, path, is_current, closed)
 
 
 class MeasurementEditor(DocumentEditor):
@@ -177,9 +184,8 @@ class MeasurementEditor(DocumentEditor):
     def _contents_below(self, plane: Plane) -> Contents:
         """Contents of the displayed shape that rise to a plane."""
         state = self._store.required_state()
-        vessel = Vessel.from_welded_surface(
-            state.frame.U, state.document.mesh.joined_F, np.array(plane.normal)
-        )
+        F, closed = state.document.mesh.joined_F, state.document.closed_openings
+        vessel = Vessel.from_welded_surface(state.frame.U, F, np.array(plane.normal), closed)
         volume = vessel.volume(plane.offset)
         legible = float(f"{volume:.4g}")
         return Contents(plane.normal, legible if legible <= vessel.brimful else volume)
@@ -191,6 +197,14 @@ class MeasurementEditor(DocumentEditor):
         if contents is not None:
             filled = replace(there[k], contents=contents._replace(volume=volume))
             self._set(tr("Change contents"), (*there[:k], filled, *there[k + 1 :]))
+
+    def toggle_opening(self, border: np.ndarray) -> None:
+        """Count the opening with the vertices ``border`` (k,) as closed, or as open again."""
+        closed = self._gestures.state_without_gesture().document.closed_openings
+        left = tuple(each for each in closed if each not in border)
+        name = tr("Open opening") if left != closed else tr("Close opening")
+        chosen = left if left != closed else (*closed, int(border.min()))
+        self._replace(name, closed_openings=chosen)
 
     def remove(self, k: int) -> None:
         """Remove measurement ``k``."""

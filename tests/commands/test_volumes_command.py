@@ -117,6 +117,30 @@ def test_volumes_command_fills_a_shape_and_says_what_spills(files, tmp_path, cap
     ]
 
 
+@pytest.mark.parametrize(
+    ("words", "volume"), [([], 60.0), (["--closed", "1"], 120.0), (["--closed", "2,1"], 200.0)]
+)
+def test_volumes_command_counts_openings_as_closed(tmp_path, words, volume):
+    mesh = apd_viewer.Mesh(*meshes.box_with_openings())
+    apd_viewer.save_mesh(mesh, mesh.V, tmp_path / "box.obj")
+    U = mesh.V * [1, 1, -1]  # upside down: the opening that was the lower one is the higher one
+    apd_viewer.save_mesh(mesh, U, tmp_path / "turned.obj")
+    out = tmp_path / "v.json"
+    command = [
+        "volumes",
+        str(tmp_path / "turned.obj"),
+        "--rest",
+        str(tmp_path / "box.obj"),
+        "--up",
+        "z",
+        *words,
+    ]
+    assert main([*command, "--json", str(out)]) == 0
+    report = json.loads(out.read_text(encoding="utf-8"))
+    assert report["brimful_volume_rest"] == pytest.approx(volume)
+    assert report["brimful_volume"] == pytest.approx(200.0 if volume == 200.0 else 60.0)
+
+
 def test_volumes_command_draws_the_level_of_both_shapes(files, tmp_path, monkeypatch):
     """Boxes of 20 cm²: straight lines up to their brims, with the filled volume on that of the shape."""
     rest, half = files
@@ -143,6 +167,7 @@ def test_volumes_command_draws_the_level_of_both_shapes(files, tmp_path, monkeyp
         (["--up", "z", "--fill", "201"], "It holds 200 cubic mesh units"),
         (["--up", "z", "--fill", "-1"], "It holds 200 cubic mesh units"),
         (["--up", "up"], "is not a direction"),
+        (["--up", "z", "--closed", "1"], "There is no opening “1”"),
     ],
 )
 def test_volumes_command_refuses_what_cannot_be_filled(files, capsys, words, part):

@@ -69,6 +69,8 @@ SOUND = {
     "wall_thickness": NONE,  # the others are too thick for this mesh
     "poisson": {"0", "np.float32"},
     "hardening": {"0", "np.float32"},
+    "wall_map thickness": LENGTHS - {"None"},
+    **dict.fromkeys(("wall_map young", "wall_map yield_radius"), LENGTHS),
     **dict.fromkeys(("Deformation gas", "deform gas"), NONE),  # needs contact
     **dict.fromkeys(("iterations", "steps", "most_iterations"), COUNTS),
     **dict.fromkeys(("shifts", "begin", "soft_targets", "rest", "area", "volume"), NONE),
@@ -77,6 +79,7 @@ SOUND = {
     "seed": VERTICES,
     "vertices": IDS,
     "loose": IDS,
+    "closed": {"[]", "array"},  # the mesh is closed
     "handle": {"None", "[]", "array"},
     "regions": {"[]"},
     "obstacles": {"[]"},
@@ -169,6 +172,7 @@ CALLS = {
     "vessel level": (lambda **said: vessel().level(**said), apd_viewer.Vessel.level),
     "vessel filling": (lambda **said: vessel().filling(**said), apd_viewer.Vessel.filling),
     "dented_shape": (apd_viewer.dented_shape, {"V": V, "F": F, "depth": 0.01, "length": 0.1}),
+    "wall_map": (apd_viewer.wall_map, {"V": V, "F": F, "thickness": 0.02}),
     "buckling_modes": (
         apd_viewer.buckling_modes,
         {"V": V, "F": F, "axis": (0, 0, 1), "wall_thickness": 0.02, "count": 1},

@@ -6,8 +6,10 @@ import zipfile
 import numpy as np
 import pytest
 from driven_session import BENT, VIEW
+from meshes import box_with_openings
 
 from apd_viewer.__main__ import main
+from apd_viewer.commands.replay_command import measurements_report
 from apd_viewer.errors import InputError
 from apd_viewer.files.tables import unescaped_cell
 from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
@@ -15,6 +17,8 @@ from apd_viewer.geometry.measuring.measurement import Contents, Measurement, Pla
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.sections import plane_section
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
+from apd_viewer.geometry.measuring.vessel import Vessel
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation import measurement_text as words
 from apd_viewer.session.measurement_readings import MeasurementReading, complete_readings
 from apd_viewer.session.quantities.units import Unit
@@ -196,6 +200,31 @@ def test_measurement_editor_refuses_to_fill_what_holds_nothing(session, tmp_path
     assert np.isnan(measure(measured, m.V, F).values).all()
     reading = MeasurementReading(measured, *2 * [measure(measured, m.V, F)])
     assert "holds nothing this way up" in words.detail_text(reading, Unit.NONE)
+
+
+def test_measurement_editor_closes_openings_and_opens_them_again(session, tmp_path):
+    mesh = Mesh(*box_with_openings())
+    session.show_now(mesh)
+    low, high = Vessel.openings(mesh.V, mesh.F, (0.0, 0.0, 1.0))
+    session.measurements.add(MeasurementKind.FILL_LEVEL, plane=Plane((0.0, 0.0, 1.0), 9.0))
+    assert readings(session)[0].now.values == pytest.approx((3.0, 0.0, 0.0))
+    session.measurements.fill(0, 80.0)
+    assert readings(session)[0].now.values == pytest.approx((3.0, 0.0, 20.0))
+    session.measurements.toggle_opening(np.array([low]))
+    assert readings(session)[0].now.values == pytest.approx((4.0, 2.0, 0.0))
+    start, stop = readings(session)[0].now.segments.transpose(1, 0, 2)
+    around = np.linalg.norm(stop - start, axis=1).sum()
+    assert around == pytest.approx(18.0)  # around the whole box, over the cap, too
+    path = tmp_path / "box.apd"
+    save_session(path, session.store.state, VIEW, embed=True)
+    assert open_session(path)[0].document.closed_openings == (low,)
+    assert measurements_report(open_session(path)[0].document, mesh.V)["measurements"][0]["level"] == 4.0
+    session.measurements.toggle_opening(np.array([high]))
+    assert readings(session)[0].now.values == pytest.approx((4.0, 6.0, 0.0))
+    session.gestures.undo()
+    session.measurements.toggle_opening(np.array([low]))
+    assert readings(session)[0].now.values == pytest.approx((3.0, 0.0, 20.0))
+    assert session.gestures.history.next_undo_name == "Open opening"
 
 
 def test_measurement_words_tell_values_changes_and_what_is_missing(session):

@@ -36,6 +36,14 @@ def box(nx: int = 2, ny: int = 2, nz: int = 6) -> tuple[np.ndarray, np.ndarray]:
     return V, inverse.ravel()[np.vstack(F)]
 
 
+def box_with_openings() -> tuple[np.ndarray, np.ndarray]:
+    """Box [0, 4] x [0, 5] x [0, 10] with a hole at x = 0 from z = 3, and one at x = 4 from z = 6."""
+    V, F = box(4, 5, 10)
+    y, z = np.floor(V[F].mean(axis=1)[:, 1:]).T
+    is_hole = (y == 2) & ((V[F, 0] == 0).all(axis=1) & (z == 3) | (V[F, 0] == 4).all(axis=1) & (z == 6))
+    return V, F[~is_hole]
+
+
 def sphere(subdivisions: int = 2) -> tuple[np.ndarray, np.ndarray]:
     """Unit icosphere, closed, facing outwards; all angles are acute."""
     g = (1 + 5**0.5) / 2

@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 from apd_viewer.commands.terminal.mesh_options import unit_option_in_errors
@@ -17,7 +16,8 @@ from apd_viewer.language import tr
 from apd_viewer.session.quantities.newton_conversion import wall_pascals
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.volume_target import parse_volume_target
-from apd_viewer.session.quantities.wall_distribution import DISTRIBUTION_SUFFIXES, read_distribution
+from apd_viewer.session.quantities.wall import parse_thickness
+from apd_viewer.session.quantities.wall_distribution import distribution_file, thickness_text
 from apd_viewer.session.quantities.wall_material import parse_pressure_difference, parse_young_modulus
 
 
@@ -52,7 +52,7 @@ def add_setting_options(parser: Parser, names: Iterable[str], methods: Iterable[
 
 def length(word: str) -> float | str:
     """Number, or the name of a file of a wall distribution."""
-    return word if Path(word).suffix.lower() in DISTRIBUTION_SUFFIXES else float(word)
+    return word if distribution_file(word) else float(word)
 
 
 def _option(name: str) -> str:
@@ -115,7 +115,7 @@ def setting_arguments(options: argparse.Namespace, mesh: Mesh) -> dict[str, Any]
     given |= volume_arguments(options.volume, mesh.unit)
     unit = Unit(mesh.unit)
     if isinstance(given.get("wall_thickness"), str):
-        given["wall_thickness"] = read_distribution(Path(given["wall_thickness"]), mesh, unit).in_unit(unit)
+        given["wall_thickness"] = parse_thickness(thickness_text(given["wall_thickness"], mesh, unit), unit)
     if options.pressure is not None:
         if options.young is None:
             raise InputError(tr("A pressure needs Young's modulus of the wall; add --young, such as 2.8GPa."))

@@ -2,8 +2,9 @@
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -32,7 +33,7 @@ class VertexBlock(NamedTuple):
     first_vertex: int
     position: int
     normal: int | None
-    color: object
+    attributes: dict[str, Any]
     matrix: np.ndarray
     position_shift: np.ndarray | None
     normal_shift: np.ndarray | None
@@ -75,11 +76,25 @@ class GltfFile:
     @property
     def colors(self) -> np.ndarray | None:
         """Vertex colours (n, 3) uint8; None unless every vertex block has them."""
-        if not self.blocks or any(block.color is None for block in self.blocks):
+        found = self.linear_colors
+        return None if found is None else linear_to_srgb(found)
+
+    @property
+    def linear_colors(self) -> np.ndarray | None:
+        """Vertex colours (n, 3) from 0 to 1 as stored; None unless every block has them."""
+        return self._attribute("COLOR_0", accessor_colors)
+
+    def vertex_values(self, name: str) -> np.ndarray | None:
+        """Numbers (n,) of a custom attribute; None unless every vertex block has it."""
+        found = self._attribute(f"_{name}", partial(accessor_numbers, width=1))
+        return None if found is None else found[:, 0]
+
+    def _attribute(self, name: str, read: Callable[..., np.ndarray]) -> np.ndarray | None:
+        """Rows of a vertex attribute, whose name may be in capitals; None without."""
+        named = [{own.upper(): at for own, at in block.attributes.items()} for block in self.blocks]
+        if not named or not all(name.upper() in each for each in named):
             return None
-        return linear_to_srgb(
-            np.vstack([accessor_colors(self.document, self.buffers, b.color) for b in self.blocks])
-        )
+        return np.vstack([read(self.document, self.buffers, each[name.upper()]) for each in named])
 
     def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
         """Normals (n, 3), zero where missing, and the vertex of each corner, (m, 3)."""

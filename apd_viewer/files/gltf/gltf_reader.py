@@ -130,7 +130,7 @@ class _Scene:
             self._count,
             position,
             None if normal is None else scene.whole_number(primitive["attributes"], "NORMAL"),
-            primitive["attributes"].get("COLOR_0"),
+            primitive["attributes"],
             place.vertex_matrices(*given),
             place.morph_displacement(*given, "POSITION"),
             None if normal is None else place.morph_displacement(*given, "NORMAL"),

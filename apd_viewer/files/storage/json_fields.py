@@ -78,9 +78,16 @@ class JsonFields:
         """Non-negative integer under a key."""
         return self._checked_count(key, self._said.get(key))
 
-    def counts(self, key: str, max_count: int) -> tuple[int, ...]:
-        """List of at most ``max_count`` non-negative integers."""
-        return tuple(self._checked_count(key, each) for each in self._list(key, max_count))
+    def vertices(self, key: str, n: int) -> tuple[int, ...]:
+        """List of vertices of a mesh with ``n`` under a key; empty if missing."""
+        found = (
+            tuple(self._checked_count(key, each) for each in self._list(key, n))
+            if self.has_value(key)
+            else ()
+        )
+        if any(vertex >= n for vertex in found):
+            raise ValueError(tr("“{key}” in it refers to a vertex that does not exist").format(key=key))
+        return found
 
     def number(self, key: str, least: float = -_LARGEST, most: float = _LARGEST) -> float:
         """Number under a key, within a range."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from numbers import Real
 from typing import NamedTuple
 
@@ -109,7 +110,11 @@ def volume_readings(
 
 
 def mesh_volumes(
-    mesh: Mesh, thickness: float | None, up: np.ndarray | None = None, fill: float | None = None
+    mesh: Mesh,
+    thickness: float | None,
+    up: np.ndarray | None = None,
+    fill: float | None = None,
+    closed: Sequence[int] = (),
 ) -> VolumeReadings:
     """Volumes of an undeformed mesh.
 
@@ -121,6 +126,8 @@ def mesh_volumes(
         Direction against gravity.
     fill : float or None
         Volume that is filled in, cubic mesh units.
+    closed : sequence of int
+        A vertex at the border of each opening that counts as closed.
 
     Raises
     ------
@@ -136,5 +143,5 @@ def mesh_volumes(
     )
     if up is None:
         return readings
-    vessel = Vessel(mesh.V, mesh.F, up)
+    vessel = Vessel(mesh.V, mesh.F, up, closed)
     return readings._replace(brimful=vessel.brimful, filling=None if fill is None else vessel.filling(fill))

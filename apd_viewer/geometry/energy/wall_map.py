@@ -7,8 +7,10 @@ import hashlib
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import checked_floats, frozen, mesh_arrays
 from apd_viewer.language import tr
+
+_MOST = 1e100  # products of larger numbers overflow
 
 
 class WallMap(float):
@@ -96,6 +98,58 @@ class WallMap(float):
         return float.__hash__(self)
 
 
+def wall_map(
+    V: np.ndarray,
+    F: np.ndarray,
+    thickness: float | np.ndarray,
+    *,
+    young: float | np.ndarray | None = None,
+    yield_radius: float | np.ndarray | None = None,
+) -> WallMap:
+    """Wall of other thickness, modulus and yield radius from place to place.
+
+    Each is a number, or one for each vertex or triangle. A triangle has the mean of its corners. If n is m,
+    an array is of the vertices.
+
+    Parameters
+    ----------
+    V, F : (n, 3) float array, (m, 3) int array
+        Rest positions, and triangles.
+    thickness : float, (n,) or (m,) array
+        Mesh units.
+    young : float, (n,) or (m,) array, optional
+        Young's modulus; in a deformation only its ratios count.
+    yield_radius : float, (n,) or (m,) array, optional
+        Mesh units; in a deformation only its ratios count, beside the mean given there.
+
+    Returns
+    -------
+    WallMap
+        A number, the mean thickness by area, to give as ``wall_thickness``; it has ``young`` and
+        ``yield_radius`` with their means.
+
+    Raises
+    ------
+    InputError
+        If there are too few or too many numbers, or one is not greater than 0.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> bottle = apd_viewer.open_mesh("bottle.obj")
+    >>> height = bottle.V[:, 1] / bottle.V[:, 1].max()
+    >>> wall = apd_viewer.wall_map(bottle.V, bottle.F, 0.02 + 0.02 * height, young=1.0 + height)
+    >>> f"{wall:.4f}", f"{wall.young:.3f}"
+    ('0.0286', '1.490')
+    """
+    V, F = mesh_arrays(V, F)
+    modulus, radius = (
+        None if values is None else _of_triangles(values, V, F, name)
+        for values, name in ((young, tr("Young's modulus")), (yield_radius, tr("The yield radius")))
+    )
+    return triangle_wall(_of_triangles(thickness, V, F), V, F, modulus, radius)
+
+
 def wall_map_of(given: object, V: np.ndarray, F: np.ndarray) -> float | None:
     """Thickness from a number, or from one for each vertex or triangle.
 
@@ -112,21 +166,26 @@ def wall_map_of(given: object, V: np.ndarray, F: np.ndarray) -> float | None:
     """
     if given is None or (np.ndim(given) == 0 and not isinstance(given, WallMap)):  # type: ignore[arg-type]
         return given  # type: ignore[return-value]
-    told = given.triangles if isinstance(given, WallMap) else given
-    try:
-        values = np.array(told, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(tr("The wall thickness must be numbers, one for each vertex or triangle.")) from None
+    if isinstance(given, WallMap):
+        _of_triangles(given.triangles, V, F)
+        return given
+    return triangle_wall(_of_triangles(given, V, F), V, F)
+
+
+def _of_triangles(given: object, V: np.ndarray, F: np.ndarray, name: str = "") -> np.ndarray:
+    """Values (m,) from a number, or from one for each vertex or triangle."""
+    name = name or tr("The wall thickness")
+    values = checked_floats(given, name)
+    if values.ndim == 0:
+        values = np.full(len(F), values)
     if values.ndim != 1 or len(values) not in (len(V), len(F)):
         sentence = tr(
-            "The wall thickness has {count:,} values, but the mesh has {n:,} vertices and {m:,} triangles; "
+            "{what} has {count:,} values, but the mesh has {n:,} vertices and {m:,} triangles; "
             "give one for each."
         )
-        raise InputError(sentence.format(count=values.size, n=len(V), m=len(F)))
-    check_positive(values)
-    if isinstance(given, WallMap):
-        return given
-    return triangle_wall(triangle_means(values, F) if len(values) == len(V) else values, V, F)
+        raise InputError(sentence.format(what=name, count=values.size, n=len(V), m=len(F)))
+    check_positive(values, name)
+    return triangle_means(values, F) if len(values) == len(V) else values
 
 
 def triangle_means(values: np.ndarray, F: np.ndarray) -> np.ndarray:
@@ -156,15 +215,16 @@ def _averaged(values: np.ndarray, weights: np.ndarray, *beside: WallMap | None) 
     return WallMap(mean, frozen(values), *beside)
 
 
-def check_positive(values: np.ndarray, sentence: str = "") -> None:
+def check_positive(values: np.ndarray, name: str = "") -> None:
     """Raise InputError unless each of (k,) numbers is greater than 0, and finite.
 
-    The ``sentence`` names the first that is not; by default it is a thickness.
+    The ``name`` is that of the quantity, by default a thickness.
     """
-    bad = np.flatnonzero(~((values > 0.0) & (values < np.inf)))
+    bad = np.flatnonzero(~((values > 0.0) & (values < _MOST)))
     if len(bad):
-        usual = tr("The wall thickness must be greater than 0 everywhere; number {k:,} is {value:g}.")
-        raise InputError((sentence or usual).format(k=bad[0], value=values[bad[0]]))
+        sentence = tr("{what} must be greater than 0 everywhere; number {k:,} is {value:g}.")
+        name = name or tr("The wall thickness")
+        raise InputError(sentence.format(what=name, k=bad[0], value=values[bad[0]]))
 
 
 def interpolated_values(points: np.ndarray, values: np.ndarray, X: np.ndarray, farthest: float) -> np.ndarray:
@@ -196,3 +256,12 @@ def interpolated_values(points: np.ndarray, values: np.ndarray, X: np.ndarray, f
     distances, near = distances.reshape(len(X), -1), near.reshape(len(X), -1)
     weights = 1.0 / np.maximum(distances, 1e-9 * farthest) ** 2
     return (weights * values[near]).sum(axis=1) / weights.sum(axis=1)
+
+
+def vertices_at(X: np.ndarray, V: np.ndarray, farthest: float) -> np.ndarray | None:
+    """Nearest of ``V`` (k, 3) to each of ``X`` (n, 3); None if one is farther away."""
+    # Imported here so that the first picture does not wait for scipy.
+    from scipy.spatial import KDTree
+
+    away, at = KDTree(V).query(X)
+    return None if away.max() > farthest else np.asarray(at)

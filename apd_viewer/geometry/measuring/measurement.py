@@ -1,5 +1,6 @@
 """Measurements of a shape: distances, angles, geodesics, sections and fill levels."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -99,6 +100,7 @@ def measure(
     F: np.ndarray,
     path: CarriedPath | None = None,
     is_current: bool = True,
+    closed: Sequence[int] = (),
 ) -> MeasurementResult:
     """Measure the shape ``U`` (n, 3) of the triangles ``F`` (m, 3).
 
@@ -108,11 +110,13 @@ def measure(
         The geodesic, if it is known, of this shape or of an earlier one.
     is_current : bool
         Whether it is of this shape. Another one is carried along, and its length is not known.
+    closed : sequence of int
+        A vertex at the border of each opening that counts as closed.
     """
     if measurement.kind is MeasurementKind.SECTION and measurement.plane is not None:
         return _section(measurement.plane, U, F)
     if measurement.contents is not None:
-        return _fill_level(measurement.contents, U, F)
+        return _fill_level(measurement.contents, U, F, closed)
     points = point_positions(measurement.points, U, F)
     if measurement.kind is MeasurementKind.ANGLE:
         return _angle(points)
@@ -158,15 +162,15 @@ def _geodesic(U: np.ndarray, path: CarriedPath | None, is_current: bool) -> Meas
     return MeasurementResult((value,), segments, np.cross(B - A, C - A), points[len(points) // 2])
 
 
-def _fill_level(contents: Contents, U: np.ndarray, F: np.ndarray) -> MeasurementResult:
+def _fill_level(contents: Contents, U: np.ndarray, F: np.ndarray, closed: Sequence[int]) -> MeasurementResult:
     """Level of a liquid above the lowest point, its freeboard, and what is spilled."""
     up = np.array(contents.up)
     try:
-        vessel = Vessel.from_welded_surface(U, F, up)
+        vessel = Vessel.from_welded_surface(U, F, up, closed)
         filling = vessel.filling(contents.volume)
     except InputError:
         return MeasurementResult((float("nan"),) * 3, np.empty((0, 2, 3)))
-    surface = _section(Plane(contents.up, vessel.bottom + filling.level), U, vessel.F)
+    surface = _section(Plane(contents.up, vessel.bottom + filling.level), vessel.V, vessel.F)
     return surface._replace(values=tuple(filling))
 
 

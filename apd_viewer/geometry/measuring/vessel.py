@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from apd_viewer.geometry.analysis.double_wall import inner_surface
 from apd_viewer.geometry.measuring.sections import projected_areas, volume_below_level
 from apd_viewer.geometry.mesh.arrays import as_float, checked_direction, checked_floats, checked_integers
 from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.hole_caps import Caps
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import (
     boundary_vertices,
@@ -20,6 +22,7 @@ from apd_viewer.geometry.mesh.operators import (
     missing_volume_reason,
     volume,
 )
+from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
 
 
@@ -55,6 +58,8 @@ class Vessel:
         Triangles.
     up : (3,) float array
         Direction against gravity, of any length.
+    closed : sequence of int
+        A vertex at the border of each opening that counts as closed, such as one of :meth:`openings`.
 
     Attributes
     ----------
@@ -64,8 +69,8 @@ class Vessel:
         Height of the lowest point of the openings, or of the top without any.
     brimful : float
         Volume up to the brim, cubic mesh units.
-    F : (k, 3) int array
-        Triangles that the liquid can wet, of the vertices without seams.
+    V, F : (n, 3) float array, (k, 3) int array
+        Vertices without seams, and the triangles that the liquid can wet, with caps over what is closed.
 
     Raises
     ------
@@ -82,28 +87,47 @@ class Vessel:
     ('500.0', '8.82', '250.0')
     """
 
-    def __init__(self, U: np.ndarray, F: np.ndarray, up: np.ndarray) -> None:
-        mesh = Mesh(checked_floats(U, tr("Vertices")), checked_integers(F, tr("Faces")))
-        V, welded = mesh.V[mesh.weld.first], mesh.weld.inverse[mesh.F]
-        self._stand(V, welded, checked_direction(up))
+    def __init__(self, U: np.ndarray, F: np.ndarray, up: np.ndarray, closed: Sequence[int] = ()) -> None:
+        V, welded, weld = _welded(U, F)
+        vertices = checked_integers(closed, tr("Closed openings")).ravel()
+        caps = vessel_openings(V, welded) if len(vertices) else None
+        for each in vertices.tolist():
+            if caps is None or not 0 <= each < len(weld.inverse) or not caps.at(weld.inverse[each]).any():
+                raise InputError(tr("The vertex {id} is at no opening; choose another.").format(id=each))
+        self._stand(V, welded, checked_direction(up), weld.inverse[vertices])
 
     @classmethod
-    def from_welded_surface(cls, U: np.ndarray, F: np.ndarray, up: np.ndarray) -> Vessel:
+    def from_welded_surface(
+        cls, U: np.ndarray, F: np.ndarray, up: np.ndarray, closed: Sequence[int] = ()
+    ) -> Vessel:
         """Vessel of validated arrays without seams, and a unit vector ``up``."""
         vessel = cls.__new__(cls)
-        vessel._stand(U, F, up)
+        vessel._stand(U, F, up, np.array(closed, dtype=np.int64))
         return vessel
 
-    def _stand(self, V: np.ndarray, F: np.ndarray, up: np.ndarray) -> None:
-        self.F, is_open = _wet_surface(V, F)
-        height = V @ up
+    @staticmethod
+    def openings(U: np.ndarray, F: np.ndarray, up: np.ndarray) -> np.ndarray:
+        """Lowest vertex of each opening, the lowest opening first, (k,) int array."""
+        V, welded, weld = _welded(U, F)
+        caps, height = vessel_openings(V, welded), V @ checked_direction(up)
+        borders = [] if caps is None else np.split(caps.ends[:, 0], caps.start[1:])
+        lowest = [border[np.argmin(height[border])] for border in borders]
+        return weld.first[np.array(sorted(lowest, key=lambda i: height[i]), dtype=np.int64)]
+
+    def _stand(self, V: np.ndarray, F: np.ndarray, up: np.ndarray, closed: np.ndarray) -> None:
+        F, is_open = _wet_surface(V, F)
+        if len(closed) and (caps := Caps.from_triangles(F, len(V))) is not None:
+            is_closed = caps.at(closed)
+            V, F = caps.closed_surface(V, F, is_closed)
+            is_open = not is_closed.all()
+        self.V, self.F, height = V, F, V @ up
         self._heights, self._projected = np.sort(height[self.F]), projected_areas(V, self.F, up)
         self.bottom = float(self._heights.min())
         self.brim = float(height[boundary_vertices(self.F, len(V))].min() if is_open else self._heights.max())
         self.brimful = self.volume(self.brim)
         if not self.brimful > 0.0:
             raise InputError(
-                tr("An opening is at the lowest point, so it holds nothing; choose another upward direction.")
+                tr("An opening is at the lowest point, so it holds nothing; close it or turn the shape.")
             )
 
     def volume(self, level: float) -> float:
@@ -163,6 +187,20 @@ class Vessel:
         held = min(volume, self.brimful) if np.isfinite(volume) else volume
         level = self.level(held)
         return Filling(level - self.bottom, self.brim - level, volume - held)
+
+
+def vessel_openings(V: np.ndarray, F: np.ndarray) -> Caps | None:
+    """Openings of the surface that liquid can wet, without seams; None without any."""
+    try:
+        return Caps.from_triangles(_wet_surface(V, F)[0], len(V))
+    except InputError:
+        return None
+
+
+def _welded(U: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray, Weld]:
+    """Positions and triangles without seams, of arguments; raises InputError."""
+    mesh = Mesh(checked_floats(U, tr("Vertices")), checked_integers(F, tr("Faces")))
+    return mesh.V[mesh.weld.first], mesh.weld.inverse[mesh.F], mesh.weld
 
 
 def _wet_surface(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, bool]:

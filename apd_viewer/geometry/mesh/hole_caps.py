@@ -61,6 +61,19 @@ class Caps:
         """Number of openings."""
         return len(self.start)
 
+    def at(self, vertices: np.ndarray) -> np.ndarray:
+        """Mask (openings,) of those with one of ``vertices`` at their border."""
+        return np.logical_or.reduceat(np.isin(self.ends[:, 0], vertices), self.start)
+
+    def closed_surface(
+        self, U: np.ndarray, F: np.ndarray, closed: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and triangles with the caps of a mask ``closed`` (openings,)."""
+        size = np.diff(self.start, append=len(self.ends))
+        apex = np.add.reduceat(U[self.ends[:, 0]], self.start) / size[:, None]
+        fans = np.column_stack([self.ends, len(U) + np.repeat(np.arange(self.count), size)])
+        return np.vstack([U, apex]), np.vstack([F, fans[np.repeat(closed, size)]])
+
     def volume(self, U: np.ndarray, origin: np.ndarray) -> float:
         """Signed volume between ``origin`` (3,) and the caps at ``U`` (n, 3)."""
         p, q = U[self.ends[:, 0]] - origin, U[self.ends[:, 1]] - origin

@@ -58,6 +58,8 @@ class Document:
         Lowest vertex of each connected part that does not move while neither base nor handle is on it.
     obstacles : tuple of NamedObstacle
         Obstacles that the surface cannot enter while contact is on.
+    closed_openings : tuple of int
+        A vertex at the border of each opening through which no liquid runs out.
     target_shape : TargetShape or None
         Shape of comparison, without influence on the deformation.
     missing_target_shape : MissingMesh or None
@@ -80,6 +82,7 @@ class Document:
     obstacles: tuple[NamedObstacle, ...] = field(default=(), metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
+    closed_openings: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
     target_shape: TargetShape | None = field(default=None, metadata=NOT_FACTORED)
     missing_target_shape: MissingMesh | None = field(default=None, metadata=NOT_FACTORED)
     poses: tuple[NamedPose, ...] = field(default=(), metadata=NOT_FACTORED)

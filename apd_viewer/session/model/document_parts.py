@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from itertools import count
 from typing import TYPE_CHECKING, NamedTuple
@@ -183,6 +183,14 @@ class PaintedPart(NamedTuple):
         paint = type(document).with_region_number if self.is_region else type(document).with_label
         cleared = paint(document, np.flatnonzero(self.mask(document) & ~members), self.unpainted_code)
         return paint(cleared, np.flatnonzero(members), self.code)
+
+
+def painted_parts(document: Document) -> Iterator[tuple[str, np.ndarray]]:
+    """Names and vertices (n,) of base, handles and regions, unless empty."""
+    parts = [PaintedPart(label) for label in (BASE, *range(HANDLE, HANDLE + len(document.handles)))]
+    parts += [PaintedPart(k, is_region=True) for k in range(1, len(document.regions) + 1)]
+    masks = ((part.name(document), part.mask(document)) for part in parts)
+    return ((name, inside) for name, inside in masks if inside.any())
 
 
 class Targets(NamedTuple):

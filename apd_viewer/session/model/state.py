@@ -206,6 +206,7 @@ def welded_state(state: State) -> State:
         labels=_shared_codes(before.labels, mesh.weld, FREE),
         member=_shared_codes(before.member, mesh.weld, 0),
         initial_positions=beside(before.initial_positions),
+        closed_openings=tuple(mesh.weld.representative[list(before.closed_openings)].tolist()),
     )
     loose = {part.first for part in document.loose_components}
     document = replace(

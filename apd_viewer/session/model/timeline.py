@@ -19,6 +19,7 @@ MEASURING_FIELDS = (
     "member",
     "regions",
     "measurements",
+    "closed_openings",
     "target_shape",
     "missing_target_shape",
     "base",

@@ -13,7 +13,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import editable_number
 from apd_viewer.session.quantities import wall_material
-from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, parse_length, parse_number
+from apd_viewer.session.quantities.expressions import parse_length, parse_number
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_distribution import WallDistribution
 
@@ -234,20 +234,18 @@ def parse_thickness(text: str, unit: Unit) -> float:
     return thickness
 
 
-def with_part_thickness(
-    wall: WallText, own: str, part: str, inside: np.ndarray, mesh: Mesh, unit: Unit
-) -> WallText:
+def with_part_thickness(wall: WallText, own: str, inside: np.ndarray, mesh: Mesh, unit: Unit) -> WallText:
     """Wall with another thickness in a part of the mesh, as a wall distribution.
+
+    Its name is the range of the thickness.
 
     Parameters
     ----------
     wall : WallText
     own : str
         Thickness of the part, a length.
-    part : str
-        Its name.
     inside : (n,) bool array
-        Its vertices; a triangle belongs to it by two of its corners.
+        Vertices of the part; a triangle belongs to it by two of its corners.
     mesh, unit : Mesh, Unit
 
     Raises
@@ -261,9 +259,8 @@ def with_part_thickness(
     V, F = mesh.V, mesh.F
     before = usual if isinstance(usual, WallMap) else triangle_wall(np.full(len(F), usual), V, F)
     after = before.on(V, F, np.where(inside[F].sum(axis=1) >= 2, thickness, before.triangles))
-    title = wall.thickness.strip() or unit.format_length(editable_number(f"{usual:.4g}"))
-    others = [word for word in title.split(", ") if not word.startswith(f"{part} ")]
-    name = ", ".join([*others, f"{part} {own.strip()}"])[:MOST_CHARACTERS]
+    ends = (editable_number(f"{end:.4g}") for end in (after.triangles.min(), after.triangles.max()))
+    name = unit.format_length(" – ".join(dict.fromkeys(ends)))
     return wall._replace(thickness=WallDistribution(name, after, unit.symbol))
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats.ply import PlyFile
-from apd_viewer.files.meshes import read_mesh
+from apd_viewer.files.gltf.gltf_file import GltfFile
+from apd_viewer.files.meshes import invalid_file_message, read_mesh
 from apd_viewer.files.storage.regular_files import read_content
 from apd_viewer.files.tables import write_table
 from apd_viewer.files.vtk.xml_surface import VtkXmlFile
@@ -19,9 +20,11 @@ from apd_viewer.geometry.energy.wall_map import (
     interpolated_values,
     triangle_means,
     triangle_wall,
+    vertices_at,
 )
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE
 from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import standing_axis
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, parse_length
@@ -29,7 +32,7 @@ from apd_viewer.session.quantities.units import SYMBOLS, NoUnitError, Unit
 from apd_viewer.session.quantities.wall_material import MODULI, parse_young_modulus
 
 TABLE_SUFFIX = ".csv"
-DISTRIBUTION_SUFFIXES = (TABLE_SUFFIX, ".ply", ".vtp", ".vtu")
+DISTRIBUTION_SUFFIXES = (TABLE_SUFFIX, ".ply", ".vtp", ".vtu", ".glb", ".gltf")
 _THICKNESS, _YOUNG, _RADIUS = "thickness", "young", "yield_radius"
 _HEIGHT, _AXES = "height", "xyz"
 _ROWS = {"vertex": "vertex", "index": "vertex", "triangle": "triangle"}
@@ -37,6 +40,8 @@ _ROWS = {"vertex": "vertex", "index": "vertex", "triangle": "triangle"}
 _UNIT = r"(?:[\s_]*[\[(]?({})[\])]?)?"
 _COLUMN = re.compile(rf"(yield[\s_]radius|(?!young)[a-z]+?){_UNIT.format('|'.join(SYMBOLS))}", re.IGNORECASE)
 _MODULUS = re.compile(rf"(young){_UNIT.format('|'.join(MODULI))}", re.IGNORECASE)
+_COLORED = re.compile(r"(.+):([^:]+\.\.[^:]+)")  # a file, and the thickness of black and white
+_GREY = 2 / 255  # largest difference of the parts of a grey colour
 _FARTHEST = 0.05  # of the diagonal: distance of a measured point from the nearest vertex
 
 
@@ -90,23 +95,38 @@ class WallDistribution(str):
         return str.__hash__(self)
 
 
+class ColorScaleError(InputError):
+    """Colours in place of a thickness, and nobody says that of black and white."""
+
+
+def distribution_file(typed: str) -> tuple[Path, str] | None:
+    """File of a wall distribution and scale of its colours; None for a length."""
+    found = _COLORED.fullmatch(typed)
+    path, scale = (Path(found[1]), found[2]) if found else (Path(typed), "")
+    return (path, scale) if path.suffix.lower() in DISTRIBUTION_SUFFIXES else None
+
+
 def thickness_text(typed: str, mesh: Mesh, unit: Unit) -> str:
     """Thickness as typed; if that names a file, with its wall distribution."""
-    path = Path(typed)
-    return read_distribution(path, mesh, unit) if path.suffix.lower() in DISTRIBUTION_SUFFIXES else typed
+    file = distribution_file(typed)
+    return typed if file is None else read_distribution(file[0], mesh, unit, file[1])
 
 
-def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> WallDistribution:
+def read_distribution(path: Path, mesh: Mesh, unit: Unit, scale: str = "") -> WallDistribution:
     """Wall distribution from a file, on a mesh in ``unit``.
 
     A table has a heading: ``vertex,thickness`` or ``triangle,thickness`` (from 0, in any order),
     ``x,y,z,thickness`` for measured points, or ``height,thickness``, also with x, y or z in place of the
     height. Columns ``young`` and ``yield_radius`` may be beside it. A unit may follow a name, as in
     ``thickness (mm)``; other numbers are in mesh units and GPa. PLY, VTP and VTU files of the mesh have
-    vertex or face properties of these names.
+    vertex or face properties of these names, GLB and glTF files vertex attributes such as ``_THICKNESS``.
+    With a ``scale`` such as ``0.2mm..0.8mm`` the thickness is that of grey or red colours at the vertices,
+    from black to white, in proportion to the stored numbers.
 
     Raises
     ------
+    ColorScaleError
+        If it has colours but no thickness, and there is no scale.
     InputError
         If it cannot be read, or does not fit the mesh.
     """
@@ -115,12 +135,17 @@ def read_distribution(path: Path, mesh: Mesh, unit: Unit) -> WallDistribution:
         if path.suffix.lower() == TABLE_SUFFIX:
             thickness, symbol = _WallTable(content.decode("utf-8-sig", "replace"), unit).wall_on(mesh)
         else:
-            thickness, symbol = _stored_wall(read_mesh(path, content), mesh), ""
+            ends = tuple(parse_length(end, unit, {}) for end in scale.split("..")) if scale else ()
+            thickness, symbol = _stored_wall(read_mesh(path, content), mesh, ends), ""
     except NoUnitError:
         raise
     except (InputError, csv.Error) as error:
-        raise InputError(f"{path.name}: {str(error).removeprefix(f'{path.name}: ')}") from error
-    return WallDistribution(path.name[:MOST_CHARACTERS], thickness, symbol)
+        kind = ColorScaleError if isinstance(error, ColorScaleError) else InputError
+        raise kind(f"{path.name}: {str(error).removeprefix(f'{path.name}: ')}") from error
+    except ValueError as error:  # attributes are not validated on reading
+        raise InputError(invalid_file_message(content, path, error)) from error
+    name = f"{path.name}:{scale}" if scale else path.name
+    return WallDistribution(name[:MOST_CHARACTERS], thickness, symbol)
 
 
 def write_distribution(path: Path, thickness: WallMap) -> None:
@@ -133,27 +158,56 @@ def write_distribution(path: Path, thickness: WallMap) -> None:
     write_table(path, tuple(columns), np.column_stack([*columns.values()]))
 
 
-def _stored_wall(found: Mesh, mesh: Mesh) -> WallMap:
+def _stored_wall(found: Mesh, mesh: Mesh, scale: Sequence[float]) -> WallMap:
     """Wall by properties of the vertices or faces of the mesh in a file."""
-    if not np.array_equal(found.F, mesh.F):
+    at = np.arange(len(mesh.V)) if np.array_equal(found.F, mesh.F) else None
+    if at is None and len(found.F) == len(mesh.F):  # the same in another order
+        at = vertices_at(mesh.V, found.V, SEAM_TOLERANCE * diagonal(mesh.V))
+    if at is None:
         raise InputError(tr("It is of another mesh: its triangles differ."))
-    thickness, young, radius = (_stored_property(found, mesh, name) for name in (_THICKNESS, _YOUNG, _RADIUS))
+    thickness, young, radius = (
+        _stored_property(found, mesh, name, at) for name in (_THICKNESS, _YOUNG, _RADIUS)
+    )
+    if (scale or thickness is None) and (colored := _thickness_of_colors(found, scale)) is not None:
+        thickness = triangle_means(colored[at], mesh.F)
     if thickness is None:
         raise InputError(tr("It has no property “{name}” of vertices or triangles.").format(name=_THICKNESS))
     return _checked_wall(mesh, thickness, None if young is None else _pascals(young, ""), radius)
 
 
-def _stored_property(found: Mesh, mesh: Mesh, name: str) -> np.ndarray | None:
-    """Property (m,) of the vertices or faces of the mesh in a file; None without."""
-    for of_vertices in (True, False):
+def _stored_property(found: Mesh, mesh: Mesh, name: str, at: np.ndarray) -> np.ndarray | None:
+    """Property (m,) of the vertices ``at`` (n,) of a file, or its faces; None without."""
+    for of_vertices in (True, False) if np.array_equal(found.F, mesh.F) else (True,):
         origin, values, count = found.origin, None, len(found.V) if of_vertices else len(mesh.F)
         if isinstance(origin, PlyFile):
             values = origin.property_values("vertex" if of_vertices else "face", name)
+        elif isinstance(origin, GltfFile):
+            values = origin.vertex_values(name) if of_vertices else None
         elif isinstance(origin, VtkXmlFile):
             values = origin.data_values("PointData" if of_vertices else "CellData", name)
         if values is not None and len(values) == count:
-            return triangle_means(values, mesh.F) if of_vertices else values
+            return triangle_means(values[at], mesh.F) if of_vertices else values
     return None
+
+
+def _thickness_of_colors(found: Mesh, scale: Sequence[float]) -> np.ndarray | None:
+    """Thickness by grey or red colours of the vertices in a file; None without."""
+    origin, colors = found.origin, None
+    if isinstance(origin, GltfFile):
+        colors = origin.linear_colors
+    elif isinstance(origin, PlyFile) and origin.colors is not None:
+        colors = origin.colors / 255.0
+    if colors is None or len(colors) != len(found.V):
+        return None
+    if len(scale) != 2:
+        raise ColorScaleError(
+            tr("It has colours in place of a thickness; add that of black and white, such as :0.2mm..0.8mm.")
+        )
+    red, *others = colors.astype(np.float64).T
+    if max(np.abs(red - other).max() for other in others) > _GREY and any(other.any() for other in others):
+        raise InputError(tr("Its colours are neither grey nor red, so they are no thickness."))
+    black, white = scale
+    return np.asarray((1.0 - red) * black + red * white)
 
 
 def _checked_wall(
@@ -161,9 +215,7 @@ def _checked_wall(
 ) -> WallMap:
     check_positive(thickness)
     if radius is not None:
-        check_positive(
-            radius, tr("The yield radius must be greater than 0 everywhere; number {k:,} is {value:g}.")
-        )
+        check_positive(radius, tr("The yield radius"))
     return triangle_wall(thickness, mesh.V, mesh.F, young, radius)
 
 

@@ -69,6 +69,7 @@ def document_to_json(document: Document) -> dict[str, Any]:
             else {}
         ),
         **part_json.measurements_to_json(document.measurements),
+        **({"closed": list(document.closed_openings)} if document.closed_openings else {}),
         **({"base": part_json.flags_to_json(document.base)} if document.base != NO_FLAGS else {}),
         **({"poses": [part_json.pose_to_json(pose) for pose in document.poses]} if document.poses else {}),
         **({} if document.mirror_axis is None else {"mirror": _AXES[document.mirror_axis]}),
@@ -99,6 +100,7 @@ def document_from_json(
         if fields.has_value("base")
         else NO_FLAGS,
         measurements=part_json.measurements_from_json(fields, len(mesh.F)),
+        closed_openings=fields.vertices("closed", len(mesh.V)),
         poses=tuple(part_json.pose_from_json(each) for each in fields.nested_list("poses", MOST_POSES))
         if fields.has_value("poses")
         else (),
@@ -123,12 +125,8 @@ def _axis(name: str) -> int:
 
 def _staying_components(fields: JsonFields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
     """Immobile loose parts; in older sessions of a deformed shape, all loose parts."""
-    n = len(document.mesh.V)
     if fields.has_value("staying"):
-        immobile = fields.counts("staying", n)
-        if any(first >= n for first in immobile):
-            raise ValueError(tr("“staying” in it refers to a vertex that does not exist"))
-        return immobile
+        return fields.vertices("staying", len(document.mesh.V))
     return () if shape is document.mesh.V else tuple(part.first for part in document.loose_components)
 
 

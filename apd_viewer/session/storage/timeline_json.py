@@ -102,7 +102,7 @@ def timeline_to_json(timeline: Timeline, state: State) -> tuple[dict[str, Any], 
 
 def _document_to_json(document: Document) -> dict[str, Any]:
     """JSON of the fields of a document that determine its shape."""
-    bare = replace(document, regions=(), measurements=(), poses=())
+    bare = replace(document, regions=(), measurements=(), poses=(), closed_openings=())
     return session_json.document_to_json(bare)
 
 

@@ -5,11 +5,11 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from PySide6.QtCore import QLineF, QObject, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QGuiApplication, QPainter, QPainterPath, QPen
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtGui import QColor, QGuiApplication, QPainter
 from PySide6.QtWidgets import QMenu
 
-from apd_viewer.geometry.measuring.measurement import Measurement, MeasurementResult, Plane, measure
+from apd_viewer.geometry.measuring.measurement import Measurement, Plane, measure
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.language import tr
@@ -18,14 +18,21 @@ from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session
 from apd_viewer.ui.measuring.measure_section import MeasureSection
-from apd_viewer.ui.measuring.measure_tool import MeasureTool
+from apd_viewer.ui.measuring.measure_tool import MeasureTool, OpeningTool
 from apd_viewer.ui.preferences.action_maker import ActionMaker
-from apd_viewer.ui.scene.camera import Camera
 from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.polylines import axis_rectangle, draw_plane, to_polygon
+from apd_viewer.ui.tools.polylines import (
+    LIQUID,
+    axis_rectangle,
+    draw_labels,
+    draw_lines,
+    draw_plane,
+    draw_points,
+    fill_contours,
+)
 from apd_viewer.ui.tools.tool_modes import Tool
 
 
@@ -63,7 +70,9 @@ class MeasureController(QObject):
         self._F: np.ndarray | None = None
         self.tool = MeasureTool(canvas.viewport, canvas.surface)
         self.view = MeasureView(canvas.viewport, canvas.surface, self.tool)
-        canvas.viewport.tools += [self.tool, self.view]
+        self._openings = OpeningTool(canvas.viewport, canvas.surface, self.tool)
+        canvas.viewport.tools += [self._openings, self.tool, self.view]
+        self._openings.clicked.connect(session.measurements.toggle_opening)
         self.tool.picked.connect(lambda points, plane: self._add(points, plane, self.tool.kind))
         section.list.chosen.connect(self._choose)
         section.list.renamed.connect(session.measurements.rename)
@@ -92,6 +101,7 @@ class MeasureController(QObject):
         if state.document.mesh.F is not self._F:
             self._F = state.document.mesh.F
             self.tool.cancel()  # the clicked points belong to another mesh
+        self._openings.show_document(state.document)
         if not state.document.measurements and not self._section.list.rows:
             return
         unit, readings = self._session.store.unit, self._session.measurement_readings.readings(state)
@@ -194,7 +204,7 @@ class MeasureView(MouseTool):
         for k, reading in enumerate(self._readings):
             chosen = k == self._chosen
             if reading.measurement.contents is not None:
-                _draw_liquid(painter, eye, reading.now.segments)
+                fill_contours(painter, eye, reading.now.segments, LIQUID)
             draw_lines(painter, eye, reading.now, chosen)
             draw_points(
                 painter, eye, point_positions(reading.measurement.points, self._surface.U, skin.F), chosen
@@ -269,127 +279,9 @@ KIND_TEXTS = {
         tr("&Fill level"),
         "measure-level",
         tr("Fill the shape up to a point: its level, freeboard and what is spilled, however it deforms"),
-        tr("Measure fill level: click the height to which it is filled; type its volume in Measure"),
+        tr("Measure fill level: click the height to which it is filled, or an opening to close it"),
     ),
 }
-
-
-# Dark on a white halo, to be legible on any paint, overlay and background.
-_INK, _PALE = QColor("#1d2129"), QColor(255, 255, 255, 215)
-_CHOSEN = QColor("#2f6fde")
-_LIQUID = QColor(47, 111, 222, 90)
-_PAPER = QColor(255, 255, 255, 240)
-_BACK = 0.3  # opacity of lines on the far side of the surface
-_DOT, _ROOM, _GAP = 3.5, 6.0, 8.0
-
-
-def _draw_liquid(painter: QPainter, camera: Camera, segments: np.ndarray) -> None:
-    """Fill the inside of plane contours (s, 2, 3) in front of the camera."""
-    if not len(segments) or (camera.depth(segments.reshape(-1, 3)) <= 0.0).any():
-        return
-    ends = camera.project(segments.reshape(-1, 3)).reshape(-1, 2, 2)
-    # A point is inside where an odd number of triangles of one corner and the segments cover it.
-    surface = QPainterPath()
-    surface.setFillRule(Qt.FillRule.OddEvenFill)
-    for p, q in ends:
-        surface.addPolygon(to_polygon(np.array([ends[0, 0], p, q, ends[0, 0]])))
-    painter.fillPath(surface, _LIQUID)
-
-
-def draw_lines(painter: QPainter, camera: Camera, measured: MeasurementResult, chosen: bool) -> None:
-    """Draw the lines of a measurement, faint on the far side of the surface."""
-    if not len(measured.segments) or (camera.depth(measured.segments.reshape(-1, 3)) <= 0.0).any():
-        return
-    front = np.ones(len(measured.segments), dtype=bool)
-    if measured.normals is not None:
-        towards = camera.position - measured.segments[:, 0]
-        front = np.einsum("ij,ij->i", measured.normals, towards) >= 0.0
-    ends = camera.project(measured.segments.reshape(-1, 3)).reshape(-1, 2, 2)
-    for side, opacity in ((~front, _BACK), (front, 1.0)):
-        painter.setOpacity(opacity)
-        lines = [QLineF(*p, *q) for p, q in ends[side].tolist()]
-        for pen in (
-            QPen(_PALE, 5.0 if chosen else 4.2),
-            QPen(_CHOSEN if chosen else _INK, 2.4 if chosen else 1.8),
-        ):
-            pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-            painter.setPen(pen)
-            painter.drawLines(lines)
-    painter.setOpacity(1.0)
-
-
-def draw_points(painter: QPainter, camera: Camera, points: np.ndarray, chosen: bool = False) -> None:
-    """Draw a dot at each point (k, 3)."""
-    painter.setBrush(_CHOSEN if chosen else _INK)
-    painter.setPen(QPen(_PALE, 1.6))
-    for point in points[camera.depth(points) > 0.0] if len(points) else ():
-        painter.drawEllipse(QPointF(*camera.project(point[None])[0]), _DOT, _DOT)
-
-
-def draw_labels(
-    painter: QPainter, camera: Camera, labels: Sequence[tuple[MeasurementResult, Sequence[str], bool]]
-) -> None:
-    """Draw text labels beside the measurements, without overlaps.
-
-    Parameters
-    ----------
-    labels : sequence of (Measured, sequence of str, bool)
-        The last is whether it is the chosen one.
-    """
-    font = QFont(painter.font())
-    font.setPixelSize(13)
-    font.setWeight(QFont.Weight.Medium)
-    painter.setFont(font)
-    taken: list[QRectF] = []
-    for measured, lines, chosen in labels:
-        if measured.label_position is not None and camera.depth(measured.label_position[None])[0] > 0.0:
-            room = _avoid_overlap(_label_rectangle(painter, camera, measured, lines), taken)
-            taken.append(room)
-            _write(painter, room, lines, chosen)
-
-
-def _label_rectangle(
-    painter: QPainter, eye: Camera, measured: MeasurementResult, lines: Sequence[str]
-) -> QRectF:
-    """Rectangle of a label, placed to cover little of its measurement."""
-    metrics = painter.fontMetrics()
-    wide = max(metrics.horizontalAdvance(line) for line in lines) + 2 * _ROOM
-    tall = len(lines) * metrics.height() + _ROOM
-    assert measured.label_position is not None
-    at = eye.project(measured.label_position[None])[0]
-    aside = np.array(_label_direction(eye, measured, at))
-    # The label's nearest corner or side faces the point, so no slanted line runs under the label.
-    middle = at + _GAP * aside + np.clip(4.0 * aside, -1.0, 1.0) * [wide / 2, tall / 2]
-    left = min(max(middle[0] - wide / 2, 4.0), eye.width - wide - 4.0)
-    return QRectF(left, middle[1] - tall / 2, wide, tall)
-
-
-def _label_direction(eye: Camera, measured: MeasurementResult, at: np.ndarray) -> tuple[float, float]:
-    """Unit vector on the screen from a measurement to its label."""
-    if measured.label_away_from is not None:
-        way = at - eye.project(measured.label_away_from[None])[0]
-    else:
-        p, q = eye.project(measured.segments[len(measured.segments) // 2])
-        way = np.array([p[1] - q[1], q[0] - p[0]])
-        way = -way if way[0] < 0.0 else way
-    long = float(np.hypot(*way))
-    return (float(way[0]) / long, float(way[1]) / long) if long > 0.0 else (1.0, 0.0)
-
-
-def _avoid_overlap(room: QRectF, taken: Sequence[QRectF]) -> QRectF:
-    """Move a label rectangle down until it overlaps no other label."""
-    for other in sorted(taken, key=lambda other: other.top()):
-        if room.intersects(other):
-            room.moveTop(other.bottom() + 3.0)
-    return room
-
-
-def _write(painter: QPainter, room: QRectF, lines: Sequence[str], chosen: bool) -> None:
-    painter.setPen(QPen(_CHOSEN if chosen else QColor(29, 33, 41, 110), 1.6 if chosen else 1.0))
-    painter.setBrush(_PAPER)
-    painter.drawRoundedRect(room, 5, 5)
-    painter.setPen(_INK)
-    painter.drawText(room, Qt.AlignmentFlag.AlignCenter, "\n".join(lines))
 
 
 class MeasureActions:

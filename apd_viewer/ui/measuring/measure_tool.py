@@ -1,16 +1,21 @@
-"""Mouse tool for picking surface points, or a plane through one, to measure."""
+"""Mouse tools for picking surface points, planes and openings, to measure."""
 
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
-from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 
-from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement import MeasurementResult, Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
+from apd_viewer.geometry.measuring.vessel import vessel_openings
+from apd_viewer.geometry.mesh.hole_caps import Caps
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.pointing import WheelSteps
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.tools.polylines import CAP, draw_labels, draw_lines, fill_contours
 from apd_viewer.ui.tools.selection_tool import may_begin_stroke
 
 
@@ -139,3 +144,104 @@ class MeasureTool(MouseTool, QObject):
             a, b, c = self._surface.barycentric_weights(hit).tolist()
             self._under = SurfacePoint(hit.face, (a, b, c))
         self._viewport.tool_layer.update()
+
+
+_NEAR = 9.0  # px between the cursor and a border that it points at
+
+
+class OpeningTool(MouseTool, QObject):
+    """Tool for clicking an opening to close it, or to open it again.
+
+    Attributes
+    ----------
+    clicked : Signal(object)
+        Vertices at the border of the clicked opening, (k,) int array.
+    """
+
+    clicked = Signal(object)
+
+    def __init__(self, viewport: Viewport, surface: Surface, tool: MeasureTool) -> None:
+        super().__init__(viewport)
+        self._viewport, self._surface, self._tool = viewport, surface, tool
+        self._document: Document | None = None
+        self._V: np.ndarray | None = None  # of the mesh with the openings
+        self._openings: Caps | None = None
+        self._under: int | None = None  # opening under the cursor
+
+    def show_document(self, document: Document) -> None:
+        """Show the openings of a document, and those that count as closed."""
+        self._document = document
+        self._viewport.tool_layer.update()
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Take a press at an opening."""
+        return may_begin_stroke(event) and self.move(event)
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Show the opening under the cursor."""
+        self._under = self._opening_at(event.position())
+        if self._under is not None:
+            self._viewport.setCursor(Qt.CursorShape.PointingHandCursor)
+            self._viewport.tool_layer.update()
+        return self._under is not None
+
+    def release(self, event: QMouseEvent) -> None:
+        """Emit ``clicked`` at an opening."""
+        self._under = self._opening_at(event.position())
+        if self._under is not None and (openings := self._shown_openings()) is not None:
+            self.clicked.emit(np.split(openings.ends[:, 0], openings.start[1:])[self._under])
+
+    def leave(self) -> None:
+        """Hide the opening under the cursor."""
+        self._under = None
+        self._viewport.tool_layer.update()
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the borders of the openings, and caps over the closed ones."""
+        openings, document = self._shown_openings(), self._document
+        if openings is None or document is None:
+            return
+        eye = self._viewport.camera_controller.camera
+        is_closed = openings.at(np.array(document.closed_openings, dtype=np.int64))
+        for k, segments in enumerate(np.split(self._surface.U[openings.ends], openings.start[1:])):
+            (start, stop), middle = segments.transpose(1, 0, 2), segments[:, 0].mean(axis=0)
+            rightmost = start[np.argmax(eye.project(start)[:, 0])]
+            outwards = np.cross(stop - start, middle - start)
+            border = MeasurementResult((), segments, outwards, rightmost, middle)
+            if is_closed[k]:
+                fill_contours(painter, eye, segments, CAP)
+            draw_lines(painter, eye, border, chosen=not is_closed[k])
+            if k == self._under:
+                said = tr("Closed: click to open") if is_closed[k] else tr("Open: click to close")
+                draw_labels(painter, eye, [(border, [said], True)])
+
+    def _shown_openings(self) -> Caps | None:
+        """Openings of the mesh while fill levels are measured; None without any."""
+        active = self._tool.enabled and self._tool.kind is MeasurementKind.FILL_LEVEL
+        if not active or self._document is None or self._surface.picking_index is None:
+            return None
+        mesh = self._document.mesh
+        if self._V is not mesh.V:
+            self._V, self._openings = mesh.V, vessel_openings(mesh.V, mesh.joined_F)
+        return self._openings if len(self._surface.U) == len(mesh.V) else None
+
+    def _opening_at(self, position: QPointF) -> int | None:
+        """Nearest opening with its border near a position and not behind the surface."""
+        if (openings := self._shown_openings()) is None:
+            return None
+        eye = self._viewport.camera_controller.camera
+        p, q = self._surface.U[openings.ends.T]
+        start, stop = eye.project(p), eye.project(q)
+        at, along = np.array([position.x(), position.y()]), stop - start
+        share = np.einsum("ij,ij->i", at - start, along) / np.maximum(
+            np.einsum("ij,ij->i", along, along), 1e-9
+        )
+        share = np.clip(share, 0.0, 1.0)[:, None]
+        nearest = p + share * (q - p)
+        away = np.linalg.norm(start + share * along - at, axis=1)
+        depth, hit = eye.depth(nearest), self._surface.hit(position)
+        hidden = np.inf if hit is None else float(eye.depth(hit.point[None])[0])
+        room = 2.0 * _NEAR * eye.world_per_pixel(nearest[int(np.argmin(away))])
+        away[(depth <= 0.0) | (depth > hidden + room)] = np.inf
+        edge = int(np.argmin(away))
+        return int(np.searchsorted(openings.start, edge, "right")) - 1 if away[edge] < _NEAR else None

@@ -322,6 +322,7 @@ _PUSH_PLATE = tr(
     "Drag the arrow of the plate, or enter a distance, to push the surface; "
     "turn the view where the arrow points at you"
 )
+_FILLED = tr("The base is enough: volume or pressure moves the rest")
 _SELECT = tr("Click an obstacle to move it")
 _WAITS = tr("Preview: the surface follows once enough is compiled for this computer ({percent} %)")
 
@@ -386,10 +387,14 @@ class NextStepHint:
             return own
         if not document.label_counts[BASE]:
             return text_with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
-        if not document.label_counts[HANDLE:].any():
+        needs_no_handle = document.settings.effective_settings.is_filled
+        has_handle = document.label_counts[HANDLE:].any()
+        if not has_handle and not needs_no_handle:
             return text_with_keys(tr("Now paint the part to move: the handle"), self._tools[Tool.HANDLE])
         if document.paint_problem:
             return document.paint_problem
+        if not has_handle:
+            return _FILLED if tool.traits.is_brush else ""
         if not document.label_counts[HANDLE + handle]:
             name = document.handles[handle].name
             return text_with_keys(
@@ -423,4 +428,5 @@ def _hint_of_tool(document: Document, tool: Tool) -> str:
 def may_change_next_step(before: Document, after: Document) -> bool:
     """True if a change of the document may affect the next step."""
     same = before.labels is after.labels and before.obstacles is after.obstacles
+    same &= before.paint_problem == after.paint_problem
     return not same or before.relative_to_rest.is_posed != after.relative_to_rest.is_posed

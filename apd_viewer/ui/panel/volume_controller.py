@@ -1,6 +1,6 @@
 """Controller of shape checks and walls in panel, findings and preferences."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -16,19 +16,22 @@ from apd_viewer.files.storage.atomic_file import resolved_path
 from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.methods import wall_material as thin_wall_material
 from apd_viewer.geometry.solver.settings import DEFAULT_SETTINGS
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_editable, format_significant
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import painted_parts
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import crossing_findings, exempt_zone_findings
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.newton_conversion import settings_pascals
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall, with_part_thickness
-from apd_viewer.session.quantities.wall_distribution import WallDistribution, read_distribution
+from apd_viewer.session.quantities.wall_distribution import (
+    ColorScaleError,
+    WallDistribution,
+    read_distribution,
+)
 from apd_viewer.session.quantities.wall_material import wall_material
 from apd_viewer.session.session import Session
 from apd_viewer.ui.filing import file_dialogs
@@ -38,14 +41,6 @@ from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 
 _OF_WALL = "wall_thickness", "poisson", "yield_radius"
-
-
-def painted_parts(document: Document) -> Iterator[tuple[str, np.ndarray]]:
-    """Names and vertices (n,) of base, handles and regions, unless empty."""
-    names = {BASE: tr("Base")} | {HANDLE + k: handle.name for k, handle in enumerate(document.handles)}
-    parts = [(name, document.labels == label) for label, name in names.items()]
-    parts += [(region.name, document.member == k) for k, region in enumerate(document.regions, start=1)]
-    return ((name, inside) for name, inside in parts if inside.any())
 
 
 class VolumeController(QObject):
@@ -187,10 +182,24 @@ class VolumeController(QObject):
         path = file_dialogs.ask_for_wall_distribution(self._panel, self._memory.last_folder)
         if path is None:
             return
-        fields, mesh = self._panel.measures.wall_fields, state.document.mesh
-        self._use(
-            lambda: fields.value._replace(thickness=read_distribution(path, mesh, self._session.store.unit))
-        )
+        wall, mesh = self._panel.measures.wall_fields.value, state.document.mesh
+
+        def distribution() -> WallText:
+            unit, scale = self._session.store.unit, ""
+            while True:
+                try:
+                    return wall._replace(thickness=read_distribution(path, mesh, unit, scale))
+                except ColorScaleError:
+                    scale, is_given = self._ask_for_scale()
+                    if not is_given:
+                        return wall
+
+        self._use(distribution)
+
+    def _ask_for_scale(self) -> tuple[str, bool]:
+        """Thickness of black and white as typed, and False if cancelled."""
+        label = tr("Thickness of black and of white, in proportion to the colours between them:")
+        return QInputDialog.getText(self._panel, tr("Thickness by colours"), label, text="0.2mm..0.8mm")
 
     def _offer_parts(self) -> None:
         """Offer another thickness for each part that is painted."""
@@ -210,7 +219,7 @@ class VolumeController(QObject):
         own, is_given = QInputDialog.getText(self._panel, title, label.format(part=part))
         if is_given:
             unit = self._session.store.unit
-            self._use(lambda: with_part_thickness(fields.value, own, part, inside, mesh, unit))
+            self._use(lambda: with_part_thickness(fields.value, own, inside, mesh, unit))
 
     def _use(self, distribution: Callable[[], WallText]) -> None:
         """Take a wall, and colour the shape by it; tell why it cannot be used."""
@@ -222,7 +231,8 @@ class VolumeController(QObject):
             return
         self._panel.measures.show_wall(wall)
         fields.entered.emit(wall)
-        self._heat.choose_measure(Measure.THICKNESS)
+        if isinstance(wall.thickness, WallDistribution):
+            self._heat.choose_measure(Measure.THICKNESS)
 
     def _show_distribution(self) -> None:
         """Offer the wall distribution as an overlay."""

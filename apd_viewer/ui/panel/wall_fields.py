@@ -74,7 +74,7 @@ class WallFields(QWidget):
         attach_menu(self.places, QMenu(self.places, toolTipsVisible=True))
         self.from_file = self.places.menu().addAction(tr("Thickness from file…"))
         self.from_file.setToolTip(
-            tr("Wall distribution: a table such as height,thickness or x,y,z,thickness, or a PLY or VTK file")
+            tr("A table such as height,thickness or x,y,z,thickness, or a PLY, VTK or glTF file of the mesh")
         )
         self.young = _entry(tr("Young's modulus"), tr("For loads in newtons: 2.8GPa"), tr("no newtons"))
         self.poisson = _entry(tr("Poisson's ratio"), tr("From 0 to 0.5"), format_short(DEFAULT_POISSON))

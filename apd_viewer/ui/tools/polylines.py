@@ -1,10 +1,18 @@
-"""Drawing of polylines and polygons on the tool layer."""
+"""Drawing of polylines, polygons and measurements on the tool layer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen, QPolygonF
 
 from apd_viewer.ui.scene.camera import Camera
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.measuring.measurement import MeasurementResult
 
 _MARGIN = 0.06  # margin of a plane around the shape, as a fraction of its extent
 _PLANE = 40 / 255  # opacity of a plane's fill
@@ -102,3 +110,121 @@ def convex_hull(points: np.ndarray) -> np.ndarray:
 
 def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> float:
     return float((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]))
+
+
+# Dark on a white halo, to be legible on any paint, overlay and background.
+_INK, _PALE = QColor("#1d2129"), QColor(255, 255, 255, 215)
+_CHOSEN = QColor("#2f6fde")
+LIQUID, CAP = QColor(47, 111, 222, 90), QColor(122, 130, 142, 170)
+_PAPER = QColor(255, 255, 255, 240)
+_BACK = 0.3  # opacity of lines on the far side of the surface
+_DOT, _ROOM, _GAP = 3.5, 6.0, 8.0
+
+
+def fill_contours(painter: QPainter, camera: Camera, segments: np.ndarray, colour: QColor) -> None:
+    """Fill the inside of plane contours (s, 2, 3) in front of the camera."""
+    if not len(segments) or (camera.depth(segments.reshape(-1, 3)) <= 0.0).any():
+        return
+    ends = camera.project(segments.reshape(-1, 3)).reshape(-1, 2, 2)
+    # A point is inside where an odd number of triangles of one corner and the segments cover it.
+    surface = QPainterPath()
+    surface.setFillRule(Qt.FillRule.OddEvenFill)
+    for p, q in ends:
+        surface.addPolygon(to_polygon(np.array([ends[0, 0], p, q, ends[0, 0]])))
+    painter.fillPath(surface, colour)
+
+
+def draw_lines(painter: QPainter, camera: Camera, measured: MeasurementResult, chosen: bool) -> None:
+    """Draw the lines of a measurement, faint on the far side of the surface."""
+    if not len(measured.segments) or (camera.depth(measured.segments.reshape(-1, 3)) <= 0.0).any():
+        return
+    front = np.ones(len(measured.segments), dtype=bool)
+    if measured.normals is not None:
+        towards = camera.position - measured.segments[:, 0]
+        front = np.einsum("ij,ij->i", measured.normals, towards) >= 0.0
+    ends = camera.project(measured.segments.reshape(-1, 3)).reshape(-1, 2, 2)
+    for side, opacity in ((~front, _BACK), (front, 1.0)):
+        painter.setOpacity(opacity)
+        lines = [QLineF(*p, *q) for p, q in ends[side].tolist()]
+        for pen in (
+            QPen(_PALE, 5.0 if chosen else 4.2),
+            QPen(_CHOSEN if chosen else _INK, 2.4 if chosen else 1.8),
+        ):
+            pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+            painter.setPen(pen)
+            painter.drawLines(lines)
+    painter.setOpacity(1.0)
+
+
+def draw_points(painter: QPainter, camera: Camera, points: np.ndarray, chosen: bool = False) -> None:
+    """Draw a dot at each point (k, 3)."""
+    painter.setBrush(_CHOSEN if chosen else _INK)
+    painter.setPen(QPen(_PALE, 1.6))
+    for point in points[camera.depth(points) > 0.0] if len(points) else ():
+        painter.drawEllipse(QPointF(*camera.project(point[None])[0]), _DOT, _DOT)
+
+
+def draw_labels(
+    painter: QPainter, camera: Camera, labels: Sequence[tuple[MeasurementResult, Sequence[str], bool]]
+) -> None:
+    """Draw text labels beside the measurements, without overlaps.
+
+    Parameters
+    ----------
+    labels : sequence of (Measured, sequence of str, bool)
+        The last is whether it is the chosen one.
+    """
+    font = QFont(painter.font())
+    font.setPixelSize(13)
+    font.setWeight(QFont.Weight.Medium)
+    painter.setFont(font)
+    taken: list[QRectF] = []
+    for measured, lines, chosen in labels:
+        if measured.label_position is not None and camera.depth(measured.label_position[None])[0] > 0.0:
+            room = _avoid_overlap(_label_rectangle(painter, camera, measured, lines), taken)
+            taken.append(room)
+            _write(painter, room, lines, chosen)
+
+
+def _label_rectangle(
+    painter: QPainter, eye: Camera, measured: MeasurementResult, lines: Sequence[str]
+) -> QRectF:
+    """Rectangle of a label, placed to cover little of its measurement."""
+    metrics = painter.fontMetrics()
+    wide = max(metrics.horizontalAdvance(line) for line in lines) + 2 * _ROOM
+    tall = len(lines) * metrics.height() + _ROOM
+    assert measured.label_position is not None
+    at = eye.project(measured.label_position[None])[0]
+    aside = np.array(_label_direction(eye, measured, at))
+    # The label's nearest corner or side faces the point, so no slanted line runs under the label.
+    middle = at + _GAP * aside + np.clip(4.0 * aside, -1.0, 1.0) * [wide / 2, tall / 2]
+    left = min(max(middle[0] - wide / 2, 4.0), eye.width - wide - 4.0)
+    return QRectF(left, middle[1] - tall / 2, wide, tall)
+
+
+def _label_direction(eye: Camera, measured: MeasurementResult, at: np.ndarray) -> tuple[float, float]:
+    """Unit vector on the screen from a measurement to its label."""
+    if measured.label_away_from is not None:
+        way = at - eye.project(measured.label_away_from[None])[0]
+    else:
+        p, q = eye.project(measured.segments[len(measured.segments) // 2])
+        way = np.array([p[1] - q[1], q[0] - p[0]])
+        way = -way if way[0] < 0.0 else way
+    long = float(np.hypot(*way))
+    return (float(way[0]) / long, float(way[1]) / long) if long > 0.0 else (1.0, 0.0)
+
+
+def _avoid_overlap(room: QRectF, taken: Sequence[QRectF]) -> QRectF:
+    """Move a label rectangle down until it overlaps no other label."""
+    for other in sorted(taken, key=lambda other: other.top()):
+        if room.intersects(other):
+            room.moveTop(other.bottom() + 3.0)
+    return room
+
+
+def _write(painter: QPainter, room: QRectF, lines: Sequence[str], chosen: bool) -> None:
+    painter.setPen(QPen(_CHOSEN if chosen else QColor(29, 33, 41, 110), 1.6 if chosen else 1.0))
+    painter.setBrush(_PAPER)
+    painter.drawRoundedRect(room, 5, 5)
+    painter.setPen(_INK)
+    painter.drawText(room, Qt.AlignmentFlag.AlignCenter, "\n".join(lines))

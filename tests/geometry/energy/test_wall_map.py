@@ -7,10 +7,10 @@ import pytest
 from meshes import can, grid, tube
 from scipy.integrate import quad
 
-from apd_viewer import Convergence, Deformation, InputError, press
+from apd_viewer import Convergence, Deformation, InputError, press, wall_map
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.energy.wall_map import WallMap, triangle_wall, wall_map_of
+from apd_viewer.geometry.energy.wall_map import WallMap, wall_map_of
 from apd_viewer.geometry.energy.wall_surface import WallSurface
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import Wall
@@ -25,8 +25,7 @@ def pressed(thickness, **more):
 
 
 def walled(thickness, V, F, young=None, radius=None):
-    """Wall map with modulus and yield radius of the triangles."""
-    return triangle_wall(np.broadcast_to(thickness, len(F)).astype(float), V, F, young, radius)
+    return wall_map(V, F, thickness, young=young, yield_radius=radius)
 
 
 @pytest.mark.parametrize("kind", ["vertices", "triangles", "modulus"])
@@ -134,6 +133,27 @@ def test_wall_map_has_the_mean_stiffness_by_area():
     assert Wall(Unit.MILLIMETRE, wall, 1.38).grams(1.0) == Wall(Unit.MILLIMETRE, float(wall), 1.38).grams(1.0)
 
 
+def test_wall_map_takes_numbers_of_vertices_and_of_triangles_alike():
+    V, F = can(24)
+    rng = np.random.default_rng(2)
+    thickness, young, radius = (rng.uniform(0.1, 0.5, len(V)) for _ in range(3))
+    one, other = (
+        walled(*(each[F].mean(axis=1) if of_triangles else each for each in (thickness,)), V, F, *beside)
+        for of_triangles, beside in (
+            (False, (young, radius)),
+            (True, (young[F].mean(axis=1), radius[F].mean(axis=1))),
+        )
+    )
+    for wall in ("young", "yield_radius"):
+        expected = getattr(other, wall).triangles
+        assert getattr(one, wall).triangles == pytest.approx(expected, rel=1e-12)
+    assert one.triangles == pytest.approx(other.triangles, rel=1e-12)
+    for name, said in (("young", "Young's modulus"), ("yield_radius", "The yield radius")):
+        for wrong in (np.ones(7), np.zeros(len(F)), "soft"):
+            with pytest.raises(InputError, match=said):
+                wall_map(V, F, 0.1, **{name: wrong})
+
+
 def test_wall_map_weighs_the_sum_of_its_triangles():
     V, F = can(24)
     rng = np.random.default_rng(1)
@@ -174,7 +194,7 @@ def test_wall_map_is_equal_to_one_with_the_same_thickness_everywhere():
         (np.inf, "number 3 is inf"),
         (0.5, "A wall is thin"),
         (1e-9, "hardly stretches"),
-        (["thick"] * 4, "must be numbers"),
+        (["thick"] * 4, "real numbers"),
     ],
 )
 def test_wall_map_that_cannot_be_is_refused(given, said):

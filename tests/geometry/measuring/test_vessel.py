@@ -117,6 +117,39 @@ def test_vessel_refuses_what_it_cannot_hold():
         Vessel(V, G, UP)
 
 
+@pytest.mark.parametrize("slope", [0.0, 0.5])
+def test_vessel_holds_up_to_the_lowest_opening_that_is_not_closed(slope):
+    V, F = meshes.box_with_openings()
+    up = np.array([slope, 0.0, 1.0])
+    low, high = Vessel.openings(V, F, up)
+    assert (V[low, [0, 2]].tolist(), V[high, [0, 2]].tolist()) == ([0.0, 3.0], [4.0, 6.0])
+    # The surface z = 3 - slope x ends at the lower opening, z = 6 + slope (4 - x) at the upper one.
+    held = {
+        (): 5 * (12 - 8 * slope),
+        (low,): 5 * (24 + 8 * slope),
+        (low, high): 200.0,
+        (high,): 5 * (12 - 8 * slope),
+    }
+    soup = V[F.ravel()], np.arange(F.size).reshape(-1, 3)
+    for closed, volume in held.items():
+        assert Vessel(V, F, up, closed).brimful == pytest.approx(volume, rel=1e-12)
+        corners = [int(np.argmax(F.ravel() == vertex)) for vertex in closed]
+        assert Vessel(*soup, up, corners).brimful == pytest.approx(volume, rel=1e-12)
+
+
+def test_vessel_with_an_opening_below_holds_only_with_that_closed():
+    V, F, base = open_cone(12, 1.0, 2.0, tip=1.0)
+    floorless = F[(V[F][:, :, 2] > 0).any(axis=1)]
+    low, high = Vessel.openings(V, floorless, UP)
+    with pytest.raises(InputError, match="opening is at the lowest point"):
+        Vessel(V, floorless, UP, [high])
+    assert Vessel(V, floorless, UP, [low]).brimful == pytest.approx(2.0 * base)
+    assert not len(Vessel.openings(*meshes.box(), UP))
+    for vertex in (-1, 24, len(V)):  # the middle of the floor that is not there
+        with pytest.raises(InputError, match="at no opening"):
+            Vessel(V, floorless, UP, [vertex])
+
+
 def test_vessel_of_the_sample_agrees_with_its_sections():
     bottle = apd_viewer.open_mesh(resource_path("bottle.obj"))
     vessel = Vessel(bottle.V, bottle.F, (0, 1, 0))

@@ -48,6 +48,7 @@ OF_DOCUMENT = {
     "immobile_components": lambda said: replace(said, immobile_components=(0,)),
     "base": lambda said: replace(said, base=PartFlags(hidden=True)),
     "mirror_axis": lambda said: replace(said, mirror_axis=0),
+    "closed_openings": lambda said: replace(said, closed_openings=(0,)),
     "poses": lambda said: replace(said, poses=(NamedPose("Open", ()),)),
     "measurements": lambda said: replace(
         said, measurements=(Measurement("Width", MeasurementKind.DISTANCE),)

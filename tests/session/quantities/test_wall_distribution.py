@@ -1,6 +1,9 @@
 """Wall distributions from files: tables, PLY and VTK, and sentences on those that do not fit."""
 
+import json
 import pickle
+import struct
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,8 +15,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import NoUnitError, Unit
-from apd_viewer.session.quantities.wall import WallText, parse_wall, with_part_thickness
+from apd_viewer.session.quantities.wall import WallText, parse_thickness, parse_wall, with_part_thickness
 from apd_viewer.session.quantities.wall_distribution import (
+    ColorScaleError,
     read_distribution,
     thickness_text,
     write_distribution,
@@ -149,6 +153,111 @@ def test_read_distribution_of_a_property_of_the_mesh(tmp_path, name):
         read_distribution(path, Mesh(V, F[1:]), Unit.NONE)
 
 
+def glb(folder, points, triangles, **attributes):
+    """A GLB of a mesh with float attributes of its vertices."""
+    columns = {"POSITION": points, **attributes}
+    blobs = [np.asarray(each, dtype="<f4").tobytes() for each in columns.values()]
+    blobs.append(np.asarray(triangles, dtype="<u4").tobytes())
+    ends = np.cumsum([0, *map(len, blobs)]).tolist()
+    kinds = [{1: "SCALAR", 2: f"VEC{np.shape(each)[-1]}"}[np.ndim(each)] for each in columns.values()]
+    document = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [
+            {
+                "primitives": [
+                    {"attributes": dict(zip(columns, range(9), strict=False)), "indices": len(columns)}
+                ]
+            }
+        ],
+        "accessors": [
+            {"bufferView": k, "componentType": 5126, "type": kind, "count": len(points)}
+            for k, kind in enumerate(kinds)
+        ]
+        + [{"bufferView": len(kinds), "componentType": 5125, "type": "SCALAR", "count": np.size(triangles)}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": start, "byteLength": end - start} for start, end in pairwise(ends)
+        ],
+        "buffers": [{"byteLength": ends[-1]}],
+    }
+    text, blob = json.dumps(document).encode(), b"".join(blobs)
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4s2I", b"glTF", 2, 28 + len(text) + len(blob))
+    path = folder / "part.glb"
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(blob), b"BIN\0") + blob
+    path.write_bytes(head + chunks)
+    return path
+
+
+def test_read_distribution_of_attributes_of_a_glb(tmp_path):
+    path = glb(tmp_path, V, F, _THICKNESS=THICK, _young=10.0 * THICK, _YIELD_RADIUS=5.0 * THICK)
+    found = read_distribution(path, open_mesh(path), Unit.NONE).thickness
+    for wall, scale in ((found, 1.0), (found.young, 1e10), (found.yield_radius, 5.0)):
+        assert wall.triangles == pytest.approx(scale * OF_TRIANGLES, rel=1e-6)
+
+
+@pytest.mark.parametrize("parts", [3, 4])
+def test_read_distribution_of_colours_is_linear_from_black_to_white(tmp_path, parts):
+    share = V[:, 2] / 3.0
+    path = glb(tmp_path, V, F, COLOR_0=np.repeat(share[:, None], parts, axis=1))
+    found = thickness_text(f"{path}:0.2mm..0.8mm", open_mesh(path), Unit.CENTIMETRE)
+    assert str(found) == "part.glb:0.2mm..0.8mm"
+    assert found.thickness.triangles == pytest.approx(0.02 + 0.06 * share[F].mean(axis=1), rel=1e-6)
+    with pytest.raises(ColorScaleError, match=r"part.glb: It has colours in place of a thickness"):
+        read_distribution(path, open_mesh(path), Unit.NONE)
+
+
+@pytest.mark.parametrize(
+    ("red", "other", "thickness"), [(1.0, 1.0, "0.8mm"), (1.0, 0.0, "0.8mm"), (0.0, 0.0, "0.2mm")]
+)
+def test_read_distribution_of_one_colour_is_one_thickness(tmp_path, red, other, thickness):
+    path = glb(tmp_path, V, F, COLOR_0=np.tile([red, other, other], (len(V), 1)))
+    found = read_distribution(path, open_mesh(path), Unit.METRE, "0.2mm..0.8mm").in_unit(Unit.METRE)
+    assert set(found.triangles) == {float(found)} == {parse_thickness(thickness, Unit.METRE)}
+
+
+def test_read_distribution_of_colours_of_a_ply(tmp_path):
+    grey = np.round(255 * V[:, 2] / 3.0).astype(int)
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(V)}\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += "".join(f"property uchar {part}\n" for part in ("red", "green", "blue"))
+    head += f"element face {len(F)}\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = [[*X, g, g, g] for X, g in zip(V, grey, strict=True)] + [[3, *T] for T in F]
+    path = written(tmp_path, head + "\n".join(" ".join(map(str, row)) for row in rows) + "\n", "grey.ply")
+    found = read_distribution(path, open_mesh(path), Unit.NONE, "1..2").thickness
+    assert found.triangles == pytest.approx(1.0 + grey[F].mean(axis=1) / 255.0, rel=1e-12)
+
+
+def test_read_distribution_finds_the_vertices_in_another_order_and_at_seams(tmp_path):
+    """As exporters write it: vertices split, reordered and rounded."""
+    rng = np.random.default_rng(3)
+    triangles = F[rng.permutation(len(F))]
+    corners = rng.permutation(triangles.size)
+    soup = np.argsort(corners).reshape(-1, 3)
+    path = glb(tmp_path, V[triangles.ravel()[corners]], soup, _THICKNESS=THICK[triangles.ravel()[corners]])
+    found = read_distribution(path, MESH, Unit.NONE)
+    assert found.thickness.triangles == pytest.approx(OF_TRIANGLES, rel=1e-6)
+    with pytest.raises(InputError, match=r"part.glb: It is of another mesh"):
+        read_distribution(path, Mesh(1.01 * V, F), Unit.NONE)
+
+
+@pytest.mark.parametrize(
+    ("colors", "scale", "said"),
+    [
+        (np.eye(3)[np.arange(len(V)) % 3], "1..2", "neither grey nor red"),
+        (np.ones((len(V), 3)), "1", "in place of a thickness"),
+        (np.zeros((len(V), 3)), "0..2", "greater than 0"),
+        (None, "1..2", "no property “thickness”"),
+        (np.ones((len(V), 2)), "1..2", "not a valid GLB file .*wrong type"),
+    ],
+)
+def test_read_distribution_refuses_colours_that_say_no_thickness(tmp_path, colors, scale, said):
+    path = glb(tmp_path, V, F, **({} if colors is None else {"COLOR_0": colors}))
+    with pytest.raises(InputError, match=said):
+        read_distribution(path, open_mesh(path), Unit.NONE, scale)
+
+
 def test_read_distribution_tells_triangles_from_as_many_vertices(tmp_path):
     """A tube of one row has as many of both."""
     ring = Mesh(*tube(12, 1))
@@ -201,10 +310,12 @@ def test_with_part_thickness_makes_a_folding_line():
     sheet, x = Mesh(X, triangles), X[:, 0]
     base, end = np.flatnonzero(x < 0.04), np.flatnonzero(x > 0.96)
     plain = WallText("0.01")
-    line = with_part_thickness(plain, "0.002", "Line", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
-    assert str(line.thickness) == "0.01, Line 0.002"
-    thicker = with_part_thickness(line, "0.003", "Line", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
-    assert str(thicker.thickness) == "0.01, Line 0.003"
+    line = with_part_thickness(plain, "0.002", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
+    assert str(line.thickness) == "0.002 – 0.01"
+    thicker = with_part_thickness(line, "0.003", np.abs(x - 0.3) < 1e-9, sheet, Unit.NONE)
+    assert str(thicker.thickness) == "0.003 – 0.01"
+    same = with_part_thickness(plain, "0.01mm", x < 2.0, sheet, Unit.MILLIMETRE)
+    assert str(same.thickness) == "0.01\N{NO-BREAK SPACE}mm"
     along = np.flatnonzero(X[:, 1] == X[3, 1])
     along = along[np.argsort(x[along])]
     folds = []
@@ -222,14 +333,14 @@ def test_with_part_thickness_makes_a_folding_line():
 def test_with_part_thickness_keeps_what_else_differs_from_place_to_place(tmp_path):
     text = read(tmp_path, "z,thickness,young,yield_radius\n0,0.02,1,3\n3,0.05,4,5\n")
     inside = V[:, 2] > 1.4
-    wall = with_part_thickness(WallText(text), "0.01", "Top", inside, MESH, Unit.NONE).thickness.thickness
+    wall = with_part_thickness(WallText(text), "0.01", inside, MESH, Unit.NONE).thickness.thickness
     part = inside[F].sum(axis=1) >= 2
     assert (wall.triangles[part] == 0.01).all()
     assert np.array_equal(wall.triangles[~part], text.thickness.triangles[~part])
     assert np.array_equal(wall.young.triangles, text.thickness.young.triangles)
     assert np.array_equal(wall.yield_radius.triangles, text.thickness.yield_radius.triangles)
     with pytest.raises(InputError, match="Enter a wall thickness"):
-        with_part_thickness(WallText(), "0.01", "Top", inside, MESH, Unit.NONE)
+        with_part_thickness(WallText(), "0.01", inside, MESH, Unit.NONE)
 
 
 def test_thickness_text_leaves_a_length_as_typed():

@@ -157,6 +157,34 @@ def test_measure_tool_fills_up_to_the_click_and_by_a_typed_volume(qtbot, measuri
     assert measured(window) == (filled,)
 
 
+def test_measure_tool_closes_the_opening_that_is_clicked(qtbot, measuring):
+    window, view = measuring, measuring.canvas.viewport
+    before, mesh = document(window).mesh, Mesh(*meshes.box_with_openings())
+    window.files.show_mesh(mesh)
+    qtbot.waitUntil(lambda: document(window).mesh is not before, timeout=30_000)
+    mesh = document(window).mesh
+    window.tools.choose_tool(Tool.MEASURE)
+    window.measurements.choose_kind(MeasurementKind.FILL_LEVEL)
+    camera = view.camera_controller
+    camera.camera = camera.camera.seen_from(np.array([1.0, 0.3, 0.2]))
+    visible = int(np.flatnonzero((mesh.V == [4, 2, 6]).all(axis=1))[0])
+    hidden = int(np.flatnonzero((mesh.V == [0, 2, 3]).all(axis=1))[0])
+    Mouse(view).move(on_screen(window, hidden))
+    shown = view.tool_layer.grab().toImage()
+    click(window, visible)
+    assert document(window).closed_openings
+    assert measured(window) == ()
+    assert view.tool_layer.grab().toImage() != shown
+    click(window, visible)
+    assert not document(window).closed_openings
+    click(window, hidden)  # what lies before it is meant
+    assert not document(window).closed_openings
+    assert [each.kind for each in measured(window)] == [MeasurementKind.FILL_LEVEL]
+    window.measurements.choose_kind(MeasurementKind.SECTION)
+    click(window, visible)
+    assert not document(window).closed_openings
+
+
 def check_copy(window, section, row):
     section.copy.click()
     lines = [line.split("\t") for line in QGuiApplication.clipboard().text().splitlines()]

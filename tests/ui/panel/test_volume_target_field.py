@@ -8,6 +8,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL
+from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.verification.case_meshes import disc, sewn_sheets
 
 
@@ -90,8 +91,14 @@ def test_volume_target_field_fills_a_flat_bag_and_refuses_more_than_a_ball(qtbot
     enter(field, "1l")
     idle(qtbot, kept_window)
     assert "at most 179.5 cubic mesh units, as a ball" in kept_window.notice.text
+    assert "Now paint the part to move" in kept_window.invitation.text()
     enter(field, "50ml")
     assert document(kept_window).settings.filled_volume == pytest.approx(50.0)
+    assert "The base is enough" in kept_window.invitation.text()
+    kept_window.tools.choose_tool(Tool.HANDLE)
+    assert "Paint the part to move" in kept_window.invitation.text(), "one may be painted, too"
+    kept_window.tools.choose_tool(Tool.ORBIT)
+    assert kept_window.invitation.text() == ""
     idle(qtbot, kept_window)
     assert kept_window.session.store.state.frame.volume == pytest.approx(50.0, rel=1e-6)
     choose(kept_window, "wall")

@@ -290,7 +290,7 @@ def test_wall_fields_give_a_painted_part_a_thickness_of_its_own(bottle, fields, 
         offered(bottle, part).trigger()
     expected = np.where(top, 0.07, np.where(base, 0.01, 0.03))
     assert document(bottle).settings.wall_thickness.triangles == pytest.approx(expected)
-    assert fields.thickness.text() == f"0.03\xa0cm, Base 0.1mm, {handle} 0.07cm"
+    assert fields.thickness.text() == "0.01 – 0.07\xa0cm"
     assert bottle.display_options.overlay.measure is Measure.THICKNESS
     bottle.session.gestures.undo()
     assert document(bottle).settings.wall_thickness.triangles == pytest.approx(np.where(base, 0.01, 0.03))
@@ -309,3 +309,26 @@ def test_wall_fields_say_why_a_file_is_no_wall_distribution(bottle, fields, tmp_
     load(monkeypatch, bottle, path)
     assert "walls.csv: It has 1 rows" in bottle.notice.text
     assert fields.value == before
+
+
+def test_wall_fields_ask_what_black_and_white_mean(qtbot, bottle, fields, tmp_path, monkeypatch):
+    mesh = document(bottle).mesh
+    grey = np.round(255 * (mesh.V[:, 1] - mesh.V[:, 1].min()) / np.ptp(mesh.V[:, 1])).astype(int)
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(grey)}\n"
+    head += "".join(f"property double {axis}\n" for axis in "xyz")
+    head += "".join(f"property uchar {part}\n" for part in ("red", "green", "blue"))
+    head += f"element face {len(mesh.F)}\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = [[*X, g, g, g] for X, g in zip(mesh.V.tolist(), grey, strict=True)]
+    rows += [[3, *T] for T in mesh.F]
+    (tmp_path / "grey.ply").write_text(head + "\n".join(" ".join(map(str, row)) for row in rows) + "\n")
+    before, answers = fields.value, [("", False)]
+    monkeypatch.setattr(QInputDialog, "getText", lambda *_, **__: answers.pop(0))
+    load(monkeypatch, bottle, tmp_path / "grey.ply")
+    assert fields.value == before
+    answers += [("0.2mm", True), ("0.2mm..0.7mm", True)]  # one number is asked for again
+    load(monkeypatch, bottle, tmp_path / "grey.ply")
+    assert fields.thickness.text() == "grey.ply:0.2mm..0.7mm"
+    found = fields.value.thickness.thickness
+    assert found.triangles == pytest.approx(0.02 + 0.05 * grey[mesh.F].mean(axis=1) / 255.0)
+    assert bottle.display_options.overlay.measure is Measure.THICKNESS
+    assert not answers
