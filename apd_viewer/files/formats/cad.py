@@ -20,6 +20,7 @@ from apd_viewer.files.gltf.gltf_reader import read_gltf
 from apd_viewer.files.mesh_formats import CAD_FORMATS
 from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.installation import is_packaged
 from apd_viewer.language import tr
 
@@ -219,6 +220,8 @@ def _remeshed(V: np.ndarray, F: np.ndarray, edge: float, chord: float) -> dict[s
 
     V, F = _welded(V, F)
     surface = mmgpy.MmgMeshS(V, F.astype(np.int32))
+    # Weighted by area, unlike its own, which lift flat faces off their place beside needles of a fillet.
+    surface.set_normal_at_vertices(np.arange(len(V), dtype=np.int32), vertex_normals(V, F))
     surface.remesh(
         hmax=_LONGEST * edge, hmin=_SHORTEST * edge, hausd=chord, ar=_RIDGE, hgrad=_GRADATION, verbose=-1
     )
