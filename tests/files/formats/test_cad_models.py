@@ -16,6 +16,7 @@ from apd_viewer.files.formats import cad
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.operators import volume
 
 MODELS = Path(__file__).parents[2] / "support" / "cad_models"
 # By the kernel that made the models, checked with gmsh 4.15.
@@ -50,6 +51,17 @@ def test_read_cad_gives_closed_even_meshes_of_models(name):
     assert (mesh.unit, found.openings, found.components) == ("mm", 0, len(PARTS[name]))
     assert found.volume == pytest.approx(sum(VOLUMES[part] for part in PARTS[name]), rel=2e-3)
     assert worst_aspect(mesh.V, mesh.F) <= 10
+
+
+def test_read_cad_knows_the_parts_of_an_assembly():
+    mesh = opened("cup with lid")
+    assert mesh.origin.names == ("cup", "lid")
+    for k, (name, color) in enumerate({"cup": (51, 102, 204), "lid": (230, 76, 26)}.items(), start=1):
+        own = mesh.origin.member == k
+        F = mesh.F[own[mesh.F].all(axis=1)]
+        assert volume(mesh.V, F) == pytest.approx(VOLUMES[name], rel=2e-3)
+        assert np.abs(mesh.colors[own] - np.array(color)).max() <= 1
+    assert (mesh.origin.member > 0).all()
 
 
 def test_read_cad_leaves_flat_faces_flat_beside_fillets():
