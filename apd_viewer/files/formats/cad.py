@@ -9,19 +9,24 @@ import os
 import subprocess
 import sys
 from importlib.util import find_spec
+from itertools import count
 from pathlib import Path
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.formats.polygon_mesh import ParsedMesh
+from apd_viewer.files.formats.ply import read_ply
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh, PartsOrigin, linear_to_srgb
 from apd_viewer.files.gltf.gltf_file import GltfFile
-from apd_viewer.files.gltf.gltf_reader import read_gltf
+from apd_viewer.files.gltf.gltf_reader import mesh_instances, read_gltf
+from apd_viewer.files.gltf.scene import mesh_primitives, world_matrices
 from apd_viewer.files.mesh_formats import CAD_FORMATS
+from apd_viewer.files.selections.selection import MOST_REGIONS, default_name
 from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.installation import is_packaged
-from apd_viewer.language import tr
+from apd_viewer.language import comma_separated, tr
 
 _log = logging.getLogger(__name__)
 
@@ -29,6 +34,8 @@ CHORD_TOLERANCE = 1 / 2000  # largest distance from the surface, relative to the
 _DIVISION_SHARE = 0.25  # of it; the even triangles have the rest
 EDGE_LENGTH = 1 / 60  # of even triangles, relative to the diagonal
 TIME_LIMIT = 300.0  # seconds for a model
+_GREY = 200  # of parts without a colour, beside others that have one
+_LONGEST_NAME = 60  # characters of the name of a part
 # Run with -c instead of -m, which would import from the current folder. Output of the libraries goes to
 # standard error, never into the reply.
 START_SCRIPT = """
@@ -63,10 +70,11 @@ def read_cad(content: bytes, suffix: str) -> ParsedMesh:
     found = _run_job(content, "divide", kind.lower(), str(_DIVISION_SHARE * CHORD_TOLERANCE))
     if found is None or not len(found["F"]):
         raise ValueError(tr("it is damaged, or has no surface"))
-    V, F, size = found["V"], found["F"], mesh_size(found["V"], found["F"])
+    size = mesh_size(found["V"], found["F"])
     chord, edge = CHORD_TOLERANCE * size, EDGE_LENGTH * size
+    arrays = found["V"], found["F"], found["style"]
     even = (
-        _run_job(_packed(V, F), "remesh", str(edge), str((1.0 - _DIVISION_SHARE) * chord))
+        _run_job(_packed(*arrays), "remesh", str(edge), str((1.0 - _DIVISION_SHARE) * chord))
         if find_spec("mmgpy")
         else None
     )
@@ -74,12 +82,66 @@ def read_cad(content: bytes, suffix: str) -> ParsedMesh:
         remark = tr(
             "The CAD model was divided within {chord:.3g} mm of its surface; its triangles may be needles."
         )
-        return ParsedMesh(V, F, None, (remark.format(chord=chord),), "mm")
+        return _with_parts(*arrays, found, remark.format(chord=chord))
     remark = tr(
         "The CAD model was divided within {chord:.3g} mm of its surface, into even triangles with edges of "
         "about {edge:.3g} mm."
     )
-    return ParsedMesh(even["V"], even["F"], None, (remark.format(chord=chord, edge=edge),), "mm")
+    return _with_parts(even["V"], even["F"], even["style"], found, remark.format(chord=chord, edge=edge))
+
+
+def _with_parts(
+    V: np.ndarray, F: np.ndarray, style: np.ndarray, model: dict[str, np.ndarray], remark: str
+) -> ParsedMesh:
+    """Mesh in mm of triangles with styles (m,), with the colours and parts of a model."""
+    names, part, colors = model["names"].tolist(), model["part"], model["colors"]
+    if len(names) < 2 and (colors < 0).all():
+        return ParsedMesh(V, F, None, (remark,), "mm")
+    of_vertex = np.zeros(len(V), dtype=np.int64)
+    of_vertex[F] = style[:, None]
+    shown = None
+    if (colors >= 0).any():
+        shown = np.where(colors < 0, _GREY, colors).astype(np.uint8)[of_vertex]
+    origin = read_ply(_ply_content(V, F, shown)).origin
+    assert origin is not None
+    if len(names) < 2:
+        return ParsedMesh(V, F, origin, (remark,), "mm")
+    across = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
+    areas = np.bincount(part[style], np.linalg.norm(across, axis=1), len(names))
+    largest = np.sort(np.argsort(-areas, kind="stable")[:MOST_REGIONS])
+    number = np.zeros(len(names), dtype=np.uint8)
+    number[largest] = np.arange(1, len(largest) + 1)
+    regions = _distinct([names[k] for k in largest])
+    said = tr("Its {n:,} parts are regions: {names}.")
+    if len(names) > MOST_REGIONS:
+        said = tr("Of its {n:,} parts the largest are regions: {names}.")
+    remarks = remark, said.format(n=len(names), names=comma_separated(regions))
+    return ParsedMesh(V, F, PartsOrigin(origin, tuple(regions), number[part[of_vertex]]), remarks, "mm")
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """Names without unprintable characters, and numbered where they recur."""
+    found: list[str] = []
+    for name in names:
+        own = "".join(filter(str.isprintable, name)).strip()[:_LONGEST_NAME] or tr("Part")
+        numbered = (own if k == 1 else default_name(own, k) for k in count(1))
+        found.append(next(each for each in numbered if each not in found))
+    return found
+
+
+def _ply_content(V: np.ndarray, F: np.ndarray, colors: np.ndarray | None) -> bytes:
+    """Binary PLY file of a mesh, with colours (n, 3) if there are any."""
+    rows = np.zeros(len(V), dtype=[("at", "<f8", 3), *([] if colors is None else [("color", "u1", 3)])])
+    rows["at"] = V
+    of_vertex = [f"property double {axis}" for axis in "xyz"]
+    if colors is not None:
+        rows["color"] = colors
+        of_vertex += [f"property uchar {name}" for name in ("red", "green", "blue")]
+    faces = np.zeros(len(F), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, F
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(V)}", *of_vertex]
+    head += [f"element face {len(F)}", "property list uchar int vertex_indices", "end_header", ""]
+    return "\n".join(head).encode() + rows.tobytes() + faces.tobytes()
 
 
 def even_triangles(
@@ -100,7 +162,8 @@ def even_triangles(
     check_remeshing()
     size = mesh_size(V, F)
     edge = edge or EDGE_LENGTH * size
-    found = _run_job(_packed(V, F), "remesh", str(edge), str(CHORD_TOLERANCE * size))
+    style = np.zeros(len(F), dtype=np.int64)
+    found = _run_job(_packed(V, F, style), "remesh", str(edge), str(CHORD_TOLERANCE * size))
     if found is None or not len(found["F"]):
         raise InputError(
             tr("The surface cannot be divided into even triangles; check it with apd-viewer info.")
@@ -121,9 +184,9 @@ def _check_installed(library: str, what: str) -> None:
         raise InputError(said.format(what=what))
 
 
-def _packed(V: np.ndarray, F: np.ndarray) -> bytes:
+def _packed(V: np.ndarray, F: np.ndarray, style: np.ndarray) -> bytes:
     packed = io.BytesIO()
-    np.savez(packed, V=V, F=F)
+    np.savez(packed, V=V, F=F, style=style)
     return packed.getvalue()
 
 
@@ -163,7 +226,7 @@ def run_child(replies: int, job: str, *arguments: str) -> None:
         arrays = _divided(content, arguments[0], float(arguments[1]))
     else:
         with np.load(io.BytesIO(content), allow_pickle=False) as given:
-            arrays = _remeshed(given["V"], given["F"], *map(float, arguments))
+            arrays = _remeshed(given["V"], given["F"], given["style"], *map(float, arguments))
     packed = io.BytesIO()
     np.savez(packed, allow_pickle=False, **arrays)
     with os.fdopen(replies, "wb") as stream:
@@ -172,6 +235,8 @@ def run_child(replies: int, job: str, *arguments: str) -> None:
 
 def _divided(content: bytes, kind: str, tolerance: float) -> dict[str, np.ndarray]:
     """Triangles of a CAD model in mm, each part welded by position.
+
+    Each has a style: a part, and a colour of 0 to 255 in sRGB, or of -1 without one. The parts have names.
 
     Parameters
     ----------
@@ -183,43 +248,71 @@ def _divided(content: bytes, kind: str, tolerance: float) -> dict[str, np.ndarra
     # Imported here, in the child process: the extra may be missing, and a native library may crash.
     import cascadio
 
-    def parts(chord: float) -> list[tuple[np.ndarray, np.ndarray]]:
+    def scene_of(chord: float) -> tuple[np.ndarray, np.ndarray, GltfFile]:
         glb = cascadio.load(content, kind, tol_linear=chord, tol_angular=_ANGLE, use_parallel=False)
         if not glb:
             raise SystemExit(1)
         V, F, origin, *_ = read_gltf(glb, Path("model.glb"))
         assert isinstance(origin, GltfFile)
-        starts = sorted(block.first_vertex for block in origin.blocks)
-        part = np.searchsorted(starts, F[:, 0], side="right")
-        return [(_MILLIMETRES[kind] * V, F[part == k + 1]) for k in range(len(starts))]
+        return _MILLIMETRES[kind] * V, F, origin
 
-    coarse = parts(_NO_LIMIT)
-    chord = tolerance * diagonal(np.vstack([V[np.unique(F)] for V, F in coarse]))
-    welded = [_welded(V, F) for V, F in parts(chord) if len(F)]
-    first = np.cumsum([0, *(len(V) for V, _ in welded)])
+    V, F, _ = scene_of(_NO_LIMIT)
+    V, F, file = scene_of(tolerance * diagonal(V[np.unique(F)]))
+    names, part, colors = _styles(file)
+    style = np.repeat(np.arange(len(part)), [piece.triangle_count for piece in file.primitives])
+    each = [_welded(V, F[own], style[own]) for own in (part[style] == k for k in range(len(names)))]
+    first = np.cumsum([0, *(len(V) for V, *_ in each)])
     return {
-        "V": np.vstack([V for V, _ in welded]),
-        "F": np.vstack([F + k for (_, F), k in zip(welded, first, strict=False)]),
+        "V": np.vstack([V for V, *_ in each]),
+        "F": np.vstack([F + k for (_, F, _), k in zip(each, first, strict=False)]),
+        "style": np.concatenate([style for *_, style in each]),
+        "names": np.array(names),
+        "part": part,
+        "colors": colors,
     }
 
 
-def _welded(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _styles(file: GltfFile) -> tuple[list[str], np.ndarray, np.ndarray]:
+    """Names of the parts; part (s,) and colour (s, 3) of each primitive."""
+    document, names, part, colors = file.document, list[str](), list[int](), list[np.ndarray]()
+    materials = document.get("materials", [])
+    for place in mesh_instances(document, file.buffers, world_matrices(document)):
+        for primitive in mesh_primitives(document, place.mesh):
+            part.append(len(names))
+            look = materials[primitive["material"]] if "material" in primitive else {}
+            linear = look.get("pbrMetallicRoughness", {}).get("baseColorFactor")
+            colors.append(np.full(3, -1) if linear is None else linear_to_srgb(np.array(linear[:3])))
+        names.append(str(document["meshes"][place.mesh].get("name", "")))
+    return names, np.array(part, dtype=np.int64), np.array(colors, dtype=np.int64).reshape(-1, 3)
+
+
+def _welded(V: np.ndarray, F: np.ndarray, style: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vertices merged by position, and triangles without collapsed ones."""
     used, F = np.unique(F, return_inverse=True)
     mesh = Mesh(V[used], F.reshape(-1, 3))
     F = mesh.joined_F
-    F = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
-    used, F = np.unique(F, return_inverse=True)
-    return mesh.V[used], F.reshape(-1, 3)
+    proper = (F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])
+    used, F = np.unique(F[proper], return_inverse=True)
+    return mesh.V[used], F.reshape(-1, 3), style[proper]
 
 
-def _remeshed(V: np.ndarray, F: np.ndarray, edge: float, chord: float) -> dict[str, np.ndarray]:
+def _remeshed(
+    V: np.ndarray, F: np.ndarray, style: np.ndarray, edge: float, chord: float
+) -> dict[str, np.ndarray]:
     """Even triangles within ``chord`` of a surface, with edges of about ``edge``."""
     import mmgpy  # imported here for the same reason
 
-    V, F = _welded(V, F)
+    V, F, style = _welded(V, F, style)
     surface = mmgpy.MmgMeshS(V, F.astype(np.int32))
+    surface.set_triangles(F.astype(np.int32), style.astype(np.int32))
+    # Weighted by area, unlike its own, which lift flat faces off their place beside needles of a fillet.
+    surface.set_normal_at_vertices(np.arange(len(V), dtype=np.int32), vertex_normals(V, F))
     surface.remesh(
         hmax=_LONGEST * edge, hmin=_SHORTEST * edge, hausd=chord, ar=_RIDGE, hgrad=_GRADATION, verbose=-1
     )
-    return {"V": np.array(surface.get_vertices()), "F": np.array(surface.get_triangles(), dtype=np.int64)}
+    found, style = surface.get_triangles_with_refs()
+    return {
+        "V": np.array(surface.get_vertices()),
+        "F": found.astype(np.int64),
+        "style": style.astype(np.int64),
+    }

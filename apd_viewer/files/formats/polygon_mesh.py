@@ -48,6 +48,22 @@ class EncodedMeshOrigin(DerivedOrigin):
         return self.encoding.encode(self.origin.rewritten_content(mesh, U))
 
 
+@dataclass(frozen=True, eq=False)
+class PartsOrigin(DerivedOrigin):
+    """Source file of an assembly.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of its parts.
+    member : (n,) uint8 array
+        k + 1 for the vertices of ``names[k]``, 0 for those of other parts.
+    """
+
+    names: tuple[str, ...]
+    member: np.ndarray
+
+
 def trailing_bytes_remark(size: int) -> tuple[str, ...]:
     """Remark on the bytes after the last face of a file, if any."""
     said = trn(

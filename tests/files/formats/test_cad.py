@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cad_contents import box_corners, iges_box, step_boxes, step_cylinder
+from cad_contents import box_corners, divided_into, iges_box, step_boxes, step_cylinder
 from mesh_contents import CUBE, QUADS, binary_stl, obj
 
 from apd_viewer.__main__ import main
@@ -74,22 +74,14 @@ def test_save_mesh_says_that_cad_is_only_read(suffix, tmp_path):
         save_mesh(mesh, mesh.V, tmp_path / f"a{suffix}")
 
 
-DIVIDED = """
-import os, io, sys, numpy as np
-packed = io.BytesIO()
-np.savez(packed, V=np.eye(3), F=[[0, 1, 2]])
-sys.stdout.buffer.write(packed.getvalue())
-"""
-
-
 def test_open_session_file_has_the_triangles_of_a_cad_model_in_it(tmp_path, monkeypatch, installed):
     """Another version of the libraries would divide the model otherwise."""
-    monkeypatch.setattr(cad, "START_SCRIPT", DIVIDED)
+    monkeypatch.setattr(cad, "START_SCRIPT", divided_into(np.eye(3)))
     (tmp_path / "a.step").write_bytes(STEP)
     mesh = open_mesh(tmp_path / "a.step")
     assert (mesh.unit, mesh.V.tolist()) == ("mm", np.eye(3).tolist())
     save_session(tmp_path / "a.apd", initial_state(mesh), View())
-    monkeypatch.setattr(cad, "START_SCRIPT", DIVIDED.replace("eye(3)", "eye(3)[::-1]"))
+    monkeypatch.setattr(cad, "START_SCRIPT", divided_into(np.eye(3)[::-1]))
     state = open_session_file(tmp_path / "a.apd").state
     assert state.document.mesh.digest == mesh.digest
 
