@@ -231,7 +231,7 @@ WRONG = {
     "both": (lambda bar: [*bar, "--twist", "9", "--transform", bar[0].parent / "bent.def"], "not both"),
     "a film of another kind": (
         lambda bar: [*bar, "--twist", "9", "--animation", "a.webm"],
-        "use .gif, .mp4, .pc2, .mdd, .glb or .pvd",
+        "use .gif, .mp4, .pc2, .mdd, .glb, .usda, .usdc, .usdz or .pvd",
     ),
     "an animation in no folder": (
         lambda bar: [*bar, "--twist", "9", "--animation", bar[0].parent / "gone" / "a.pc2"],

@@ -20,7 +20,7 @@ from apd_viewer.files.gltf.gltf_reader import read_gltf
 from apd_viewer.files.mesh_formats import CAD_FORMATS
 from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.installation import is_packaged
+from apd_viewer.installation import missing_extra
 from apd_viewer.language import tr
 
 _log = logging.getLogger(__name__)
@@ -115,10 +115,7 @@ def check_remeshing() -> None:
 
 def _check_installed(library: str, what: str) -> None:
     if find_spec(library) is None:
-        said = tr('{what} need more libraries: pip install "apd-viewer[cad]".')
-        if is_packaged():
-            said = tr('{what} need an installation by Python: pip install "apd-viewer[cad]".')
-        raise InputError(said.format(what=what))
+        raise missing_extra(what, "cad")
 
 
 def _packed(V: np.ndarray, F: np.ndarray) -> bytes:
