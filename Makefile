@@ -14,7 +14,7 @@ quick test night pictures: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test night night-suite night-alone night-extras quick lint format docs pictures wheel release texts installer clean \
+.PHONY: help run test night night-suite night-alone night-extras quick lint format docs pictures wheel release texts installer container clean \
         programs system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -138,6 +138,14 @@ installer: $(packer)/.installed ## build a program that needs no Python, in a pa
 	@.ci/step "Writing the manual" $(manual)
 	@.ci/step "Writing the completions for shells" $(packer)/bin/python resources/installer/completions.py
 	@.ci/step "Building the program and its package (several minutes)" $(packer)/bin/python resources/installer/build.py
+
+# Clusters have Apptainer, which reads what these write.
+engine = $(firstword $(foreach each,podman docker,$(shell command -v $(each))))
+
+container: ## build an image of the commands without a window, by podman or docker
+	@.ci/step "Building the image apd-viewer (several minutes)" \
+	    $(or $(engine),$(error Neither podman nor docker is there; install one of them)) \
+	    build --tag apd-viewer --file resources/installer/Containerfile .
 
 $(packer)/.installed: pyproject.toml
 	@.ci/step "Creating $(packer) with $(python)" $(python) -m venv --clear $(packer)
