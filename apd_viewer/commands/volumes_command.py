@@ -14,7 +14,7 @@ from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import unit_option_in_errors
+from apd_viewer.commands.terminal.weld_option import open_input_mesh, unit_option_in_errors
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import hull_fields
@@ -65,7 +65,7 @@ def volumes_parser() -> Parser:
 
 @unit_option_in_errors()
 def _volumes(options: argparse.Namespace) -> CommandOutput:
-    mesh = open_mesh(options.mesh)
+    mesh = open_input_mesh(options.mesh)
     unit = Unit(options.unit or mesh.unit)
     litres = _bag(options.bag, unit)
     if options.density and not options.thickness:
