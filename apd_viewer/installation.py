@@ -17,7 +17,7 @@ def is_packaged() -> bool:
 
 
 def missing_extra(what: str, extra: str) -> InputError:
-    """InputError for ``what`` is missing without an extra: how to install it."""
+    """InputError where an extra, which ``what`` need, is not installed."""
     said = tr('{what} need more libraries: pip install "apd-viewer[{extra}]".')
     if is_packaged():
         said = tr('{what} need an installation by Python: pip install "apd-viewer[{extra}]".')
