@@ -14,7 +14,7 @@ quick test night pictures: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test night night-suite night-alone night-extras night-blender blender quick lint format docs pictures wheel release texts installer clean \
+.PHONY: help run test night night-suite night-alone night-extras night-blender blender quick lint format docs pictures wheel release texts installer container clean \
         programs system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -70,7 +70,7 @@ $(extras)/.installed: pyproject.toml | system-packages
 	@.ci/step "Creating $(extras) with $(python)" $(python) -m venv --clear $(extras)
 	@.ci/step "Updating pip" $(extras)/bin/python -m pip install --quiet 'pip>=25.1'
 	@.ci/step "Installing apd-viewer with all extras and the development tools into $(extras)" \
-	    $(extras)/bin/python -m pip install --quiet --editable '.[video,cluster,cad]' --group extras
+	    $(extras)/bin/python -m pip install --quiet --editable '.[video,cluster,usd,cad]' --group extras
 	@touch $@
 
 # Each version of Blender's module is for one version of Python; the add-on's environment has the newest that there is.
@@ -155,6 +155,14 @@ installer: $(packer)/.installed ## build a program that needs no Python, in a pa
 	@.ci/step "Writing the manual" $(manual)
 	@.ci/step "Writing the completions for shells" $(packer)/bin/python resources/installer/completions.py
 	@.ci/step "Building the program and its package (several minutes)" $(packer)/bin/python resources/installer/build.py
+
+# Clusters have Apptainer, which reads what these write.
+engine = $(firstword $(foreach each,podman docker,$(shell command -v $(each))))
+
+container: ## build an image of the commands without a window, by podman or docker
+	@.ci/step "Building the image apd-viewer (several minutes)" \
+	    $(or $(engine),$(error Neither podman nor docker is there; install one of them)) \
+	    build --tag apd-viewer --file resources/installer/Containerfile .
 
 $(packer)/.installed: pyproject.toml
 	@.ci/step "Creating $(packer) with $(python)" $(python) -m venv --clear $(packer)

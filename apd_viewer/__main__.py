@@ -143,7 +143,7 @@ def _describe_environment(parser: Parser) -> None:
 def _command_parser(command: str) -> Parser:
     if command in _OF_DESKTOP:
         # Imported here, without the other parsers: a file manager is waiting for the thumbnail.
-        from apd_viewer.commands.desktop.desktop_parsers import DESKTOP_PARSERS as OF_DESKTOP
+        from apd_viewer.commands.desktop.desktop_command import DESKTOP_PARSERS as OF_DESKTOP
 
         return OF_DESKTOP[command]()
     # Imported here: these imports are slow, and opening a window does not need them.

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import platformdirs
 
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
 
 def is_packaged() -> bool:
     """True in the self-contained program from the installer, without Python or pip."""
@@ -22,6 +25,14 @@ def program_version() -> str:
         return metadata.version("apd-viewer")
     except metadata.PackageNotFoundError:
         return "unknown"
+
+
+def missing_extra(what: str, extra: str) -> InputError:
+    """InputError where an extra, which ``what`` need, is not installed."""
+    said = tr('{what} need more libraries: pip install "apd-viewer[{extra}]".')
+    if is_packaged():
+        said = tr('{what} need an installation by Python: pip install "apd-viewer[{extra}]".')
+    return InputError(said.format(what=what, extra=extra))
 
 
 def kernel_folders(modules: Path) -> list[Path]:

@@ -50,7 +50,7 @@ LIBRARIES = {
     "cases": {"numpy", "scipy", "distributed", "pyarrow", "threadpoolctl"},
     "verification": {"numpy", "scipy"},
     "session": {"numpy"},
-    "files": {"numpy", "trimesh", "PIL", "vtkmodules", "cascadio", "mmgpy"},
+    "files": {"numpy", "trimesh", "PIL", "vtkmodules", "cascadio", "mmgpy", "pxr"},
     "geometry, what moves": {"numpy", "scipy", "numba", "llvmlite"},
     "geometry, what is true": {
         *("numpy", "scipy", "numba", "threadpoolctl", "llvmlite", "cholespy", "fast_simplification"),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from apd_viewer.commands.desktop.desktop_parsers import DESKTOP_PARSERS
+from apd_viewer.commands.desktop.desktop_command import DESKTOP_PARSERS
 from apd_viewer.commands.parsers import PARSERS
 
 # Options in a help: at the beginnings of lines, before two blanks.

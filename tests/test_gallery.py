@@ -10,11 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from entries import ENTRIES, GROUPS
 from gallery_page import gallery_page, printed
+from make_glb import write_bottle
 from make_sessions import SESSIONS
 
 from apd_viewer.__main__ import parse_arguments
+from apd_viewer.files.animations.animation_reading import open_animation
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.session.storage.session_file import open_session
 
@@ -93,3 +96,35 @@ def test_gallery_session_to_download_opens_and_can_be_replayed_unless_it_is_pres
     assert not np.array_equal(state.frame.U, state.document.mesh.V)
     if not state.document.paint_problem and not state.document.has_active_obstacles:
         assert in_place(state) < (0.1 if state.document.settings.traits.moves_handles else 1e-5)
+
+
+def test_gallery_has_a_script_that_crushes_a_bottle_into_a_gltf_in_metres(compiled, tmp_path):
+    path = tmp_path / "bottle.glb"
+    write_bottle(path, steps=2, vertices=COUNT)
+    content = path.read_bytes()
+    size = int.from_bytes(content[12:16], "little")
+    document = json.loads(content[20 : 20 + size])
+    (buffer,), views = document["buffers"], document["bufferViews"]
+    assert len(content) == 28 + size + buffer["byteLength"]
+    widths = {"SCALAR": 4, "VEC3": 12}
+    for accessor in document["accessors"]:
+        view = views[accessor["bufferView"]]
+        assert view["byteOffset"] % 4 == 0
+        assert accessor["count"] * widths[accessor["type"]] == view["byteLength"]
+        assert view["byteOffset"] + view["byteLength"] <= buffer["byteLength"]
+    (surface,) = document["meshes"][0]["primitives"]
+    vertices = {
+        document["accessors"][number]["count"]
+        for attributes in (surface["attributes"], *surface["targets"])
+        for number in attributes.values()
+    }
+    assert len(vertices) == 1
+    numbers = np.frombuffer(content, "<f4", offset=28 + size + views[0]["byteLength"])
+    assert np.isfinite(numbers).all()
+    rest = trimesh.load(path, force="mesh", process=False)
+    assert rest.extents.max() == pytest.approx(0.217, abs=0.001)  # metres: a bottle of half a litre
+    shapes = list(open_animation(path).shapes)
+    assert len(shapes) == 3
+    volumes = [trimesh.Trimesh(U, rest.faces, process=False).volume for U in shapes]
+    assert volumes[0] == pytest.approx(0.5e-3, rel=0.02)
+    assert volumes[2] < 0.9 * volumes[0]

@@ -7,6 +7,7 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
+import pytest
 from cyclonedx.schema import SchemaVersion
 from cyclonedx.validation.json import JsonStrictValidator
 
@@ -57,3 +58,44 @@ def test_project_workflows_pin_every_action_by_its_hash():
         used = re.findall(r"uses: (.*)", path.read_text(encoding="utf-8"))
         assert used
         assert [each for each in used if not re.fullmatch(r"[\w./-]+@[0-9a-f]{40} # v[\d.]+", each)] == []
+
+
+def _container_steps():
+    """Instructions of the Containerfile with their words, comments left out and lines joined."""
+    text = (ROOT / "resources" / "installer" / "Containerfile").read_text(encoding="utf-8")
+    lines = re.sub(r"(?m)^#.*\n", "", text).replace("\\\n", " ").splitlines()
+    return [tuple(line.split(None, 1)) for line in lines if line]
+
+
+def test_package_container_copies_and_runs_what_there_is():
+    steps = _container_steps()
+    copied = [words.split()[:-1] for step, words in steps if step == "COPY" and "--from" not in words]
+    assert sum(map(len, copied)) >= 5
+    assert [name for names in copied for name in names if not (ROOT / name).exists()] == []
+    run = " ".join(words for step, words in steps if step == "RUN")
+    scripts = re.findall(r"resources/[\w/.-]+", run)
+    assert scripts
+    assert [name for name in scripts if not (ROOT / name).is_file()] == []
+    # The environment that is made is the one that goes on into the image, and is on its path.
+    (made,) = re.findall(r"-m venv (\S+)", run)
+    assert ("COPY", f"--from=build {made} {made}") in steps
+    (variables,) = (words for step, words in steps if step == "ENV")
+    assert f"PATH={made}/bin:" in variables
+    (started,) = (words for step, words in steps if step == "ENTRYPOINT")
+    assert json.loads(started)[0] in {each.name for each in metadata.entry_points(group="console_scripts")}
+    (user,) = (words for step, words in steps if step == "USER")
+    assert not user.startswith(("0", "root"))
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert re.search(r"(?ms)^container:.*--file resources/installer/Containerfile \.$", makefile)
+
+
+def test_package_container_has_the_libraries_of_the_manual_and_of_its_extra(monkeypatch, capsys):
+    pytest.importorskip("tomllib", reason="a Python of before 3.11 has no tomllib, that of the image has")
+    monkeypatch.chdir(ROOT)
+    run = " ".join(words for step, words in _container_steps() if step == "RUN")
+    (program,) = re.findall(r'python3 -c "(.*?)" > libraries\.txt', run)
+    exec(program)
+    found = {re.match(r"[\w.-]+", line)[0] for line in capsys.readouterr().out.split("\n") if line}
+    page = (ROOT / "docs" / "howto" / "install.md").read_text(encoding="utf-8")
+    (named,) = re.findall(r"(?m)^pip install (numpy .*)$", page)
+    assert found == {*named.split(), "distributed"}

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from apd_viewer.cases import plan_columns
 from apd_viewer.cases.study_case import CaseSetting, InputFiles, StudyCase
 from apd_viewer.errors import InputError
-from apd_viewer.files.storage.regular_files import read_content
+from apd_viewer.files.storage.regular_files import STANDARD_INPUT, read_content, read_standard_input
 from apd_viewer.files.tables import unescaped_cell
 from apd_viewer.geometry.solver.contact_descent import needs_contact
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, MOST_VERTICES_IN_CONTACT
@@ -193,7 +193,8 @@ def read_plan(path: Path, sources: InputFiles) -> Plan:
     Parameters
     ----------
     path : Path
-        A table with commas, semicolons or tabs; names of files in it are relative to its folder.
+        A table with commas, semicolons or tabs, ``-`` for the standard input; names of files in it are
+        relative to its folder.
     sources : InputFiles
         Copies of the files named in the plan.
 
@@ -203,7 +204,7 @@ def read_plan(path: Path, sources: InputFiles) -> Plan:
         If it is no such table: a sentence names the column that is wrong. What is wrong with a row is
         written into the row.
     """
-    content = read_content(path)
+    content = read_standard_input() if path == STANDARD_INPUT else read_content(path)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:

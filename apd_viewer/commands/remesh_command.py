@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.mesh_options import open_input_mesh
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats.cad import even_triangles
 from apd_viewer.files.mesh_writing import check_mesh_path, save_mesh
-from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import area, aspect_ratios, face_areas
 from apd_viewer.language import tr
@@ -37,7 +37,7 @@ def _remesh(options: argparse.Namespace) -> CommandOutput:
     output = check_mesh_path(options.output)
     if options.edge is not None and not 0.0 < options.edge < np.inf:
         raise InputError(tr("Enter an edge length above 0."))
-    mesh = open_mesh(options.mesh)
+    mesh = open_input_mesh(options.mesh)
     V, F, edge = even_triangles(mesh.V, mesh.joined_F, options.edge)
     even = Mesh(V, F, Path(output), unit=mesh.unit)
     save_mesh(even, V, output)

@@ -38,7 +38,8 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import obstacle_shifts
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import missing_target_sentence
-from apd_viewer.session.model.view import SESSION_SUFFIX
+from apd_viewer.session.model.up_axis import mesh_up_axis
+from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
 from apd_viewer.session.storage.session_file import open_session
 
@@ -79,7 +80,7 @@ def _replay(options: argparse.Namespace) -> CommandOutput:
         painted = document.labels, document.member
         result_output.write_scalar_files(beside, options, mesh, result.U, *painted, document.target_shape)
         if shapes is not None:
-            _write_animations(options.animation, document, shapes, beside)
+            _write_animations(options.animation, document, open_session(options.session)[1], shapes, beside)
         written = save_mesh(mesh, result.U, output)
     lines = [result_output.result_summary(mesh, result, output, written)]
     lines += [missing] if (missing := missing_target_sentence(document)) else []
@@ -103,7 +104,7 @@ def _check_animations(paths: Sequence[Path]) -> None:
 
 
 def _write_animations(
-    paths: Sequence[Path], document: Document, shapes: ShapeRecorder, stack: ExitStack
+    paths: Sequence[Path], document: Document, view: View, shapes: ShapeRecorder, stack: ExitStack
 ) -> None:
     """Write the shapes of the replay, timed by their iterations, as animations."""
     if not shapes.files:
@@ -111,7 +112,11 @@ def _write_animations(
             tr("The saved shape has converged, so there is nothing to animate; add --from-rest.")
         )
     painted = document.labels, document.member
-    animation = Animation(document.mesh, *painted, shapes.files, shapes.numbers, document.target_shape)
+    animation = Animation(
+        *(document.mesh, *painted, shapes.files, shapes.numbers, document.target_shape),
+        unit=view.unit,
+        up_frame=mesh_up_axis(document.mesh, view.up_axis).frame,
+    )
     for path in paths:
         animation_files.write_animation(animation, scratch_path_beside(path, stack))
 

@@ -23,7 +23,7 @@ from apd_viewer.cases.run_case import INPUTS_FOLDER
 from apd_viewer.cases.study import Study
 from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.cases.study_progress import CaseCounts, StudyForecast, study_forecast
-from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.command_output import STANDARD_OUTPUT, CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
@@ -51,7 +51,7 @@ def study_parser() -> Parser:
         ),
         epilog=_columns(),
     )
-    add_option(parser, "PLAN.csv", tr("table with one case per row"), type=Path)
+    add_option(parser, "PLAN.csv", tr("table with one case per row; - is the standard input"), type=Path)
     add_option(parser, "-o, --output FOLDER", tr("folder of the results"), type=Path, required=True)
     engine = parser.add_mutually_exclusive_group()
     add_option(
@@ -275,7 +275,8 @@ def design_parser() -> Parser:
     about = tr("Latin hypercube, Sobol sequence or all combinations; default: %(default)s")
     add_option(parser, "--method", about, choices=DESIGNS, default=LATIN)
     add_option(parser, "--seed N", tr("random seed; default: %(default)s"), type=int, default=0)
-    add_option(parser, "-o, --output PLAN.csv", tr("table to write"), type=Path, required=True)
+    about = tr("table to write; - is the standard output")
+    add_option(parser, "-o, --output PLAN.csv", about, type=Path, required=True)
     parser.set_defaults(run=_design)
     return parser
 
@@ -297,7 +298,8 @@ def _design(options: argparse.Namespace) -> CommandOutput:
     ]
     write_table(options.output, columns, rows)
     said = tr("{path}: {count:,} cases").format(path=options.output, count=len(rows))
-    return CommandOutput([said], lambda: {"plan": str(options.output), "cases": len(rows)})
+    lines = [] if options.output == Path(STANDARD_OUTPUT) else [said]  # nothing but the table is printed
+    return CommandOutput(lines, lambda: {"plan": str(options.output), "cases": len(rows)})
 
 
 def _constant_cells(options: argparse.Namespace) -> dict[str, str]:

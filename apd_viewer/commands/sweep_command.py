@@ -37,7 +37,8 @@ from apd_viewer.geometry.solver.convergence import DISTURBANCE, check_convergenc
 from apd_viewer.geometry.solver.methods import COMPARED_METHODS, METHODS, no_contact_warning
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.notation import localized_number
-from apd_viewer.session.model.view import SESSION_SUFFIX, CameraPose
+from apd_viewer.session.model.up_axis import mesh_up_axis
+from apd_viewer.session.model.view import SESSION_SUFFIX, CameraPose, View
 
 SWEPT_SHARE = 0.9  # fraction of the work; the rest is drawing
 _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # picture height, and width of each shape, in pixels
@@ -99,7 +100,7 @@ def _sweep(options: argparse.Namespace) -> CommandOutput:
         draw_sweep_curves(every, case.abscissa, folder, [each.name for each in case.obstacles])
         for each, own in swept:
             for path in animations.files(each.method):
-                animation = sweep_animation(each, own, kept, partial(_tell_shape, progress, path))
+                animation = sweep_animation(each, own, kept, partial(_tell_shape, progress, path), view)
                 write_animation(animation, animations.scratch_path(path, folder, stack))
         films = [animations.scratch_path(path, folder, stack) for path in animations.films()]
         filmed = not films or write_sweep_films(case, steps, kept, view.camera, films, progress)
@@ -169,12 +170,15 @@ def sweep_row(case: Case, step: CaseStep) -> dict[str, Cell]:
 
 
 def sweep_animation(
-    case: Case, steps: Sequence[CaseStep], shape_folder: Path, on_read: Callable[[int], object]
+    case: Case, steps: Sequence[CaseStep], shape_folder: Path, on_read: Callable[[int], object], view: View
 ) -> Animation:
-    """Animation of a case, from the shapes kept on disk."""
+    """Animation of a case, from the shapes kept on disk, in the unit of the view."""
     document, files = case.document, [shape_path(shape_folder, step) for step in steps]
     painted = document.labels, document.member
-    return Animation(document.mesh, *painted, files, case.fractions, document.target_shape, on_read)
+    frame = mesh_up_axis(document.mesh, view.up_axis).frame
+    return Animation(
+        document.mesh, *painted, files, case.fractions, document.target_shape, on_read, view.unit, frame
+    )
 
 
 def write_sweep_films(

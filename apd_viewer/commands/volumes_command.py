@@ -12,7 +12,7 @@ import numpy as np
 from apd_viewer.commands.result_output import mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
 from apd_viewer.commands.terminal.command_output import CommandOutput
-from apd_viewer.commands.terminal.mesh_options import parse_axis, unit_option_in_errors
+from apd_viewer.commands.terminal.mesh_options import open_input_mesh, parse_axis, unit_option_in_errors
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh
@@ -72,7 +72,7 @@ class _Filling(NamedTuple):
 
 @unit_option_in_errors()
 def _volumes(options: argparse.Namespace) -> CommandOutput:
-    mesh = open_mesh(options.mesh)
+    mesh = open_input_mesh(options.mesh)
     unit = Unit(options.unit or mesh.unit)
     litres = _bag(options.bag, unit)
     if options.density and not options.thickness:

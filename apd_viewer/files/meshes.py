@@ -188,6 +188,11 @@ _OTHERS = {
 }
 
 
+def recognized_suffix(content: bytes) -> str | None:
+    """Suffix of the mesh format of ``content``, by its beginning; None if unknown."""
+    return ".stl" if stl.is_binary_stl(content) else _first(content, _OPENED)
+
+
 def other_format_message(content: bytes, path: Path) -> str | None:
     """Error sentence for content in a known format other than the suffix; else None.
 
@@ -203,7 +208,7 @@ def other_format_message(content: bytes, path: Path) -> str | None:
     if kept:
         said = tr("{name} only points to a mesh that {program} keeps elsewhere; get it with “{command}”.")
         return said.format(name=name, program=kept[0], command=kept[1])
-    own = ".stl" if stl.is_binary_stl(content) else _first(content, _OPENED)
+    own = recognized_suffix(content)
     if own:
         said = tr("The content of {name} is {format}; rename it to end in {suffix}.")
         is_own = _format_of(own) == _format_of(suffix)

@@ -1,16 +1,19 @@
 """Tables of numbers as comma-separated values."""
 
 import csv
+import io
 import re
+import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeAlias
+from typing import TextIO, TypeAlias
 
 import numpy as np
 
 from apd_viewer.files.storage.atomic_file import replacing_file
 
 Cell: TypeAlias = float | str | None
+_STANDARD_OUTPUT = Path("-")
 
 # Start of a spreadsheet formula; Japanese spreadsheets also accept full-width signs.
 _FORMULA = "(?=[ ']*[=+\\-@\uff1d\uff0b\uff0d\uff20])"
@@ -27,6 +30,8 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
 
     Parameters
     ----------
+    path : Path
+        ``-`` is the standard output.
     columns : sequence of str
         Names, for the first line.
     rows : (r, c) float array, or sequence of rows that have words too
@@ -38,10 +43,19 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[
     InputError
         If the file cannot be written.
     """
+    if path == _STANDARD_OUTPUT:
+        table = io.StringIO(newline="")
+        _write_rows(table, columns, rows)
+        sys.stdout.buffer.write(table.getvalue().encode())
+        return
     with replacing_file(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow([escaped_cell(column) for column in columns])
-        writer.writerows([_written_cell(cell) for cell in row] for row in rows)
+        _write_rows(stream, columns, rows)
+
+
+def _write_rows(stream: TextIO, columns: Sequence[str], rows: np.ndarray | Sequence[Sequence[Cell]]) -> None:
+    writer = csv.writer(stream)
+    writer.writerow([escaped_cell(column) for column in columns])
+    writer.writerows([_written_cell(cell) for cell in row] for row in rows)
 
 
 def _written_cell(cell: Cell) -> str:

@@ -32,6 +32,7 @@ from apd_viewer.session.model.handles_and_regions import PartFlags
 from apd_viewer.session.model.opened_file import OpenedFile
 from apd_viewer.session.model.state import State, initial_state, rest_frame
 from apd_viewer.session.model.timeline import Timeline, timeline_of_shapes
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.saved_work import SavedDocument, SavedWork
@@ -220,6 +221,7 @@ class FileJobs:
         timeline: Timeline,
         newtons: Sequence[tuple[float, float]],
         of_wall: bool = False,
+        up_axis: UpAxis = UpAxis.PLUS_Y,
     ) -> None:
         """Export a timeline as a table or an animation, in the background.
 
@@ -232,7 +234,7 @@ class FileJobs:
             # Imported here so that the first picture does not wait for numba.
             from apd_viewer.session.storage.timeline_file import write_timeline
 
-            write_timeline(timeline, path, newtons, of_wall, unit)
+            write_timeline(timeline, path, newtons, of_wall, unit, up_axis)
             return tr("Saved {name}.").format(name=path.name)
 
         self._write(path, write)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from plain_markdown import escaped, table
 
 from apd_viewer.__main__ import _view_parser
-from apd_viewer.commands.desktop.desktop_parsers import DESKTOP_PARSERS as OF_DESKTOP
+from apd_viewer.commands.desktop.desktop_command import DESKTOP_PARSERS as OF_DESKTOP
 from apd_viewer.commands.parsers import PARSERS
 
 _WIDTH = 72  # columns of a usage line

@@ -34,7 +34,7 @@ VERSIONS = ("3.10", "3.11", "3.12", "3.13")
 def requirements() -> list[str]:
     """Requirements of the program, those of its extras included."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    lists = re.findall(r"(?ms)^(?:dependencies|video|cluster|cad) = \[(.*?)\]$", text)
+    lists = re.findall(r"(?ms)^(?:dependencies|video|cluster|usd|cad) = \[(.*?)\]$", text)
     return [line for part in lists for line in re.findall(r'(?m)"(.*?)"', re.sub(r"(?m)^\s*#.*$", "", part))]
 
 

@@ -17,7 +17,7 @@ import shtab
 
 os.environ["APD_VIEWER_LANGUAGE"] = "en"
 
-from apd_viewer.commands.desktop.desktop_parsers import DESKTOP_PARSERS
+from apd_viewer.commands.desktop.desktop_command import DESKTOP_PARSERS
 from apd_viewer.commands.parsers import PARSERS
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -87,7 +87,10 @@ def test_replay_animation_has_nothing_of_what_has_settled_but_from_rest(session,
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("a.gif", "a.gif cannot show a replay; use .pc2, .mdd, .glb, .pvd, or apd-viewer sweep"),
+        (
+            "a.gif",
+            "a.gif cannot show a replay; use .pc2, .mdd, .glb, .usda, .usdc, .usdz, .pvd, or apd",
+        ),
         ("a.abc", "cannot show a replay"),
         ("gone/a.pc2", "There is no folder"),
         ("out.glb", "a name of its own"),

@@ -3,6 +3,7 @@
 import csv
 import gc
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,8 +25,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import rotation_about
 from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import CameraPose, View
-from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.session.storage.session_file import open_session, save_session
 
 BENT = rotation_about([1, 1, 0], [1, 0, 0], 0.6)
 
@@ -140,6 +142,26 @@ def test_sweep_command_draws_a_figure_and_a_film(bar, drawn_sweep, tmp_path):
         assert (colors == color).all(axis=1).sum() > 100
 
 
+@pytest.mark.extra
+@pytest.mark.parametrize(("up_axis", "staged"), [(UpAxis.PLUS_Z, "Z"), (UpAxis.PLUS_Y, "Y")])
+def test_sweep_command_writes_usd_in_the_unit_and_with_the_up_axis_of_the_session(
+    up_axis, staged, session, sweep, tmp_path
+):
+    from pxr import Usd, UsdGeom
+
+    state, view = open_session(session)
+    save_session(session, state, replace(view, unit="cm", up_axis=up_axis))
+    words = "--steps", 2, "--methods", "exact", "--meshes"
+    status, _, err, folder = sweep(session, *words, "--animation", tmp_path / "a.usdc")
+    assert (status, err) == (0, "")
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdc"))
+    assert UsdGeom.GetStageMetersPerUnit(stage) == pytest.approx(0.01)
+    assert UsdGeom.GetStageUpAxis(stage) == staged
+    points = UsdGeom.Mesh(stage.GetDefaultPrim()).GetPointsAttr()
+    for k, path in enumerate(sorted((folder / "meshes").iterdir())):
+        assert np.array_equal(points.Get(k), open_mesh(path).V.astype(np.float32))
+
+
 def test_sweep_command_writes_animations_of_the_meshes_of_its_steps(session, sweep, tmp_path):
     """Of one method under the name given, in the output folder and beside it."""
     out, names = tmp_path / "out", ("a.pc2", "a.mdd", "a.glb", "a.pvd")
@@ -231,7 +253,7 @@ WRONG = {
     "both": (lambda bar: [*bar, "--twist", "9", "--transform", bar[0].parent / "bent.def"], "not both"),
     "a film of another kind": (
         lambda bar: [*bar, "--twist", "9", "--animation", "a.webm"],
-        "use .gif, .mp4, .pc2, .mdd, .glb or .pvd",
+        "use .gif, .mp4, .pc2, .mdd, .glb, .usda, .usdc, .usdz or .pvd",
     ),
     "an animation in no folder": (
         lambda bar: [*bar, "--twist", "9", "--animation", bar[0].parent / "gone" / "a.pc2"],

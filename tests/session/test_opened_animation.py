@@ -10,6 +10,10 @@ from apd_viewer.files.animations.animation_files import write_animation
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.timeline_file import write_timeline
 
 BAR = Mesh(*box(2, 2, 6))
 
@@ -109,3 +113,9 @@ def test_opened_mesh_leaves_the_timeline_of_another_one(empty, series, tmp_path)
     assert not empty.player.timeline.belongs_to(empty.store.state.document)
     empty.gestures.undo()
     assert empty.player.shown_step == 0, "undo leads back to the animation"
+
+
+def test_write_timeline_writes_an_animation_in_metres_of_its_unit(tmp_path):
+    timeline = Timeline().with_state(initial_state(BAR))
+    write_timeline(timeline, tmp_path / "a.glb", [(np.nan, np.nan)], unit=Unit.CENTIMETRE)
+    np.testing.assert_allclose(open_mesh(tmp_path / "a.glb").V, 0.01 * BAR.V, atol=1e-9)

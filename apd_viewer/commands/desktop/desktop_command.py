@@ -1,4 +1,7 @@
-"""The ``desktop`` command: register or unregister the program with the desktop."""
+"""The ``desktop`` command: register or unregister the program with the desktop.
+
+Also the parsers of both commands for desktops, by name.
+"""
 
 import argparse
 import contextlib
@@ -8,9 +11,10 @@ import shutil
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from apd_viewer.commands.desktop.thumbnail_command import thumbnail_parser
 from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
@@ -33,6 +37,9 @@ def desktop_parser() -> Parser:
     add_option(what, "--remove", tr("remove them again"))
     parser.set_defaults(run=_desktop)
     return parser
+
+
+DESKTOP_PARSERS: dict[str, Callable[[], Parser]] = {"desktop": desktop_parser, "thumbnail": thumbnail_parser}
 
 
 def own_command() -> list[str]:

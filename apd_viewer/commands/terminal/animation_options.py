@@ -15,13 +15,14 @@ from apd_viewer.language import tr
 def add_animation_option(parser: Parser, films: bool = True) -> None:
     """Add the ``--animation`` option; it can be given several times."""
     about = tr(
-        "write the shapes for Blender (.pc2, .mdd), with morph targets (.glb) or for ParaView (.pvd); "
-        "may be given several times"
+        "write the shapes for Blender (.pc2, .mdd), with morph targets (.glb), as USD (.usda, .usdc, .usdz) "
+        "or for ParaView (.pvd); may be given several times"
     )
     if films:
         about = tr(
             "write the shapes as a film (.gif, or .mp4 with an encoder), for Blender (.pc2, .mdd), with "
-            "morph targets (.glb) or for ParaView (.pvd); may be given several times"
+            "morph targets (.glb), as USD (.usda, .usdc, .usdz) or for ParaView (.pvd); may be given several "
+            "times"
         )
     words = f"--animation A{'.gif' if films else '.glb'}"
     add_option(parser, words, about, type=Path, action="append", default=[])

@@ -10,7 +10,8 @@ import numpy as np
 
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.meshes import open_mesh, read_mesh, recognized_suffix
+from apd_viewer.files.storage.regular_files import STANDARD_INPUT, read_standard_input
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import welded_state
@@ -34,14 +35,23 @@ def add_weld_option(parser: argparse.ArgumentParser) -> None:
     add_option(parser, "--weld", about)
 
 
-def open_input_mesh(path: str | Path, weld: bool, unit: str = "") -> Mesh:
+def open_input_mesh(path: str | Path, weld: bool = False, unit: str = "") -> Mesh:
     """Mesh from a file, with its seams welded on request; raises InputError.
 
-    Another ``unit`` than the file's counts, if it is given.
+    Another ``unit`` than the file's counts, if it is given. The path ``-`` is the standard input.
     """
-    mesh = open_mesh(path)
+    mesh = _piped_mesh() if Path(path) == STANDARD_INPUT else open_mesh(path)
     mesh = replace(mesh, unit=unit) if unit else mesh
     return mesh.welded() if weld else mesh
+
+
+def _piped_mesh() -> Mesh:
+    """Mesh from the standard input, in a format recognized by its beginning."""
+    content = read_standard_input()
+    suffix = recognized_suffix(content)
+    if suffix is None:
+        raise InputError(tr("The format of the standard input is not recognized; give the name of a file."))
+    return read_mesh(Path(f"standard-input{suffix}"), content)
 
 
 @contextmanager

@@ -7,6 +7,7 @@ import os
 import struct
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from importlib.util import find_spec
 from pathlib import Path
 from typing import BinaryIO
 from xml.etree import ElementTree
@@ -19,6 +20,7 @@ from apd_viewer.files.animations.morph_targets import write_morph_targets
 from apd_viewer.files.mesh_formats import SERIES
 from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.files.storage.atomic_file import replacing_file
+from apd_viewer.installation import missing_extra
 from apd_viewer.language import tr
 
 # Header: signature, version, point count, first frame, frames per sample, sample count.
@@ -49,11 +51,14 @@ def _write_points(animation: Animation, stream: BinaryIO, kind: str) -> None:
 
 
 _WRITERS = {".pc2": write_pc2, ".mdd": write_mdd, ".glb": write_morph_targets}
-ANIMATION_FORMATS = (*_WRITERS, SERIES)
+USD_FORMATS = (".usda", ".usdc", ".usdz")
+ANIMATION_FORMATS = (*_WRITERS, *USD_FORMATS, SERIES)
 
 
 def check_animation(path: Path) -> None:
     """Raise InputError unless an animation can be written to ``path``."""
+    if path.suffix.lower() in USD_FORMATS and find_spec("pxr") is None:
+        raise missing_extra(tr("{kind} files").format(kind="USD"), "usd")
     check_writable(path)
     if os.path.isdir(path):  # noqa: PTH112
         raise InputError(
@@ -82,6 +87,11 @@ def write_animation(animation: Animation, path: Path) -> None:
         from apd_viewer.files.animations.paraview_series import write_series
 
         write_series(animation, path)
+    elif kind in USD_FORMATS:
+        # Imported here: the extra may be missing.
+        from apd_viewer.files.animations.usd_stage import write_usd
+
+        write_usd(animation, path)
     else:
         _WRITERS[kind](animation, path)
 

@@ -5,12 +5,14 @@ must therefore be that of an imported mesh, not that of its file.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from apd_viewer.files.length_units import METRES
+from apd_viewer.geometry.analysis.scalars import Scalars, shape_scalars
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import BakedOrigin, Mesh
 
@@ -31,6 +33,10 @@ class Animation:
         Another mesh to compare with.
     on_read : callable
         Called before each shape is read, with its number.
+    unit : str or None
+        Symbol of the unit of length, empty if unknown; None is that of the mesh.
+    up_frame : (3, 3) array
+        Directions of an upright front view: right, up and towards the viewer, in rows.
     """
 
     mesh: Mesh
@@ -40,6 +46,8 @@ class Animation:
     times: Sequence[float]
     target: TargetShape | None = None
     on_read: Callable[[int], object] = lambda _: None
+    unit: str | None = None
+    up_frame: np.ndarray = field(default_factory=lambda: np.eye(3))
 
     def __len__(self) -> int:
         return len(self.files)
@@ -48,6 +56,15 @@ class Animation:
         for number, path in enumerate(self.files):
             self.on_read(number)
             yield np.load(path)
+
+    @property
+    def metres(self) -> float:
+        """Metres in the unit of length; 1 if that is unknown."""
+        return METRES.get(self.mesh.unit if self.unit is None else self.unit, 1.0)
+
+    def scalars(self, U: np.ndarray) -> Scalars:
+        """Scalars of a shape (n, 3)."""
+        return shape_scalars(self.mesh, U, self.labels, self.member, self.target)
 
     @cached_property
     def blender_vertex_order(self) -> np.ndarray:

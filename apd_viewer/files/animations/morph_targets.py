@@ -2,7 +2,8 @@
 
 The first shape is the mesh itself, and the targets are the differences of the others from it. While one
 weight decreases from 1 to 0 and the next increases from 0 to 1, the shape is interpolated linearly. See the
-specification of glTF 2.0, 3.7.2.2 (morph targets) and 3.11 (animations).
+specification of glTF 2.0, 3.7.2.2 (morph targets) and 3.11 (animations). Vertex scalars of the last shape are
+attributes with names such as ``_AREA_CHANGE``; morph targets cannot change those.
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_shapes import Animation
-from apd_viewer.files.length_units import METRES
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import triangle_frames, vertex_normals
@@ -111,6 +111,8 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
     end = _times(count)[-1:]
     times = layout.add("SCALAR", count, bounds=_Bounds(np.zeros(1), end))
     weights = layout.add("SCALAR", count * (count - 1))
+    for name in _scalars(animation):  # scalars alone: Blender 5.0 mixes up vectors with them
+        base[f"_{name.upper()}"] = layout.add("SCALAR", n, _VERTICES)
     surface = {"attributes": base, "indices": indices, "material": 0, "mode": 4, "targets": targets}
     names = {"targetNames": [f"{time:g}" for time in animation.times[1:]]}
     channel = {"sampler": 0, "target": {"node": 0, "path": "weights"}}
@@ -119,7 +121,7 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
         "asset": {"version": "2.0", "generator": "APD Viewer"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": mesh.stem, **_metre_scale(mesh.unit)}],
+        "nodes": [{"mesh": 0, "name": mesh.stem, **_metre_scale(animation.metres)}],
         "meshes": [
             {"name": mesh.stem, "primitives": [surface], "weights": [0] * (count - 1), "extras": names}
         ],
@@ -132,9 +134,15 @@ def _document(animation: Animation) -> tuple[dict[str, Any], int]:
     return document, layout.length
 
 
-def _metre_scale(unit: str) -> dict[str, Any]:
-    """Node scale to metres for a mesh with a known unit; otherwise empty."""
-    return {"scale": [METRES[unit]] * 3} if METRES.get(unit, 1.0) != 1.0 else {}
+def _metre_scale(metres: float) -> dict[str, Any]:
+    """Node scale to metres for a mesh in another unit; otherwise empty."""
+    return {"scale": [metres] * 3} if metres != 1.0 else {}
+
+
+def _scalars(animation: Animation) -> dict[str, np.ndarray]:
+    """Vertex scalars of the last shape, 0 where there is none: glTF has no NaN."""
+    found = animation.scalars(np.load(animation.files[-1])).vertices
+    return {name: np.nan_to_num(values.astype("<f4")) for name, values in found.items()}
 
 
 def _points(layout: _Layout, n: int, bounds: _Bounds) -> dict[str, int]:
@@ -167,6 +175,8 @@ def _write_arrays(animation: Animation, stream: BinaryIO) -> None:
     stream.write(_times(count).tobytes())
     # All weights are 0 at the first shape; at any other shape its own weight is 1.
     stream.write(np.eye(count, count - 1, -1, dtype="<f4").tobytes())
+    for values in _scalars(animation).values():
+        stream.write(values.tobytes())
 
 
 def _single_precision(X: np.ndarray) -> np.ndarray:
@@ -178,9 +188,14 @@ def _difference(X: np.ndarray, start: np.ndarray) -> np.ndarray:
     return _single_precision(X - start.astype(np.float64))
 
 
+def shapes_per_second(count: int) -> float:
+    """Pace at which ``count`` shapes are played."""
+    return min(max(count - 1, 1) / _SECONDS, _FASTEST)
+
+
 def _times(count: int) -> np.ndarray:
     """Times of the shapes in seconds, (count,)."""
-    return (np.arange(count) * max(_SECONDS / max(count - 1, 1), 1.0 / _FASTEST)).astype("<f4")
+    return (np.arange(count) / shapes_per_second(count)).astype("<f4")
 
 
 _ANY = 0.0, 0.0, 1.0  # normal at vertices without any area, since glTF requires unit normals

@@ -16,7 +16,6 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from apd_viewer.files.animations.animation_shapes import Animation
 from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
-from apd_viewer.geometry.analysis.scalars import shape_scalars
 
 _HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
 _ROW = '    <DataSet timestep="{time!r}" part="0" file={file}/>\n'
@@ -56,13 +55,12 @@ def _cells(F: np.ndarray) -> vtkCellArray:
 
 
 def _grid(animation: Animation, U: np.ndarray, cells: vtkCellArray) -> vtkUnstructuredGrid:
-    mesh = animation.mesh
-    scalars = shape_scalars(mesh, U, animation.labels, animation.member, animation.target)
+    scalars = animation.scalars(U)
     grid, points = vtkUnstructuredGrid(), vtkPoints()
     points.SetData(numpy_to_vtk(np.ascontiguousarray(U), deep=True))
     grid.SetPoints(points)
     grid.SetCells(VTK_TRIANGLE, cells)
-    _add(grid.GetPointData(), scalars.vertices | {"displacement": U - mesh.V})
+    _add(grid.GetPointData(), scalars.vertices | {"displacement": U - animation.mesh.V})
     _add(grid.GetCellData(), scalars.triangles)
     return grid
 

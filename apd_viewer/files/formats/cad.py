@@ -25,7 +25,7 @@ from apd_viewer.files.selections.selection import MOST_REGIONS, default_name
 from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.installation import is_packaged
+from apd_viewer.installation import missing_extra
 from apd_viewer.language import comma_separated, tr
 
 _log = logging.getLogger(__name__)
@@ -178,10 +178,7 @@ def check_remeshing() -> None:
 
 def _check_installed(library: str, what: str) -> None:
     if find_spec(library) is None:
-        said = tr('{what} need more libraries: pip install "apd-viewer[cad]".')
-        if is_packaged():
-            said = tr('{what} need an installation by Python: pip install "apd-viewer[cad]".')
-        raise InputError(said.format(what=what))
+        raise missing_extra(what, "cad")
 
 
 def _packed(V: np.ndarray, F: np.ndarray, style: np.ndarray) -> bytes:

@@ -11,6 +11,7 @@ import logging
 import os
 import re
 import stat
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -75,6 +76,17 @@ def read_bytes(path: str | Path) -> bytes:
     with open_regular_file(path) as stream:
         # Kernel files such as those in /proc are regular with size 0, and may block or be endless.
         return stream.read(os.fstat(stream.fileno()).st_size)
+
+
+STANDARD_INPUT = Path("-")
+
+
+def read_standard_input() -> bytes:
+    """Content of the standard input, up to its end; raises InputError if it is empty."""
+    content = b"" if sys.stdin is None else sys.stdin.buffer.read()
+    if not content:
+        raise InputError(tr("The standard input is empty; pipe a file into it."))
+    return content
 
 
 def read_content(path: Path) -> bytes:

@@ -70,6 +70,12 @@ class UpAxis(Enum):
         return 1 if self.value[0] == "+" else -1
 
 
+def mesh_up_axis(mesh: Mesh, chosen: UpAxis | None = None) -> UpAxis:
+    """Up axis chosen for a mesh, else that of its format, of its flat bottom, or +Y."""
+    suffix = "" if mesh.origin is None else mesh.origin.suffix
+    return chosen or UpAxis.from_suffix(suffix) or standing_axis(mesh) or UpAxis.PLUS_Y
+
+
 def standing_axis(mesh: Mesh) -> UpAxis | None:
     """Up axis for which a mesh stands on a flat bottom; None if that is ambiguous.
 

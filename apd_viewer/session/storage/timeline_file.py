@@ -12,6 +12,7 @@ from apd_viewer.files.tables import Cell, write_table
 from apd_viewer.session.model.obstacle_pair import obstacle_pair
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.timeline import Timeline
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 
 # Named like the columns of the ``press`` command.
@@ -30,6 +31,7 @@ def write_timeline(
     newtons: Sequence[tuple[float, float]],
     of_wall: bool = False,
     unit: Unit = Unit.NONE,
+    up_axis: UpAxis = UpAxis.PLUS_Y,
 ) -> None:
     """Write readings or shapes of all steps, in the format of the suffix.
 
@@ -41,6 +43,8 @@ def write_timeline(
         Write the shapes solved by the Wall method, if there are any; a table has the readings of both.
     unit : Unit
         Unit of length of the mesh, a column of a table.
+    up_axis : UpAxis
+        Up axis of the view, for formats with an up axis.
 
     Raises
     ------
@@ -62,7 +66,10 @@ def write_timeline(
         for file, step in zip(files, timeline.steps, strict=True):
             np.save(file, ((step.wall_state if of_wall else None) or step.state).frame.U)
         times = [float(k) for k in range(len(files))]
-        write_animation(Animation(last.mesh, last.labels, last.member, files, times), path)
+        animation = Animation(
+            *(last.mesh, last.labels, last.member, files, times), unit=unit.value, up_frame=up_axis.frame
+        )
+        write_animation(animation, path)
 
 
 def _row(state: State | None, newtons: float) -> list[float | None]:

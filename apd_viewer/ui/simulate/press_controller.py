@@ -303,7 +303,7 @@ class PressController(QObject):
         path = file_dialogs.ask_for_format(self.panel, tr("Export timeline"), proposed, TIMELINE_FORMATS)
         if path is not None:
             newtons, of_wall = self._wall_run_controller.newtons_per_load(), self._session.player.shows_wall
-            self._session.files.export_timeline(path, self._timeline, newtons, of_wall)
+            self._session.files.export_timeline(path, self._timeline, newtons, of_wall, self._up)
 
     # Display
 

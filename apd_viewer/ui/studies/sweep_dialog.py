@@ -32,6 +32,7 @@ ANIMATION_FORMATS: Mapping[str, str] = {
     ".glb": tr("glTF with morph targets (GLB)"),
     ".pc2": tr("Blender point cache (PC2)"),
     ".mdd": tr("Blender point cache (MDD)"),
+    ".usdc": tr("USD with time samples (USDC)"),
     ".pvd": tr("ParaView series (PVD)"),
     ".gif": tr("film (GIF)"),
 }

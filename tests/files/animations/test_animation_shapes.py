@@ -7,12 +7,15 @@ import pytest
 from animated import animated
 from meshes import sphere
 
-from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, write_animation
+from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, USD_FORMATS, write_animation
 from apd_viewer.files.animations.animation_shapes import ShapeRecorder
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 
-@pytest.mark.parametrize("ending", ANIMATION_FORMATS)
+@pytest.mark.parametrize(
+    "ending",
+    [pytest.param(each, marks=[pytest.mark.extra] * (each in USD_FORMATS)) for each in ANIMATION_FORMATS],
+)
 def test_write_animation_has_one_or_two_shapes_in_memory_at_a_time(ending, tmp_path, monkeypatch):
     animation, _ = animated(Mesh(*sphere(1)), tmp_path / "shapes", 12)
     alive, most, load = weakref.WeakSet(), [], np.load

@@ -17,6 +17,7 @@ from apd_viewer.files.animations.animation_files import write_animation
 from apd_viewer.files.animations.morph_targets import shading_normals
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis.scalars import shape_scalars
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import vertex_normals
 
@@ -168,3 +169,17 @@ def test_save_mesh_lets_an_animation_be_deformed_again(written, tmp_path):
     (_, before), (_, after) = chunks(path), chunks(tmp_path / "b.glb")
     assert len(before) == len(after)
     np.testing.assert_allclose(after[1], before[1] + [1.0, 0.0, 0.0], atol=1e-6)
+
+
+def test_write_morph_targets_writes_the_vertex_scalars_of_the_last_shape(tmp_path):
+    labels = np.where(V[:, 2] > 0.5, 2, 1).astype(np.uint8)
+    animation, shapes = animated(Mesh(V, F), tmp_path / "shapes", labels=labels)
+    write_animation(animation, tmp_path / "a.glb")
+    mesh = trimesh.load(tmp_path / "a.glb", process=False, force="mesh")
+    scalars = shape_scalars(Mesh(V, F), shapes[-1], labels, animation.member).vertices
+    expected = {f"_{name.upper()}": values for name, values in scalars.items()}
+    assert len(expected) == 7
+    assert set(mesh.vertex_attributes) == set(expected)
+    for name, values in expected.items():
+        found = mesh.vertex_attributes[name].reshape(values.shape)
+        np.testing.assert_allclose(found, values, rtol=1e-6, atol=1e-6)

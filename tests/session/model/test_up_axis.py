@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.up_axis import UpAxis, standing_axis
+from apd_viewer.session.model.up_axis import UpAxis, mesh_up_axis, standing_axis
 
 TO_Y = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])  # what was +Z is +Y
 CREATE = trimesh.creation
@@ -48,3 +50,12 @@ def test_standing_axis_is_left_open_where_both_ends_are_alike(body):
 def test_standing_axis_is_left_open_for_a_foot_on_the_head():
     """A mesh upside down may be meant so: neither -Z nor -Y is proposed."""
     assert standing_axis(as_mesh(CREATE.cone(1.0, 2.0), TO_Y, TO_Y)) is None
+
+
+def test_mesh_up_axis_is_the_chosen_one_then_that_of_the_format_and_of_the_foot(tmp_path):
+    cone = as_mesh(CREATE.cone(1.0, 2.0))
+    assert mesh_up_axis(cone, UpAxis.MINUS_X) is UpAxis.MINUS_X
+    assert mesh_up_axis(cone) is UpAxis.PLUS_Z
+    save_mesh(cone, cone.V, tmp_path / "cone.glb")
+    assert mesh_up_axis(open_mesh(tmp_path / "cone.glb")) is UpAxis.PLUS_Y
+    assert mesh_up_axis(as_mesh(CREATE.box())) is UpAxis.PLUS_Y
