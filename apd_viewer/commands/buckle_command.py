@@ -17,12 +17,11 @@ from apd_viewer.commands.terminal.mesh_options import (
     mesh_and_start,
     parse_axis,
 )
-from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
-from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
+from apd_viewer.files.mesh_writing import check_files, check_mesh_path, check_shapes, save_mesh
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import checked_direction
 from apd_viewer.geometry.mesh.mesh import Mesh

@@ -14,11 +14,10 @@ from apd_viewer.commands.motion_options import add_motion_options, motion_from
 from apd_viewer.commands.terminal import setting_options
 from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
 from apd_viewer.commands.terminal.mesh_options import add_weld_option, open_input_mesh
-from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option, add_report_option
 from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
-from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
+from apd_viewer.files.mesh_writing import check_files, check_mesh_path, check_shapes, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import report_fields
 from apd_viewer.files.selections.selection import Selection, default_name

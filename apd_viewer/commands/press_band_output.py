@@ -8,9 +8,9 @@ import numpy as np
 
 from apd_viewer.commands.press_output import press_rows
 from apd_viewer.files.tables import Cell
-from apd_viewer.geometry.energy.cylinder_buckling import classical_load, knock_down_factor, round_radius
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.solver.linear_buckling import classical_load, knock_down_factor, round_radius
 from apd_viewer.geometry.solver.press_band import PressBand
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import format_exact, format_grouped, format_short

@@ -30,7 +30,6 @@ from apd_viewer.commands.terminal.mesh_options import (
     mesh_and_start,
     parse_axis,
 )
-from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option, add_report_option
 from apd_viewer.commands.terminal.progress import Progress
 from apd_viewer.commands.terminal.setting_options import (
@@ -40,7 +39,7 @@ from apd_viewer.commands.terminal.setting_options import (
     volume_arguments,
 )
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes, save_mesh
+from apd_viewer.files.mesh_writing import check_files, check_mesh_path, check_shapes, save_mesh
 from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh

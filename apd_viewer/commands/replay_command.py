@@ -18,12 +18,11 @@ from apd_viewer.cases.case import document_turns
 from apd_viewer.commands import result_output
 from apd_viewer.commands.terminal.animation_options import add_animation_option, is_film, scratch_path_beside
 from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
-from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option, add_report_option
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations import animation_files
 from apd_viewer.files.animations.animation_shapes import Animation, ShapeRecorder
-from apd_viewer.files.mesh_writing import check_mesh_path, save_mesh
+from apd_viewer.files.mesh_writing import check_files, check_mesh_path, save_mesh
 from apd_viewer.files.report import report_fields
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.measurement import Measurement, measure

@@ -3,6 +3,7 @@
 import contextlib
 import math
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +13,13 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.length_units import METRES
 from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS, WRITABLE_FORMATS, WriteSupport
 from apd_viewer.files.meshes import parsed_mesh
-from apd_viewer.files.storage.atomic_file import file_write_error, is_circular_link, is_stream, replacing_file
+from apd_viewer.files.storage.atomic_file import (
+    file_write_error,
+    is_circular_link,
+    is_stream,
+    replacing_file,
+    resolved_path,
+)
 from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
 from apd_viewer.geometry.mesh.arrays import (
     LARGEST_COORDINATE,
@@ -66,6 +73,26 @@ def check_writable(path: Path) -> None:
         is_stream(path)
     except OSError as error:
         raise file_write_error(path, error) from error
+
+
+def check_files(paths: Iterable[Path | None]) -> None:
+    """Raise InputError unless all files are distinct and writable; skip None."""
+    asked = [path for path in paths if path is not None]
+    check_distinct(asked)
+    for path in asked:
+        check_writable(path)
+
+
+def check_distinct(paths: Iterable[Path]) -> None:
+    """Raise InputError if two of the files are the same."""
+    seen = set()
+    for path in paths:
+        place = resolved_path(path)
+        if place in seen:
+            raise InputError(
+                tr("{name} would be written twice; give each file a name of its own.").format(name=path.name)
+            )
+        seen.add(place)
 
 
 class WrittenMesh(NamedTuple):

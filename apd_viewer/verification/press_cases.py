@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.special import beta
 
-from apd_viewer.geometry.energy.cylinder_buckling import classical_load
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.linear_buckling import classical_load
 from apd_viewer.geometry.solver.plate_press import PressStep
 from apd_viewer.geometry.solver.pressed_mesh import press
 from apd_viewer.language import tr

@@ -16,8 +16,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 import meshes
 
 import apd_viewer
-from apd_viewer.geometry.energy.cylinder_buckling import classical_load
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.solver.linear_buckling import classical_load
 
 _RADIUS, _HEIGHT, _THICKNESS, _POISSON = 26.5, 137.0, 0.1, 0.3  # mm
 _DENTS, _GAP = 0.1 * _THICKNESS, 0.02

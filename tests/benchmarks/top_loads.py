@@ -17,8 +17,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 import meshes
 
 import apd_viewer
-from apd_viewer.geometry.energy.cylinder_buckling import classical_load, knock_down_factor
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.solver.linear_buckling import classical_load, knock_down_factor
 
 _HEIGHT, _POISSON, _DENTS = 2.0, 0.3, 0.1
 _WAY, _STEPS = 1.3, 13  # in classical shortenings

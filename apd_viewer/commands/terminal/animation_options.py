@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from apd_viewer.commands.terminal.output_files import check_distinct
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.files.animations.animation_files import ANIMATION_FORMATS, check_animation
+from apd_viewer.files.mesh_writing import check_distinct
 from apd_viewer.files.storage.atomic_file import resolved_path, staging_folder
 from apd_viewer.language import tr
 

@@ -6,7 +6,8 @@ distance grows the change of the Hessian, ``lambda G`` with ``G`` its derivative
     (K + lambda G) x = 0,
 
 and the wall may leave its shape. lambda is the deflection, and ``lambda u . K u`` the load [Bathe 2014,
-Finite Element Procedures, 2nd ed.]. Real walls have imperfections and buckle earlier.
+Finite Element Procedures, 2nd ed.]. Real walls have imperfections and buckle earlier. Of cylinders the load
+is known, and the share of it that designs count on.
 """
 
 from __future__ import annotations
@@ -35,6 +36,9 @@ _DIFFERENCE = 1e-6
 # Motions of a rigid body that move touching vertices by less do not count as moving them.
 _UNMOVED = 1e-9
 MOST_MODES = 50
+# Of cylinders: largest radius over thickness that was tested, directions in which widths are measured, and
+# least ratio of the smallest width to the largest one.
+_THINNEST, _DIRECTIONS, _ROUND = 1500.0, 36, 0.9
 
 
 class BucklingModes(NamedTuple):
@@ -246,3 +250,52 @@ def _free_motions(X: np.ndarray, touching: np.ndarray, stops: np.ndarray) -> np.
     _, sizes, turns = np.linalg.svd(stopped.reshape(-1, 6), full_matrices=True)
     sizes = np.append(sizes, np.zeros(6 - len(sizes)))
     return basis @ turns[sizes <= _UNMOVED].T
+
+
+def classical_load(material: Material) -> float:
+    """Axial load at which a perfect cylinder of a thin wall buckles.
+
+    It does not depend on the radius: ``2 pi E t^2 / sqrt(3 (1 - nu^2))`` [Timoshenko and Gere 1961, Theory of
+    Elastic Stability, 2nd ed., section 11.1], in the units of a press: energy per length, of a material of
+    stiffness 1.
+
+    Parameters
+    ----------
+    material : Material
+        Of a thin wall.
+    """
+    return float(4.0 * np.pi * np.sqrt(material.plate_rigidity * material.tensile_stiffness))
+
+
+def knock_down_factor(slenderness: float) -> float | None:
+    """Share of the classical load that designs count on; None beyond the tests.
+
+    It is a lower bound of them, ``1 - 0.901 (1 - exp(-sqrt(R / t) / 16))`` [Weingarten, Seide and Peterson
+    1968, Buckling of thin-walled circular cylinders, NASA SP-8007].
+
+    Parameters
+    ----------
+    slenderness : float
+        Radius over wall thickness.
+    """
+    if not 0.0 < slenderness < _THINNEST:
+        return None
+    return float(1.0 - 0.901 * (1.0 - np.exp(-np.sqrt(slenderness) / 16.0)))
+
+
+def round_radius(points: np.ndarray, axis: np.ndarray) -> float | None:
+    """Half the mean width of a body across an axis; None unless about round.
+
+    Parameters
+    ----------
+    points : (n, 3) float array
+    axis : (3,) float array
+        Of length 1.
+    """
+    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    first /= np.linalg.norm(first)
+    angles = np.linspace(0.0, np.pi, _DIRECTIONS, endpoint=False)
+    across = np.outer(np.cos(angles), first) + np.outer(np.sin(angles), np.cross(axis, first))
+    widths = np.ptp(points @ across.T, axis=0)
+    is_round = widths.min() > _ROUND * widths.max()
+    return 0.5 * float(widths.mean()) if is_round else None

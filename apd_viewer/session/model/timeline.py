@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, shape_frame
+from apd_viewer.session.model.view import View
 
 # Limits of a timeline; the oldest steps beyond them are dropped.
 MOST_STEPS = 2000
@@ -179,3 +181,22 @@ def _is_same_shape(a: State, b: State) -> bool:
     return a.frame.U is b.frame.U and all(
         getattr(a.document, name) is getattr(b.document, name) for name in _SHAPE_FIELDS
     )
+
+
+class OpenedFile(NamedTuple):
+    """State, view and timeline read from an opened file.
+
+    Attributes
+    ----------
+    view : View or None
+        None where only a session knows it.
+    timeline : Timeline
+        Empty where the file has one shape.
+    animation : Path or None
+        File to be opened for mesh and shapes together, if there are several.
+    """
+
+    state: State
+    view: View | None = None
+    timeline: Timeline = NO_TIMELINE
+    animation: Path | None = None

@@ -27,9 +27,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.installation import program_version
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.opened_file import OpenedFile
 from apd_viewer.session.model.state import State, initial_state
-from apd_viewer.session.model.timeline import NO_TIMELINE, Timeline
+from apd_viewer.session.model.timeline import NO_TIMELINE, OpenedFile, Timeline
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.quantities.wall_distribution import WallDistribution
 from apd_viewer.session.storage import session_json

@@ -6,8 +6,8 @@ import pytest
 
 import apd_viewer
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.cylinder_buckling import classical_load
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.solver.linear_buckling import classical_load
 
 STRIP = meshes.grid(10, 40, 0.025, 0.025)
 

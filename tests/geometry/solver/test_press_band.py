@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import apd_viewer
-from apd_viewer.geometry.energy.cylinder_buckling import classical_load, knock_down_factor, round_radius
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.solver.linear_buckling import classical_load, knock_down_factor, round_radius
 from apd_viewer.geometry.solver.pressed_mesh import pressed_mesh
 
 V, F = meshes.sphere(4)
