@@ -87,8 +87,8 @@ class LiveDeformation:
             if head["op"] == "error":
                 raise SolverError(head["message"])
             if head["op"] == "progress":
-                compiling = head["compiled"] > 0.0 and head["stage"] == "opening"
-                self.status = f"Compiling, {head['compiled']:.0%}" if compiling else "Working"
+                doing = "Opening" if head["stage"] == "opening" else "Working"
+                self.status = f"{doing}; {head['compiled']:.0%} of the solver is compiled"
             elif head["op"] == "open":
                 self._is_open, self.warnings = True, head["warnings"]
             elif head["op"] == "frame":
