@@ -98,3 +98,20 @@ def test_press_does_not_fill_what_is_full_at_rest():
 def test_press_refuses_a_distance_that_is_no_part_of_the_extent(to):
     with pytest.raises(InputError, match="enter a smaller distance"):
         press(*pillow(4), Z, to, 1, **FILM)
+
+
+def test_press_presses_one_filled_cushion_by_another():
+    """Without friction a stack of them holds by Exact, which turns no part as a whole."""
+    V, F = pillow(8)
+    n = len(V)
+    found = press(
+        np.vstack([V, V + [1.3, 0.7, 0.6]]), np.vstack([F, F + n]), Z, "60%", 4, filled_volume=2 * FILLED
+    )
+    for step in found.steps:
+        assert step.crossings == 0
+        assert step.settled
+        assert step.volume == pytest.approx(2 * FILLED, rel=1e-8)
+        assert step.area_error == pytest.approx(0.0, abs=1e-9)
+        # Both have one pressure, so that either holds its share.
+        assert volume(step.U[:n], F) == pytest.approx(FILLED, rel=2e-3)
+    assert (np.diff([step.load for step in found.steps]) > 0.0).all()
