@@ -15,7 +15,7 @@ from apd_viewer.commands.terminal import setting_options
 from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.output_files import check_files
 from apd_viewer.commands.terminal.parser import Parser, add_option
-from apd_viewer.commands.terminal.weld_option import add_weld_option, open_input_mesh
+from apd_viewer.commands.terminal.weld_option import add_division_options, add_weld_option, open_input_mesh
 from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.mesh_writing import check_mesh_path, check_shapes
@@ -72,6 +72,7 @@ def deform_parser() -> Parser:
     about = tr("plates, spheres and cylinders that push, in the format of a session; turns contact on")
     add_option(parser, "--obstacles FILE.json", about, type=Path)
     add_weld_option(parser)
+    add_division_options(parser)
     parser.add_argument(
         "--region",
         nargs="+",
@@ -106,7 +107,7 @@ def _deform(options: argparse.Namespace) -> CommandOutput:
         check_picture(options.picture)
     result_output.check_scalar_options(options)
     check_files([output, options.picture, options.report, *result_output.scalar_files(options)])
-    mesh = open_input_mesh(options.mesh, options.weld, options.unit)
+    mesh = open_input_mesh(options.mesh, options.weld, options.unit, options.chord, options.edge)
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
     contact = setting_options.has_contact(options, len(mesh.V))
     if options.thickness is not None and not contact:
