@@ -1,4 +1,10 @@
-"""Exception for unusable input."""
+"""Exception for unusable input, and the test for work that nobody waits for."""
+
+from collections.abc import Callable
+from contextvars import ContextVar
+
+# Told by whoever runs work in a thread; asked by work that can be ended early.
+is_cancelled: ContextVar[Callable[[], bool]] = ContextVar("is_cancelled", default=bool)
 
 
 class InputError(ValueError):

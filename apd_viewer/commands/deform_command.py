@@ -13,7 +13,7 @@ from apd_viewer.commands import result_output
 from apd_viewer.commands.motion_options import add_motion_options, motion_from
 from apd_viewer.commands.terminal import setting_options
 from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
-from apd_viewer.commands.terminal.mesh_options import add_weld_option, open_input_mesh
+from apd_viewer.commands.terminal.mesh_options import add_division_options, add_weld_option, open_input_mesh
 from apd_viewer.commands.terminal.parser import Parser, add_option, add_report_option
 from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
@@ -71,6 +71,7 @@ def deform_parser() -> Parser:
     about = tr("plates, spheres and cylinders that push, in the format of a session; turns contact on")
     add_option(parser, "--obstacles FILE.json", about, type=Path)
     add_weld_option(parser)
+    add_division_options(parser)
     parser.add_argument(
         "--region",
         nargs="+",
@@ -105,7 +106,7 @@ def _deform(options: argparse.Namespace) -> CommandOutput:
         check_picture(options.picture)
     result_output.check_scalar_options(options)
     check_files([output, options.picture, json_path(options.json), *result_output.scalar_files(options)])
-    mesh = open_input_mesh(options.mesh, options.weld, options.unit)
+    mesh = open_input_mesh(options.mesh, options.weld, options.unit, options.chord, options.edge)
     obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
     contact = setting_options.has_contact(options, len(mesh.V))
     if options.thickness is not None and not contact:

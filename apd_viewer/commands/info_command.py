@@ -5,7 +5,7 @@ from dataclasses import fields
 from typing import Any
 
 from apd_viewer.commands.terminal.command_output import CommandOutput
-from apd_viewer.commands.terminal.mesh_options import add_weld_option, open_input_mesh
+from apd_viewer.commands.terminal.mesh_options import add_division_options, add_weld_option, open_input_mesh
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import shape_check_fields, target_distance_fields
@@ -29,12 +29,13 @@ def info_parser() -> Parser:
     add_option(parser, "MESH")
     add_option(parser, "--compare OTHER", tr("measure the distance from the surface of another mesh"))
     add_weld_option(parser)
+    add_division_options(parser)
     parser.set_defaults(run=_info)
     return parser
 
 
 def _info(options: argparse.Namespace) -> CommandOutput:
-    mesh = open_input_mesh(options.mesh, options.weld)
+    mesh = open_input_mesh(options.mesh, options.weld, chord=options.chord, edge=options.edge)
     found, check = inspect(mesh), check_shape(mesh.V, mesh.joined_F)
     all_found = [
         *found.findings,

@@ -28,6 +28,8 @@ def remesh_parser() -> Parser:
     add_option(parser, "MESH")
     about = tr("edge length, mesh units; default: 1/60 of the diagonal")
     add_option(parser, "--edge LENGTH", about, type=float)
+    about = tr("largest distance from the surface, mesh units; default: 1/2,000 of the diagonal")
+    add_option(parser, "--chord LENGTH", about, type=float)
     add_option(parser, "-o, --output OUT", tr("mesh to write"), required=True)
     parser.set_defaults(run=_remesh)
     return parser
@@ -37,8 +39,10 @@ def _remesh(options: argparse.Namespace) -> CommandOutput:
     output = check_mesh_path(options.output)
     if options.edge is not None and not 0.0 < options.edge < np.inf:
         raise InputError(tr("Enter an edge length above 0."))
+    if options.chord is not None and not 0.0 < options.chord < np.inf:
+        raise InputError(tr("Enter a distance from the surface above 0."))
     mesh = open_input_mesh(options.mesh)
-    V, F, edge = even_triangles(mesh.V, mesh.joined_F, options.edge)
+    V, F, edge = even_triangles(mesh.V, mesh.joined_F, options.edge, options.chord)
     even = Mesh(V, F, Path(output), unit=mesh.unit)
     save_mesh(even, V, output)
     told = {

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.formats import obj, off, package_3mf, ply, stl
-from apd_viewer.files.formats.cad import read_cad
+from apd_viewer.files.formats.cad import BY_DEFAULT, CadDivision, read_cad
 from apd_viewer.files.formats.polygon_mesh import EncodedMeshOrigin, ParsedMesh
 from apd_viewer.files.formats.text import decoded_text
 from apd_viewer.files.gltf.gltf_reader import read_gltf
@@ -26,7 +26,7 @@ _READERS |= {".vtp": xml_surface.read_vtp, ".vtu": xml_surface.read_vtu}
 
 
 @checked
-def open_mesh(path: str | Path) -> Mesh:
+def open_mesh(path: str | Path, chord: float | None = None, edge: float | None = None) -> Mesh:
     """Open a mesh file, keeping the order of its vertices and triangles.
 
     Parameters
@@ -34,6 +34,12 @@ def open_mesh(path: str | Path) -> Mesh:
     path : path
         OBJ, PLY, STL, OFF, GLB, glTF, 3MF, VTP, VTU or legacy VTK. Polygons are split into triangles. STEP
         and IGES need the extra ``cad``.
+    chord : float, optional
+        Largest distance of the mesh from the surface of a CAD model, in mm; by default 1/2,000 of its
+        diagonal.
+    edge : float, optional
+        Length of the edges of a CAD model's even triangles, in mm; by default 1/60 of its diagonal. 0 leaves
+        it as OpenCASCADE divides it.
 
     Raises
     ------
@@ -49,15 +55,18 @@ def open_mesh(path: str | Path) -> Mesh:
     """
     path = Path(path)
     check_readable(path)
-    return read_mesh(path)
+    if (chord, edge) != (None, None) and path.suffix.lower() not in CAD_FORMATS:
+        said = tr("{name} is no CAD model, and has triangles already; omit chord and edge, or remesh it.")
+        raise InputError(said.format(name=path.name))
+    return read_mesh(path, division=CadDivision(chord, edge))
 
 
-def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
+def read_mesh(path: Path, content: bytes | None = None, division: CadDivision = BY_DEFAULT) -> Mesh:
     """Read the mesh in a file or ``content``; raises InputError like open_mesh."""
     try:
         content = read_bytes(path) if content is None else content
         with without_library_warnings():
-            V, F, origin, remarks, unit = parsed_mesh(content, path)
+            V, F, origin, remarks, unit = parsed_mesh(content, path, division)
     except OSError as error:
         raise InputError(
             tr("{name} cannot be read ({reason}); check the file.").format(
@@ -117,11 +126,11 @@ def check_readable(path: Path, more_suffixes: tuple[str, ...] = ()) -> None:
         raise InputError(tr("{name} is empty; export the mesh again.").format(name=path.name))
 
 
-def parsed_mesh(content: bytes, path: Path) -> ParsedMesh:
+def parsed_mesh(content: bytes, path: Path, division: CadDivision = BY_DEFAULT) -> ParsedMesh:
     """Parse mesh file content in the format of the suffix."""
     kind = path.suffix.lower()
     if kind in CAD_FORMATS:
-        return read_cad(content, kind)
+        return read_cad(content, kind, division)
     text, encoding = decoded_text(content)
     found = read_gltf(text, path) if kind in (".glb", ".gltf") else _READERS[kind](text)
     if encoding is None or found.origin is None:

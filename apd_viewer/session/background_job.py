@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from apd_viewer.errors import InputError
+from apd_viewer.errors import InputError, is_cancelled
 from apd_viewer.language import tr
 
 _LOGGER = logging.getLogger(__name__)
@@ -51,14 +51,20 @@ class Job:
         self.on_done = on_done
         self._work = work
         self._deliver = deliver
+        self._cancelled = threading.Event()
         self._thread = threading.Thread(target=self._run, name=title, daemon=True)
         self._thread.start()
+
+    def cancel(self) -> None:
+        """Ask the work to end early; its outcome is nobody's."""
+        self._cancelled.set()
 
     def join(self, timeout: float | None = None) -> None:
         """Wait until the outcome has been delivered."""
         self._thread.join(timeout)
 
     def _run(self) -> None:
+        is_cancelled.set(self._cancelled.is_set)  # a thread has a context of its own
         try:
             outcome = JobOutcome(self, value=self._work())
         except InputError as error:
@@ -126,6 +132,7 @@ class Jobs:
         cancelled = self.current
         if cancelled is not None and cancelled.can_be_cancelled:
             self.current = None
+            cancelled.cancel()
             self._message_sent(tr("{title}: cancelled.").format(title=cancelled.title))
             self._changed()
 
@@ -144,7 +151,9 @@ class Jobs:
     def close(self) -> None:
         """Stop waking the session's thread; wait for a pending write."""
         self._closed = True
-        if self.current is not None and not self.current.can_be_cancelled:
+        if self.current is not None and self.current.can_be_cancelled:
+            self.current.cancel()
+        elif self.current is not None:
             self.current.join(timeout=10.0)
 
     def _deliver(self, outcome: JobOutcome) -> None:

@@ -6,7 +6,9 @@ from types import MappingProxyType
 from typing import Any
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.mesh_findings import UNEVEN
 from apd_viewer.geometry.goals.target_values import check_fits_in_ball
+from apd_viewer.geometry.solver.methods import method_named
 from apd_viewer.geometry.solver.settings import SETTINGS
 from apd_viewer.language import comma_separated, tr
 from apd_viewer.session.gestures import DocumentEditor
@@ -36,6 +38,10 @@ class SettingsEditor(DocumentEditor):
         name, value = next(iter(settings.items()))
         switched_off = value is False and SETTINGS[name].off_gesture
         self._set(switched_off or SETTINGS[name].gesture, settings)
+        if "method" in settings and method_named(settings["method"]).needs_even_triangles:
+            found = self._store.required_state().inspection.findings
+            for finding in (each for each in found if each.kind == UNEVEN):
+                self._listener.message_sent(finding.sentence)
 
     @staticmethod
     def _volume_problem(state: State, wanted: Sequence[str], changes: Mapping[str, Any]) -> str:

@@ -61,7 +61,7 @@ def folder(tmp_path, monkeypatch, cases_run_here, undrawn_sweeps):
     """A folder with small inputs of all commands."""
     monkeypatch.chdir(tmp_path)
     remeshing = "apd_viewer.commands.remesh_command.even_triangles"  # by the library of an extra
-    monkeypatch.setattr(remeshing, lambda V, F, edge: (V, F, edge or 1.0))
+    monkeypatch.setattr(remeshing, lambda V, F, edge, _: (V, F, edge or 1.0))
     write_bar(tmp_path)
     V, F = sphere(1)
     save_mesh(Mesh(V, F), V, tmp_path / "ball.off")

@@ -19,7 +19,7 @@ import apd_viewer
 from apd_viewer.files import meshes
 from apd_viewer.files.formats.polygon_mesh import ParsedMesh
 
-def chatty(content, path):
+def chatty(content, path, *_):
     warnings.warn("a warning of a library")
     logging.getLogger("trimesh").warning("a message of trimesh")
     logging.getLogger("PIL.Image").error("a message of Pillow")

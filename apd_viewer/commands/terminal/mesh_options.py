@@ -35,12 +35,27 @@ def add_weld_option(parser: argparse.ArgumentParser) -> None:
     add_option(parser, "--weld", about)
 
 
-def open_input_mesh(path: str | Path, weld: bool = False, unit: str = "") -> Mesh:
+def add_division_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options to divide a CAD model, ``--chord`` and ``--edge``."""
+    about = tr("distance from the surface of a STEP or IGES model, mm; default: 1/2,000 of its diagonal")
+    add_option(parser, "--chord LENGTH", about, type=float)
+    about = tr("edge length of the even triangles of such a model, mm, or 0 for none; default: 1/60 of it")
+    add_option(parser, "--edge LENGTH", about, type=float)
+
+
+def open_input_mesh(
+    path: str | Path,
+    weld: bool = False,
+    unit: str = "",
+    chord: float | None = None,
+    edge: float | None = None,
+) -> Mesh:
     """Mesh from a file, with its seams welded on request; raises InputError.
 
-    Another ``unit`` than the file's counts, if it is given. The path ``-`` is the standard input.
+    Another ``unit`` than the file's counts, if it is given. The path ``-`` is the standard input. A CAD model
+    is divided by ``chord`` and ``edge``.
     """
-    mesh = _piped_mesh() if Path(path) == STANDARD_INPUT else open_mesh(path)
+    mesh = _piped_mesh() if Path(path) == STANDARD_INPUT else open_mesh(path, chord, edge)
     mesh = replace(mesh, unit=unit) if unit else mesh
     return mesh.welded() if weld else mesh
 

@@ -8,20 +8,21 @@ import logging
 import os
 import subprocess
 import sys
+import threading
 from importlib.util import find_spec
-from itertools import count
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.errors import InputError
-from apd_viewer.files.formats.ply import read_ply
-from apd_viewer.files.formats.polygon_mesh import ParsedMesh, PartsOrigin, linear_to_srgb
+from apd_viewer.errors import InputError, is_cancelled
+from apd_viewer.files.formats.ply import ply_content, read_ply
+from apd_viewer.files.formats.polygon_mesh import ParsedMesh, PartsOrigin, distinct_names, linear_to_srgb
 from apd_viewer.files.gltf.gltf_file import GltfFile
 from apd_viewer.files.gltf.gltf_reader import mesh_instances, read_gltf
 from apd_viewer.files.gltf.scene import mesh_primitives, world_matrices
 from apd_viewer.files.mesh_formats import CAD_FORMATS
-from apd_viewer.files.selections.selection import MOST_REGIONS, default_name
+from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import vertex_normals
@@ -34,8 +35,9 @@ CHORD_TOLERANCE = 1 / 2000  # largest distance from the surface, relative to the
 _DIVISION_SHARE = 0.25  # of it; the even triangles have the rest
 EDGE_LENGTH = 1 / 60  # of even triangles, relative to the diagonal
 TIME_LIMIT = 300.0  # seconds for a model
+_PAUSE = 0.1  # seconds until it is asked again whether the work was cancelled
+_MOST_TRIANGLES = 2_000_000
 _GREY = 200  # of parts without a colour, beside others that have one
-_LONGEST_NAME = 60  # characters of the name of a part
 # Run with -c instead of -m, which would import from the current folder. Output of the libraries goes to
 # standard error, never into the reply.
 START_SCRIPT = """
@@ -50,7 +52,25 @@ _FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # exists only on Windows
 _LAST_WORDS = 500  # characters of the output of a failed process in the log
 
 
-def read_cad(content: bytes, suffix: str) -> ParsedMesh:
+class CadDivision(NamedTuple):
+    """Lengths in mm by which a CAD model is divided; None is relative to its diagonal.
+
+    Attributes
+    ----------
+    chord : float or None
+        Largest distance from its surface; None is 1/2,000.
+    edge : float or None
+        Edge length of the even triangles; 0 leaves those of the library, None is 1/60.
+    """
+
+    chord: float | None = None
+    edge: float | None = None
+
+
+BY_DEFAULT = CadDivision()
+
+
+def read_cad(content: bytes, suffix: str, division: CadDivision = BY_DEFAULT) -> ParsedMesh:
     """Mesh in mm of a STEP or IGES file, with even triangles where mmgpy is installed.
 
     Parameters
@@ -67,18 +87,16 @@ def read_cad(content: bytes, suffix: str) -> ParsedMesh:
     """
     kind = CAD_FORMATS[suffix].name
     _check_installed("cascadio", tr("{kind} files").format(kind=kind))
-    found = _run_job(content, "divide", kind.lower(), str(_DIVISION_SHARE * CHORD_TOLERANCE))
+    relative, absolute = (CHORD_TOLERANCE, 0.0) if division.chord is None else (0.0, division.chord)
+    shares = (_DIVISION_SHARE * relative, _DIVISION_SHARE * absolute)
+    found = _run_job(content, "divide", kind.lower(), *map(str, shares))
     if found is None or not len(found["F"]):
         raise ValueError(tr("it is damaged, or has no surface"))
     size = mesh_size(found["V"], found["F"])
-    chord, edge = CHORD_TOLERANCE * size, EDGE_LENGTH * size
+    chord, edge = relative * size + absolute, EDGE_LENGTH * size if division.edge is None else division.edge
     arrays = found["V"], found["F"], found["style"]
-    even = (
-        _run_job(_packed(*arrays), "remesh", str(edge), str((1.0 - _DIVISION_SHARE) * chord))
-        if find_spec("mmgpy")
-        else None
-    )
-    if even is None or not len(even["F"]):
+    even = _even(*arrays, edge, (1.0 - _DIVISION_SHARE) * chord) if edge and find_spec("mmgpy") else None
+    if even is None:
         remark = tr(
             "The CAD model was divided within {chord:.3g} mm of its surface; its triangles may be needles."
         )
@@ -88,6 +106,26 @@ def read_cad(content: bytes, suffix: str) -> ParsedMesh:
         "about {edge:.3g} mm."
     )
     return _with_parts(even["V"], even["F"], even["style"], found, remark.format(chord=chord, edge=edge))
+
+
+def _even(
+    V: np.ndarray, F: np.ndarray, style: np.ndarray, edge: float, chord: float
+) -> dict[str, np.ndarray] | None:
+    """Arrays of even triangles; None if the surface cannot be divided into them."""
+    area = 0.5 * float(np.linalg.norm(_twice_areas(V, F), axis=1).sum())
+    least = (area / _MOST_TRIANGLES) ** 0.5
+    if edge < least:
+        raise InputError(tr("Enter an edge length of at least {least:.2g}.").format(least=least))
+    packed = io.BytesIO()
+    np.savez(packed, V=V, F=F, style=style)
+    found = _run_job(packed.getvalue(), "remesh", str(edge), str(chord))
+    return found if found is not None and len(found["F"]) else None
+
+
+def _twice_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Vectors (m, 3) across the triangles, as long as twice their areas."""
+    across: np.ndarray = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
+    return across
 
 
 def _with_parts(
@@ -102,16 +140,15 @@ def _with_parts(
     shown = None
     if (colors >= 0).any():
         shown = np.where(colors < 0, _GREY, colors).astype(np.uint8)[of_vertex]
-    origin = read_ply(_ply_content(V, F, shown)).origin
+    origin = read_ply(ply_content(V, F, shown)).origin
     assert origin is not None
     if len(names) < 2:
         return ParsedMesh(V, F, origin, (remark,), "mm")
-    across = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
-    areas = np.bincount(part[style], np.linalg.norm(across, axis=1), len(names))
+    areas = np.bincount(part[style], np.linalg.norm(_twice_areas(V, F), axis=1), len(names))
     largest = np.sort(np.argsort(-areas, kind="stable")[:MOST_REGIONS])
     number = np.zeros(len(names), dtype=np.uint8)
     number[largest] = np.arange(1, len(largest) + 1)
-    regions = _distinct([names[k] for k in largest])
+    regions = distinct_names([names[k] for k in largest])
     said = tr("Its {n:,} parts are regions: {names}.")
     if len(names) > MOST_REGIONS:
         said = tr("Of its {n:,} parts the largest are regions: {names}.")
@@ -119,33 +156,8 @@ def _with_parts(
     return ParsedMesh(V, F, PartsOrigin(origin, tuple(regions), number[part[of_vertex]]), remarks, "mm")
 
 
-def _distinct(names: list[str]) -> list[str]:
-    """Names without unprintable characters, and numbered where they recur."""
-    found: list[str] = []
-    for name in names:
-        own = "".join(filter(str.isprintable, name)).strip()[:_LONGEST_NAME] or tr("Part")
-        numbered = (own if k == 1 else default_name(own, k) for k in count(1))
-        found.append(next(each for each in numbered if each not in found))
-    return found
-
-
-def _ply_content(V: np.ndarray, F: np.ndarray, colors: np.ndarray | None) -> bytes:
-    """Binary PLY file of a mesh, with colours (n, 3) if there are any."""
-    rows = np.zeros(len(V), dtype=[("at", "<f8", 3), *([] if colors is None else [("color", "u1", 3)])])
-    rows["at"] = V
-    of_vertex = [f"property double {axis}" for axis in "xyz"]
-    if colors is not None:
-        rows["color"] = colors
-        of_vertex += [f"property uchar {name}" for name in ("red", "green", "blue")]
-    faces = np.zeros(len(F), dtype=[("count", "u1"), ("corners", "<i4", 3)])
-    faces["count"], faces["corners"] = 3, F
-    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(V)}", *of_vertex]
-    head += [f"element face {len(F)}", "property list uchar int vertex_indices", "end_header", ""]
-    return "\n".join(head).encode() + rows.tobytes() + faces.tobytes()
-
-
 def even_triangles(
-    V: np.ndarray, F: np.ndarray, edge: float | None = None
+    V: np.ndarray, F: np.ndarray, edge: float | None = None, chord: float | None = None
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Another mesh of the same surface with even triangles, and its edge length.
 
@@ -153,6 +165,8 @@ def even_triangles(
     ----------
     edge : float or None
         Edge length, mesh units; None is 1/60 of the diagonal.
+    chord : float or None
+        Largest distance from the surface, mesh units; None is 1/2,000 of the diagonal.
 
     Raises
     ------
@@ -162,9 +176,8 @@ def even_triangles(
     check_remeshing()
     size = mesh_size(V, F)
     edge = edge or EDGE_LENGTH * size
-    style = np.zeros(len(F), dtype=np.int64)
-    found = _run_job(_packed(V, F, style), "remesh", str(edge), str(CHORD_TOLERANCE * size))
-    if found is None or not len(found["F"]):
+    found = _even(V, F, np.zeros(len(F), dtype=np.int64), edge, chord or CHORD_TOLERANCE * size)
+    if found is None:
         raise InputError(
             tr("The surface cannot be divided into even triangles; check it with apd-viewer info.")
         )
@@ -181,30 +194,38 @@ def _check_installed(library: str, what: str) -> None:
         raise missing_extra(what, "cad")
 
 
-def _packed(V: np.ndarray, F: np.ndarray, style: np.ndarray) -> bytes:
-    packed = io.BytesIO()
-    np.savez(packed, V=V, F=F, style=style)
-    return packed.getvalue()
-
-
 def _run_job(content: bytes, *arguments: str) -> dict[str, np.ndarray] | None:
     """Arrays that a child process computes; None if it fails."""
     command = [sys.executable, "-c", START_SCRIPT, str(len(arguments)), *arguments, *sys.path]
+    pipe, cancelled, done = subprocess.PIPE, is_cancelled.get(), threading.Event()
+    process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, creationflags=_FLAGS)
+
+    def watch() -> None:
+        while not done.wait(_PAUSE):
+            if cancelled():
+                process.kill()
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
     try:
-        done = subprocess.run(
-            command, input=content, capture_output=True, timeout=TIME_LIMIT, creationflags=_FLAGS, check=False
-        )
+        output, words = process.communicate(content, timeout=TIME_LIMIT)
     except subprocess.TimeoutExpired:
         raise InputError(
             tr("The surface takes longer than {n:g} minutes to divide; use a simpler one.").format(
                 n=TIME_LIMIT / 60
             )
         ) from None
-    if done.returncode:
-        words = done.stderr.decode(errors="replace")[-_LAST_WORDS:]
-        _log.info("The CAD process ended with exit code %s: %s", done.returncode, words)
+    finally:
+        done.set()
+        watcher.join()
+        process.kill()
+        with process:  # closes its pipes
+            pass
+    if process.returncode:
+        said = words.decode(errors="replace")[-_LAST_WORDS:]
+        _log.info("The CAD process ended with exit code %s: %s", process.returncode, said)
         return None
-    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
+    with np.load(io.BytesIO(output), allow_pickle=False) as arrays:
         return dict(arrays)
 
 
@@ -220,7 +241,7 @@ def run_child(replies: int, job: str, *arguments: str) -> None:
     """Run a job on the standard input, and write its arrays to ``replies``."""
     content = sys.stdin.buffer.read()
     if job == "divide":
-        arrays = _divided(content, arguments[0], float(arguments[1]))
+        arrays = _divided(content, arguments[0], *map(float, arguments[1:]))
     else:
         with np.load(io.BytesIO(content), allow_pickle=False) as given:
             arrays = _remeshed(given["V"], given["F"], given["style"], *map(float, arguments))
@@ -230,7 +251,7 @@ def run_child(replies: int, job: str, *arguments: str) -> None:
         stream.write(packed.getvalue())
 
 
-def _divided(content: bytes, kind: str, tolerance: float) -> dict[str, np.ndarray]:
+def _divided(content: bytes, kind: str, relative: float, absolute: float) -> dict[str, np.ndarray]:
     """Triangles of a CAD model in mm, each part welded by position.
 
     Each has a style: a part, and a colour of 0 to 255 in sRGB, or of -1 without one. The parts have names.
@@ -239,8 +260,8 @@ def _divided(content: bytes, kind: str, tolerance: float) -> dict[str, np.ndarra
     ----------
     kind : str
         Name of the format: step or iges.
-    tolerance : float
-        Chord tolerance relative to the diagonal.
+    relative, absolute : float
+        Chord tolerance: its parts relative to the diagonal and in mm.
     """
     # Imported here, in the child process: the extra may be missing, and a native library may crash.
     import cascadio
@@ -254,7 +275,7 @@ def _divided(content: bytes, kind: str, tolerance: float) -> dict[str, np.ndarra
         return _MILLIMETRES[kind] * V, F, origin
 
     V, F, _ = scene_of(_NO_LIMIT)
-    V, F, file = scene_of(tolerance * diagonal(V[np.unique(F)]))
+    V, F, file = scene_of(relative * diagonal(V[np.unique(F)]) + absolute)
     names, part, colors = _styles(file)
     style = np.repeat(np.arange(len(part)), [piece.triangle_count for piece in file.primitives])
     each = [_welded(V, F[own], style[own]) for own in (part[style] == k for k in range(len(names)))]

@@ -196,3 +196,18 @@ def _read(file: PlyFile, start: int) -> ParsedMesh:
         origin,
         polygon_mesh.trailing_bytes_remark(len(rest)),
     )
+
+
+def ply_content(V: np.ndarray, F: np.ndarray, colors: np.ndarray | None) -> bytes:
+    """Binary PLY file of a mesh, with colours (n, 3) if there are any."""
+    rows = np.zeros(len(V), dtype=[("at", "<f8", 3), *([] if colors is None else [("color", "u1", 3)])])
+    rows["at"] = V
+    of_vertex = [f"property double {axis}" for axis in "xyz"]
+    if colors is not None:
+        rows["color"] = colors
+        of_vertex += [f"property uchar {name}" for name in ("red", "green", "blue")]
+    faces = np.zeros(len(F), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, F
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(V)}", *of_vertex]
+    head += [f"element face {len(F)}", "property list uchar int vertex_indices", "end_header", ""]
+    return "\n".join(head).encode() + rows.tobytes() + faces.tobytes()

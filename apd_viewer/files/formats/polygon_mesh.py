@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, count
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +14,7 @@ from apd_viewer.geometry.mesh.mesh import DerivedOrigin, Mesh, Origin
 from apd_viewer.geometry.mesh.normals import rotated_normals
 from apd_viewer.language import tr, trn
 
+_LONGEST_NAME = 60  # characters of the name of a part
 _LONGEST = 1e30  # longest accepted normal; the square of a longer one overflows
 
 
@@ -62,6 +63,16 @@ class PartsOrigin(DerivedOrigin):
 
     names: tuple[str, ...]
     member: np.ndarray
+
+
+def distinct_names(names: list[str]) -> list[str]:
+    """Names without unprintable characters, and numbered where they recur."""
+    found: list[str] = []
+    for name in names:
+        own = "".join(filter(str.isprintable, name)).strip()[:_LONGEST_NAME] or tr("Part")
+        numbered = (own if k == 1 else f"{own} {k}" for k in count(1))
+        found.append(next(each for each in numbered if each not in found))
+    return found
 
 
 def trailing_bytes_remark(size: int) -> tuple[str, ...]:

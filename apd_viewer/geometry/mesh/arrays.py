@@ -244,7 +244,8 @@ _KINDS = {
     **dict.fromkeys(("thickness", "yield_radius", "radius", "size"), _LENGTH),
     "wall_thickness": _Kind(lambda given: np.ndim(given) == 1 or _LENGTH.holds(given), _LENGTH.sentence),  # type: ignore[arg-type]
     **dict.fromkeys(("iterations", "steps", "buckling_modes.count"), _COUNT),
-    **dict.fromkeys(("dented_shape.depth", "dented_shape.length"), _LENGTH),
+    **dict.fromkeys(("dented_shape.depth", "dented_shape.length", "open_mesh.chord"), _LENGTH),
+    "open_mesh.edge": _number_kind(0.0, _LARGEST),
     "dented_shape.seed": _Kind(
         lambda given: is_whole_number(given) and given >= 0,  # type: ignore[operator]
         tr("{name} must be a whole number of at least 0."),

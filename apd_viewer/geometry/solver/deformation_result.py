@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.mesh_findings import uneven_sentence
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.energy.cell_bending import cell_stiffness, load_excess
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Region, RegionReading
 from apd_viewer.geometry.mesh.arrays import checked, checked_floats
+from apd_viewer.geometry.mesh.operators import aspect_ratios, face_areas
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_turn import HeldTurn, pass_through_warnings
@@ -263,7 +265,16 @@ def deform(
         solver, walk, started, iterations, told, _held_turns_function(solver, handle, path)
     )
     passing = no_contact_warning(*size, tr("--contact or contact=True")) if by_default else ""
-    return replace(result, warnings=(*result.warnings, passing)) if passing else result
+    uneven = _uneven_warning(method, solver.rest)
+    more = tuple(sentence for sentence in (passing, uneven) if sentence)
+    return replace(result, warnings=(*result.warnings, *more)) if more else result
+
+
+def _uneven_warning(method: str, rest: RestMesh) -> str:
+    if not method_named(method).needs_even_triangles:
+        return ""
+    areas = face_areas(rest.V, rest.F)
+    return uneven_sentence(aspect_ratios(rest.V, rest.F, areas), areas)
 
 
 def _stops(path: np.ndarray, shifts: np.ndarray | None) -> Iterator[PathStop]:

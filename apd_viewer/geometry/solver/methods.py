@@ -84,6 +84,11 @@ class Method:
         return f"{self.keeps_sentence} {self.gives_up_sentence}"
 
     @property
+    def needs_even_triangles(self) -> bool:
+        """Triangles resist by themselves, and thin ones are too stiff."""
+        return self.has_moduli or self.is_wall
+
+    @property
     def obstacle_problem(self) -> str:
         """Sentence saying that obstacles push nothing; empty if contact can be used."""
         if self.may_use_contact:

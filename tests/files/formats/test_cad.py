@@ -1,6 +1,8 @@
 """CAD models: divided in a process of their own, in mm, closed, with even triangles."""
 
 import json
+import os
+import time
 from itertools import pairwise
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from apd_viewer.files.meshes import open_mesh, read_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session_file, save_session
@@ -57,6 +60,38 @@ def test_read_cad_outlives_a_process_that_crashes(tmp_path, monkeypatch, install
     (tmp_path / "a.step").write_bytes(SOLIDS["box.step"][0])
     with pytest.raises(InputError, match=r"a\.step is not a valid STEP file \(it is damaged"):
         open_mesh(tmp_path / "a.step")
+
+
+def test_read_cad_ends_its_process_when_it_is_cancelled(tmp_path, monkeypatch, installed):
+    """As soon as it is asked, and not after the minute that the process would take."""
+    script = f"import os, pathlib, time; pathlib.Path({str(tmp_path / 'pid')!r}).write_text(str(os.getpid()))"
+    monkeypatch.setattr(cad, "START_SCRIPT", f"{script}; time.sleep(60)")
+    (tmp_path / "a.step").write_bytes(STEP)
+    failed, told = [], []
+    jobs = Jobs(lambda: None, failed.append, told.append, lambda: None)
+    jobs.run("Opening a.step", lambda: open_mesh(tmp_path / "a.step"), failed.append)
+    job = jobs.current
+    until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
+    jobs.cancel()
+    job.join(20)
+    assert not is_running(int((tmp_path / "pid").read_text()))
+    jobs.receive_outcomes()
+    assert (failed, told) == ([], ["Opening a.step: cancelled."])
+
+
+def until(happened):
+    end = time.monotonic() + 20
+    while not happened():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def is_running(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def test_read_cad_waits_no_longer_than_its_limit(tmp_path, monkeypatch, installed):
@@ -199,6 +234,40 @@ def test_even_triangles_replace_needles():
     assert lengths.mean() == pytest.approx(3.0, rel=0.25)
 
 
+def test_open_mesh_divides_only_cad_models(tmp_path):
+    (tmp_path / "box.obj").write_text(obj(CUBE, QUADS))
+    for given in ({"chord": 0.1}, {"edge": 0}):
+        with pytest.raises(InputError, match="has triangles already"):
+            open_mesh(tmp_path / "box.obj", **given)
+    for given in ({"chord": 0}, {"chord": float("nan")}, {"edge": -1}, {"edge": "2"}):
+        with pytest.raises(InputError, match="must be a"):
+            open_mesh(tmp_path / "box.step", **given)
+
+
+@pytest.mark.extra
+def test_open_mesh_divides_a_cad_model_by_the_lengths_given(tmp_path, capsys):
+    (tmp_path / "a.step").write_bytes(STEP)
+
+    def off(mesh):
+        """Largest distance of the middles of the edges from the cylinder, inside of it."""
+        middles = 0.5 * (mesh.V[mesh.F] + mesh.V[np.roll(mesh.F, 1, axis=1)])
+        r = np.hypot(middles[..., 0], middles[..., 1])
+        around = (middles[..., 2] > 0.1) & (middles[..., 2] < 39.9)
+        return (15 - r[around]).max()
+
+    coarse, fine = (open_mesh(tmp_path / "a.step", chord=chord, edge=0) for chord in (0.8, 0.04))
+    assert off(fine) <= 0.04 < off(coarse) <= 0.8
+    assert worst_aspect(fine.V, fine.F) > 10, "no even triangles"
+    even = open_mesh(tmp_path / "a.step", chord=0.4, edge=2)
+    lengths = np.linalg.norm(even.V[even.F] - even.V[np.roll(even.F, 1, axis=1)], axis=2)
+    assert lengths.mean() == pytest.approx(2, rel=0.3)
+    assert off(even) <= 0.4
+    assert main(["info", str(tmp_path / "a.step"), "--chord", "0.4", "--edge", "2"]) == 0
+    assert f"{len(even.V):,} vertices" in capsys.readouterr().out
+    with pytest.raises(InputError, match="edge length of at least"):
+        open_mesh(tmp_path / "a.step", edge=1e-6)
+
+
 @pytest.mark.extra
 def test_remesh_command_writes_even_triangles(tmp_path, capsys):
     (tmp_path / "a.step").write_bytes(STEP)
@@ -218,6 +287,7 @@ def test_remesh_command_says_no_in_one_line(tmp_path, capsys, monkeypatch):
     for words, sentence in (
         (["-o", "out.step"], "is only read"),
         (["--edge", "0", "-o", "out.ply"], "above 0"),
+        (["--chord", "nan", "-o", "out.ply"], "above 0"),
         (["-o", "out.ply"], 'pip install "apd-viewer[cad]"'),
     ):
         assert main(["remesh", str(box), *words[:-1], str(tmp_path / words[-1])]) == 2

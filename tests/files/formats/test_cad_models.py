@@ -108,12 +108,14 @@ def ridge_edges(mesh):
 def test_read_cad_opens_models_soon(name):
     """In three seconds for 25,000 triangles, where the libraries are loaded in one and a half."""
     load = "import cascadio, mmgpy, apd_viewer.files.formats.cad"
-    began = time.perf_counter()
-    subprocess.run([sys.executable, "-c", load], check=True)
-    loaded = time.perf_counter()
-    mesh = open_mesh(MODELS / f"{name}.step")
-    passed = time.perf_counter() - loaded
-    assert passed <= 2.0 * (loaded - began) * max(1.0, len(mesh.F) / 25_000)
+    ratios = []
+    for _ in range(3):  # the machine may be busy with something else
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", load], check=True)
+        loaded = time.perf_counter()
+        mesh = open_mesh(MODELS / f"{name}.step")
+        ratios.append((time.perf_counter() - loaded) / (loaded - began))
+    assert min(ratios) <= 2.0 * max(1.0, len(mesh.F) / 25_000)
 
 
 def bent(mesh):
