@@ -245,7 +245,7 @@ _KINDS = {
     "wall_thickness": _Kind(lambda given: np.ndim(given) == 1 or _LENGTH.holds(given), _LENGTH.sentence),  # type: ignore[arg-type]
     **dict.fromkeys(("iterations", "steps", "buckling_modes.count"), _COUNT),
     **dict.fromkeys(("dented_shape.depth", "dented_shape.length", "open_mesh.chord"), _LENGTH),
-    "open_mesh.edge": _number_kind(0.0, _LARGEST),
+    "open_mesh.edge": _number_kind(0.0, LARGEST_COORDINATE),
     "dented_shape.seed": _Kind(
         lambda given: is_whole_number(given) and given >= 0,  # type: ignore[operator]
         tr("{name} must be a whole number of at least 0."),
