@@ -22,6 +22,8 @@ from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QApplication
 from stage import Stage
 
+from apd_viewer.ui.application import HARMLESS_MESSAGE
+
 ROOT = Path(__file__).parents[1]
 IMAGE = re.compile(r"!\[([^\]]*)\]\(([^)\s]+)\)")
 MOST = 12_000_000  # bytes of all pictures: the site is to be carried along
@@ -125,6 +127,7 @@ def by_day(names):
     return [pytest.param(name, marks=() if name in DAILY else pytest.mark.night) for name in names]
 
 
+@pytest.mark.qt_log_ignore(HARMLESS_MESSAGE)
 @pytest.mark.parametrize("name", by_day([*SCRIPTED, *(f"gallery_{name}" for name in OF_THE_GALLERY)]))
 def test_pictures_of_the_manual_have_scripts_that_run(name, staged):
     drawn = drawer(name)(staged())
