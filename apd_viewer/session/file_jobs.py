@@ -28,7 +28,6 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model import status_text
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import selection_of, with_selection
-from apd_viewer.session.model.handles_and_regions import PartFlags
 from apd_viewer.session.model.opened_file import OpenedFile
 from apd_viewer.session.model.state import State, initial_state, rest_frame
 from apd_viewer.session.model.timeline import Timeline, timeline_of_shapes
@@ -354,15 +353,12 @@ def _wall_results(timeline: Timeline) -> list[State]:
 
 
 def _opened_mesh(path: Path) -> OpenedFile:
-    """Mesh of a file, whose parts are regions, hidden where the file has colours."""
+    """Mesh of a file, whose parts are regions."""
     state = initial_state(mesh := open_mesh(path))
     if not isinstance(mesh.origin, PartsOrigin):
         return OpenedFile(state)
-    document, flags = state.document, PartFlags(hidden=mesh.colors is not None)
-    selection = Selection.with_default_names(document.labels, mesh.origin.member, (), mesh.origin.names)
-    document = with_selection(document, selection)
-    regions = tuple(replace(region, flags=flags) for region in document.regions)
-    return OpenedFile(state.updated(replace(document, regions=regions)))
+    selection = Selection.with_default_names(state.document.labels, mesh.origin.member, (), mesh.origin.names)
+    return OpenedFile(state.updated(with_selection(state.document, selection)))
 
 
 def _opened_animation(path: Path) -> OpenedFile:
