@@ -355,15 +355,12 @@ def _wall_results(timeline: Timeline) -> list[State]:
 
 
 def _opened_mesh(path: Path) -> OpenedFile:
-    """Mesh of a file, whose parts are regions, hidden where the file has colours."""
+    """Mesh of a file, whose parts are regions."""
     state = initial_state(mesh := open_mesh(path))
     if not isinstance(mesh.origin, PartsOrigin):
         return OpenedFile(state)
-    document, flags = state.document, PartFlags(hidden=mesh.colors is not None)
-    selection = Selection.with_default_names(document.labels, mesh.origin.member, (), mesh.origin.names)
-    document = with_selection(document, selection)
-    regions = tuple(replace(region, flags=flags) for region in document.regions)
-    return OpenedFile(state.updated(replace(document, regions=regions)))
+    selection = Selection.with_default_names(state.document.labels, mesh.origin.member, (), mesh.origin.names)
+    return OpenedFile(state.updated(with_selection(state.document, selection)))
 
 
 def _opened_animation(path: Path) -> OpenedFile:

@@ -1,4 +1,4 @@
-"""Assemblies from CAD: their parts are regions, in their colours, and stay so in sessions."""
+"""Assemblies from CAD: their parts are regions, have colours, and stay so in sessions."""
 
 import numpy as np
 import pytest
@@ -37,15 +37,13 @@ def test_read_cad_names_regions_after_the_parts(empty, assembly):
     assert document.member.tolist() == [1, 1, 1, 2, 2, 2]
     assert empty.store.state.frame.regions == pytest.approx((8, 32))
     assert document.mesh.colors is None
-    assert not any(region.flags.hidden for region in document.regions)
     assert "Its 2 parts are regions: cup, lid." in document.mesh.remarks
     assert not empty.saved_work.is_unsaved
 
 
-def test_read_cad_shows_the_colours_of_the_file(empty, assembly):
+def test_read_cad_reads_the_colours_of_the_file(empty, assembly):
     document = opened(empty, assembly(["cup", "lid", "seal"], [BLUE, RED, [-1, -1, -1]]))
     assert document.mesh.colors[::3].tolist() == [BLUE, RED, [200, 200, 200]]
-    assert all(region.flags.hidden for region in document.regions), "paint would cover the colours"
 
 
 def test_read_cad_keeps_parts_and_colours_in_sessions(empty, assembly, tmp_path):
