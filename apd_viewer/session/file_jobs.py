@@ -28,7 +28,6 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model import status_text
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import selection_of, with_selection
-from apd_viewer.session.model.handles_and_regions import PartFlags
 from apd_viewer.session.model.state import State, initial_state, rest_frame
 from apd_viewer.session.model.timeline import OpenedFile, Timeline, timeline_of_shapes
 from apd_viewer.session.model.up_axis import UpAxis
