@@ -35,6 +35,8 @@ class LiveDeformation:
         True if the last shape is that of the handles as they are now.
     warnings : list of str
         Of the mesh, once it is open.
+    motion : int
+        Number of the last motion that was sent, as in the readings of its shapes.
 
     Raises
     ------
@@ -70,7 +72,7 @@ class LiveDeformation:
         self._before = self._matrices()
         had_key = obj.data.shape_keys is not None and object_arrays.KEY in obj.data.shape_keys.key_blocks
         self._kept = self._key_positions(obj) if had_key else None
-        self._sent, self._motion, self._is_asked, self.is_settled = None, 0, False, False
+        self._sent, self.motion, self._is_asked, self.is_settled = None, 0, False, False
         self.readings, self.warnings = {}, []
         self.status, self._is_open = "Opening", False
         F = object_arrays.triangles(obj.data)
@@ -93,7 +95,7 @@ class LiveDeformation:
                 self._is_open, self.warnings = True, head["warnings"]
             elif head["op"] == "frame":
                 self._is_asked, frame = False, answer
-                self.is_settled = head["finished"] and head["motion"] == self._motion
+                self.is_settled = head["finished"] and head["motion"] == self.motion
         if self._is_open:
             self._send_targets()
             # Before the shape is drawn, so that the solver works meanwhile.
@@ -114,7 +116,7 @@ class LiveDeformation:
             if not self._is_asked:
                 self._solver.send("frame")
             self._is_asked, frame = False, self._solver.wait_for("frame", self._first)
-            self.is_settled = frame.head["finished"] and frame.head["motion"] == self._motion
+            self.is_settled = frame.head["finished"] and frame.head["motion"] == self.motion
             self._show(frame)
 
     def shown_positions(self):
@@ -162,7 +164,7 @@ class LiveDeformation:
             places.append(
                 (self._places[ids] + self._origin) @ motion[:3, :3].T + motion[:3, 3] - self._origin
             )
-        self._motion = self._solver.send("move", {"targets": np.concatenate(places)})
+        self.motion = self._solver.send("move", {"targets": np.concatenate(places)})
         self._sent, self.is_settled = now, False
 
     def _show(self, answer):
