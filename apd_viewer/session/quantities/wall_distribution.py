@@ -40,7 +40,7 @@ _ROWS = {"vertex": "vertex", "index": "vertex", "triangle": "triangle"}
 _UNIT = r"(?:[\s_]*[\[(]?({})[\])]?)?"
 _COLUMN = re.compile(rf"(yield[\s_]radius|(?!young)[a-z]+?){_UNIT.format('|'.join(SYMBOLS))}", re.IGNORECASE)
 _MODULUS = re.compile(rf"(young){_UNIT.format('|'.join(MODULI))}", re.IGNORECASE)
-_COLORED = re.compile(r"(.+):([^:]+\.\.[^:]+)")  # a file, and the thickness of black and white
+_COLORED = re.compile(r"(.+):([^:/\\]+\.\.[^:/\\]+)")  # a file, and the thickness of black and white
 _GREY = 2 / 255  # largest difference of the parts of a grey colour
 _FARTHEST = 0.05  # of the diagonal: distance of a measured point from the nearest vertex
 

@@ -18,6 +18,7 @@ from apd_viewer.session.quantities.units import NoUnitError, Unit
 from apd_viewer.session.quantities.wall import WallText, parse_thickness, parse_wall, with_part_thickness
 from apd_viewer.session.quantities.wall_distribution import (
     ColorScaleError,
+    distribution_file,
     read_distribution,
     thickness_text,
     write_distribution,
@@ -347,3 +348,19 @@ def test_thickness_text_leaves_a_length_as_typed():
     assert thickness_text("0.3mm", MESH, Unit.NONE) == "0.3mm"
     with pytest.raises(InputError, match=r"There is no file .*walls\.csv"):
         thickness_text("walls.csv", MESH, Unit.NONE)
+
+
+@pytest.mark.parametrize(
+    ("typed", "scale"),
+    [
+        ("walls.csv", ""),
+        (r"C:\parts\..\walls.csv", ""),
+        ("C:/parts/../walls.csv", ""),
+        ("a:b/../walls.csv", ""),
+    ]
+    + [("part.glb:0.2mm..0.8mm", "0.2mm..0.8mm"), (r"C:\parts\part.glb:1..2", "1..2")],
+)
+def test_distribution_file_is_told_from_the_scale_of_its_colours(typed, scale):
+    path, found = distribution_file(typed)
+    assert found == scale
+    assert str(path) == typed.removesuffix(f":{scale}")
